@@ -19,7 +19,7 @@ if not __package__:  # run as a script: its checkout holds the package `benchmar
 def main(arguments: list[str] | None = None) -> None:
     """Do what the command line asks for."""
     from benchmarks.pages import write_pages
-    from benchmarks.published import recording
+    from benchmarks.published import recording, shrink_pictures
     from benchmarks.topic import RESULTS
     from benchmarks.topics import TOPICS
 
@@ -46,6 +46,7 @@ def main(arguments: list[str] | None = None) -> None:
         print(f"--- {name}: {topic.shows}", flush=True)
         with recording(asked.out, name, topic.folder):
             topic.run(folder, **(topic.toy if asked.toy else {}))
+            shrink_pictures(folder)
         if asked.out.resolve() != RESULTS:
             print(*(table(folder) for table in topic.tables.values()), sep="\n\n")
     if asked.out.resolve() == RESULTS:

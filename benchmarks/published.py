@@ -6,12 +6,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from PIL import Image
+
 from benchmarks.topic import markdown
-from rps_exudyn.base.files import write_json
+from rps_exudyn.base.files import replacing, write_json
 from rps_exudyn.results.provenance import provenance
 
 FILE = "published.json"
 """In the results' folder: path of a published file -> its origin."""
+
+COLOURS_OF_A_PICTURE = 256
 
 Stamps = dict[str, tuple[int, int]]
 
@@ -40,6 +44,19 @@ def recording(results: Path, name: str, folder: str) -> Iterator[None]:
         write_json(results / FILE, dict(sorted(entries.items())))
 
 
+def shrink_pictures(folder: Path) -> None:
+    """Write the folder's PNG pictures with a palette, which takes a third of the bytes; others stay."""
+    for file in sorted(folder.rglob("*.png")):
+        with Image.open(file) as picture:
+            if picture.mode == "P":
+                continue
+            pixels = Image.new("RGBA", picture.size, "white")
+            pixels.alpha_composite(picture.convert("RGBA"))
+        reduced = pixels.convert("RGB").quantize(COLOURS_OF_A_PICTURE, dither=Image.Dither.NONE)
+        with replacing(file) as partial:
+            reduced.save(partial, "PNG", optimize=True)
+
+
 def origins(results: Path) -> dict[str, dict[str, object]]:
     """Path below the results' folder -> origin of every published file."""
     file = results / FILE
@@ -47,22 +64,23 @@ def origins(results: Path) -> dict[str, dict[str, object]]:
 
 
 def origins_table(results: Path) -> str:
-    """One row a file; where CPU time was not counted yet, none is given."""
-    rows = []
-    for file, entry in origins(results).items():
+    """One row a commit, the newest last: the topics that were run from it, with their CPU time."""
+    runs: dict[tuple[str, str], dict[str, float | None]] = {}
+    for entry in origins(results).values():
+        commit, _, dirty = str(entry["commit"]).partition("-")
+        made = str(entry["date"])[:10], f"`{commit[:7]}`{' with edits' if dirty else ''}"
         seconds = entry.get("cpu_time")
-        commit, dirty = str(entry["commit"])[:10], str(entry["commit"]).endswith("-dirty")
-        rows.append(
-            [
-                f"[{file}]({file})",
-                f"`{entry['command']}`",
-                f"`{commit}`{' with edits' if dirty else ''}",
-                str(entry["date"])[:10],
-                entry["machine"],
-                "" if seconds is None else f"{seconds:g}",
-            ]
+        topic = str(entry["command"]).rpartition(" ")[2]
+        runs.setdefault(made, {})[topic] = float(str(seconds)) if seconds is not None else None
+    rows = [
+        (
+            date,
+            commit,
+            ", ".join(f"{topic} ({s:.0f} s)" if s else topic for topic, s in sorted(topics.items())),
         )
-    return markdown(["file", "command", "commit", "date", "machine", "CPU time s"], rows)
+        for (date, commit), topics in sorted(runs.items())
+    ]
+    return markdown(["date", "commit", "topics (CPU time)"], rows)
 
 
 def _stamps(folder: Path) -> Stamps:

@@ -4,7 +4,6 @@ from collections import Counter
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.assessment.validation.compared_rows import compare_rows
@@ -15,6 +14,7 @@ from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
 
 DATA = "validation.json"
+ERROR = "size of E / u_val"
 
 
 def run(folder: Path, only: Sequence[str] = ()) -> None:
@@ -27,33 +27,26 @@ def run(folder: Path, only: Sequence[str] = ()) -> None:
 
 
 def rows_table(kind: str, folder: Path) -> str:
-    """The rows of one kind."""
-    rows = [row for row in load_data(folder / DATA)["rows"] if row["kind"] == kind]
-    return markdown(COLUMNS, [[cell.replace("|", "/") for cell in row["cells"]] for row in rows])
-
-
-def notes_table(folder: Path) -> str:
-    """What must be known to read rows that are not comparable, disagree or have a note of their own."""
-    return markdown(("row", "verdict", "source", "note"), [_note(row) for row in _noted(folder)])
-
-
-def _noted(folder: Path) -> list[dict[str, Any]]:
-    return [row for row in load_data(folder / DATA)["rows"] if row["note"] or row["message"]]
-
-
-def _note(row: dict[str, Any]) -> list[str]:
-    text = " ".join(part for part in (row["note"], row["message"]) if part)
-    return [row["title"], row["verdict"], row["source"], text.replace("|", "/")]
+    """The rows of one kind by their verdicts, each with its error over the standard uncertainty."""
+    by_verdict: dict[str, list[str]] = {}
+    for row in load_data(folder / DATA)["rows"]:
+        if row["kind"] == kind:
+            shown = dict(zip(COLUMNS, row["cells"], strict=True))
+            size = f" ({shown[ERROR]})" if shown[ERROR] else ""
+            by_verdict.setdefault(shown["verdict"], []).append(shown["row"].replace("|", "/") + size)
+    return markdown(
+        ("verdict", "rows (size of E / u_val)"), [(v, "; ".join(x)) for v, x in by_verdict.items()]
+    )
 
 
 def pedigree_table(folder: Path) -> str:
     """Distributions of the inputs with their sources, from the declarations."""
     series = {each.path: each for each in SETS["series"]}
     rows = [
-        [f"`{each.path}`", _written(each), _written(series[each.path]), each.source, series[each.path].source]
+        [f"`{each.path}`", _written(each), _written(series[each.path]), each.source]
         for each in SETS["unknown"]
     ]
-    return markdown(("parameter", "unknown", "series", "source of unknown", "source of series"), rows)
+    return markdown(("parameter", "unknown", "series", "source of unknown"), rows)
 
 
 def _written(each: Input) -> str:
@@ -82,7 +75,6 @@ TOPIC = Topic(
     },
     {f"validation_{kind}": partial(rows_table, kind) for kind in KINDS}
     | {
-        "validation_notes": notes_table,
         "validation_pedigree": pedigree_table,
         "validation_sources": sources_table,
     },

@@ -3,20 +3,26 @@
 import posixpath
 import re
 from collections.abc import Iterator
+from html import escape, unescape
+from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from mkdocs.structure.files import File, Files
+if TYPE_CHECKING:
+    from mkdocs.structure.files import Files
 
 ROOT = Path(__file__).parents[1]
 PAGES = ("CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff")
 LINK = re.compile(r"(!?\[[^\]]*\])\((?!https?:|#|mailto:)([^)\s#]+)(#[^)\s]*)?\)")
-COLUMNS = ("parameter", "value", "allowed", "meaning", "source")
+MARK = re.compile(r"<!-- generated: (\w+) -->")
+FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.+?)\\[)\]]</\1>', re.DOTALL)
 SUFFIXES = (".md", ".png", ".svg", ".webp", ".csv", ".json")
 
 
-def on_files(files: Files, config: Any) -> Files:
+def on_files(files: "Files", config: Any) -> "Files":
     """Add published numbers and the project's own pages to the site."""
+    from mkdocs.structure.files import File
+
     found = [ROOT / name for name in PAGES]
     found += [path for path in (ROOT / "results").rglob("*") if path.suffix in SUFFIXES]
     for path in found:
@@ -24,10 +30,14 @@ def on_files(files: Files, config: Any) -> Files:
     return files
 
 
-def on_page_markdown(markdown: str, page: Any, files: Files, **_: Any) -> str:
+def filled(markdown: str) -> str:
+    """Return the text of a page with its generated tables."""
+    return MARK.sub(lambda found: "\n".join(GENERATED[found[1]]()), markdown)
+
+
+def on_page_markdown(markdown: str, page: Any, files: "Files", **_: Any) -> str:
     """Fill in generated tables; lead links to where the files stand in the site."""
-    for name, rows in GENERATED.items():
-        markdown = markdown.replace(f"<!-- generated: {name} -->", "\n".join(rows()))
+    markdown = filled(markdown)
     uri = page.file.src_uri
     place = uri if uri.startswith(("results/", *PAGES)) else f"docs/{uri}"
     markdown = markdown.replace('--8<-- "README.md:3"', _readme()) if uri == "index.md" else markdown
@@ -42,6 +52,32 @@ def on_page_markdown(markdown: str, page: Any, files: Files, **_: Any) -> str:
         return f"{text}({posixpath.relpath(in_site, posixpath.dirname(uri) or '.')}{anchor})"
 
     return LINK.sub(led, markdown)
+
+
+def on_page_content(content: str, **_: Any) -> str:
+    """Set formulas as drawings: browsers show them without a script, a font or a request."""
+    return FORMULA.sub(lambda found: _formula(unescape(found[2]).strip(), found[1]), content)
+
+
+def _formula(text: str, tag: str) -> str:
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.mathtext import math_to_image
+
+    drawn, size = BytesIO(), 100  # points: sizes are whole numbers
+    text = text.replace(r"\frac", r"\dfrac") if tag == "div" else text
+    text = re.sub(
+        r"(?<=[\w}])\s+(?=\\(?:sin|cos|tan|max|min)\b)", r"\\,", text
+    )  # a thin space before a function
+    font = FontProperties(size=size, math_fontfamily="cm")
+    depth = math_to_image(f"${' '.join(text.split())}$", drawn, font, dpi=72, format="svg", color="#010101")
+    svg = drawn.getvalue().decode()
+    svg = re.sub(r"<metadata>.*?</metadata>|<style.*?</style>|<!--.*?-->", "", svg, flags=re.DOTALL)
+    svg = re.sub(r'<g id="patch_1">.*?</g>', "", svg, flags=re.DOTALL).replace("#010101", "currentColor")
+    width, height = re.findall(r'viewBox="0 0 (\d+) (\d+)"', svg)[0]
+    look = f"width:{int(width) / size}em;height:{int(height) / size}em;vertical-align:{-depth / size}em"
+    head = f'<svg class="formula" role="img" aria-label="{escape(text)}" viewBox="0 0 {width} {height}"'
+    body = re.sub(r"\s*\n\s*", " ", svg[svg.index(">", svg.index("<svg")) + 1 :]).strip()
+    return f'<{tag} class="formula-{tag}">{head} style="{look}">{body}</{tag}>'
 
 
 def _readme() -> str:
@@ -85,11 +121,22 @@ def _quantities() -> Iterator[str]:
             yield f"| `{name}` | {quantity.unit or '1'} | {quantity.long_name.replace('|', '/')} |{shown}"
 
 
+def _codes() -> Iterator[str]:
+    from rps_exudyn.results.outcome import Code
+
+    yield from ("| code | meaning |", "|---|---|", *(f"| `{code}` | {code.meaning} |" for code in Code))
+
+
 def _own_model() -> Iterator[str]:
     """The example without its beginning, as a block of code."""
     script = (ROOT / "studies" / "examples" / "own_exudyn_model.py").read_text(encoding="utf-8")
     yield from ("```python", script[script.index("gear = ") :].rstrip(), "```")
 
 
-GENERATED = {"parameters": _parameters, "quantities": _quantities, "own_exudyn_model": _own_model}
+GENERATED = {
+    "parameters": _parameters,
+    "quantities": _quantities,
+    "codes": _codes,
+    "own_exudyn_model": _own_model,
+}
 """Mark in a page -> lines that stand in its place."""

@@ -1,5 +1,6 @@
 """What stands in the pages for a reader to run, and fresh processes that run it."""
 
+import importlib.util
 import json
 import os
 import re
@@ -35,6 +36,16 @@ class Printed(NamedTuple):
     line: int  # of the page
     language: str  # "sh", or that of the block
     text: str
+
+
+def filled(markdown: str) -> str:
+    """Return the text of a page with the tables that the site generates; docs/ is no package."""
+    spec = importlib.util.spec_from_file_location("hooks", ROOT / "docs" / "hooks.py")
+    assert spec is not None
+    assert spec.loader is not None
+    hooks = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(hooks)
+    return str(hooks.filled(markdown))
 
 
 def printed_in(page: Path) -> list[Printed]:

@@ -252,13 +252,17 @@ def _write(measurement: Measurement, file: h5py.File) -> None:
     )
     reference = file.create_group("reference")
     curve = measurement.reference.curve
-    reference["time"], reference["values"] = curve.time, curve.values
+    packed: Any = {"compression": "gzip", "shuffle": True}
+    reference.create_dataset("time", data=curve.time, **packed)
+    reference.create_dataset("values", data=curve.values, dtype=np.float32, **packed)
     reference.attrs["uncertainty"] = measurement.reference.uncertainty
     reference.attrs["differences"] = json.dumps(measurement.reference.differences)
     points = file.create_group("points")
     for each in fields(Point):
         column = [getattr(point, each.name) for point in measurement.points]
         if each.type is str:
-            points.create_dataset(each.name, data=column, dtype=h5py.string_dtype())
+            letters = [text.encode() for text in column]
+            size = max(map(len, letters), default=0) or 1
+            points.create_dataset(each.name, data=letters, dtype=h5py.string_dtype(length=size), **packed)
         else:
             points[each.name] = np.array(column, dtype=int if each.type is int else float)

@@ -72,7 +72,8 @@ def fit(
 
     Args:
         files: measured files, FILE of a free turning or TEST=FILE, where TEST is free, reversal,
-            load-test@80kg, rack-push, yoke-out or bearing; several of one test are its repeats.
+            load-test@80kg, rack-push, rack-on-rollers, yoke-out or bearing; several of one test are its
+            repeats.
         single_law: leave out the fit by another contact law, whose difference is added to the intervals.
         out: gear file (.toml) with the estimates in place.
         plot: picture (.png, .svg, .pdf) of measured and fitted torque.

@@ -25,10 +25,11 @@ from rps_exudyn.cli.options import (
     SetupOptions,
     chosen_columns,
 )
-from rps_exudyn.cli.output import DONE, FAILED, Files, keep, naming, note, printing
+from rps_exudyn.cli.output import DONE, FAILED, QUIET_ALONE, Files, keep, naming, note, printing
 from rps_exudyn.scenes import SCENE_NAMES
 
 if TYPE_CHECKING:
+    from rps_exudyn.parameters.gear import SteeringGear
     from rps_exudyn.results.result import MeasuredTorque
 
 Scene = Annotated[str, Parameter(help=f"what the test rig does: {', '.join(SCENE_NAMES)}.")]
@@ -80,7 +81,7 @@ def run(
     """
     began = monotonic()
     if quiet and (every or json):
-        raise InputError("--quiet prints nothing but errors; leave out --all and --json.")
+        raise InputError(QUIET_ALONE)
     if no_plot and plot:
         raise InputError(f"--no-plot draws no picture; leave out --plot {plot}.")
     from rps_exudyn.cli.printed import put_accuracy, put_result, verdict
@@ -108,7 +109,7 @@ def run(
         raise InputError("--jobs shares the runs of a band among processes; add --band.")
     with printing(quiet):
         setup.say_medians()
-        curve = read_measured(measured, column, scene) if measured else None
+        curve = read_measured(measured, column, scene, chosen.steering_gear) if measured else None
     model = chosen.fidelity if accuracy is None else preset
     try:
         with (
@@ -132,7 +133,7 @@ def run(
     return max(verdict(result), FAILED if problems else DONE)
 
 
-def read_measured(path: Path, columns: Sequence[str], scene: str) -> "MeasuredTorque":
+def read_measured(path: Path, columns: Sequence[str], scene: str, gear: "SteeringGear") -> "MeasuredTorque":
     """The measured torque in a file, with the signs that a fit gives it; what was assumed is said on standard
     error. A weight makes torques of one sign both ways, which stay.
 
@@ -142,7 +143,7 @@ def read_measured(path: Path, columns: Sequence[str], scene: str) -> "MeasuredTo
     from rps_exudyn.inference.fitting.bench_tests import KINDS, with_signs
     from rps_exudyn.inference.measured.reading import read_measured_torque
 
-    measured = read_measured_torque(path, chosen_columns(columns))
+    measured = read_measured_torque(path, chosen_columns(columns), gear)
     if scene not in KINDS or not KINDS[scene].weighted:
         measured = with_signs(measured)
     note(f"{path}: {'; '.join(measured.assumed)}.")

@@ -269,6 +269,12 @@ def _inward(gear: SteeringGear, path: str, value: float, sense: int) -> float | 
 # 1 / cos beta_p along X, for any shaft angle. Runout takes away from every clearance.
 
 
+def largest_lift(gear: SteeringGear) -> float:
+    """Return how far the rack may lie from where the pinion's axis puts it, half a tooth's depth in contact
+    [m]: beyond, the teeth are out of mesh."""
+    return gear.basic_rack.addendum * gear.pinion.normal_module / 2
+
+
 def pinion_root_clearance(pair: GearPair) -> float:
     """Clearance of the rack's tips from the pinion's root circle [m]."""
     return pair.rack_dedendum - pair.rack_addendum

@@ -11,8 +11,10 @@ from rps_exudyn.forces.bush import stored_in_chain
 from rps_exudyn.forces.external_load import axis_velocity
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
 from rps_exudyn.forces.friction import TIME
-from rps_exudyn.multibody.solve import StepsUsedUpError
+from rps_exudyn.gears.geometry_limits import largest_lift
+from rps_exudyn.multibody.solve import StepRefusedError
 from rps_exudyn.multibody.steering_model import SteeringModel
+from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.solvers.balance import SIZE, Balance
 from rps_exudyn.solvers.record import Record
 from rps_exudyn.solvers.steering_column import WheelTorque
@@ -41,11 +43,34 @@ class Recorder:
     end: float = np.inf  # of the run, for its progress [s]
     planned: int | None = None  # steps, of which a run may need `MOST_STEPS` times as many and `SPARE` more
     steps: list[RecordedStep] = field(default_factory=list)
+    _start: tuple[np.ndarray, np.ndarray] = (NOTHING, NOTHING)  # coordinates and rates of the model
 
     def attach(self) -> "Recorder":
-        """Hook into the model's time steps; return itself."""
+        """Hook into the model's time steps, from where the model starts on; return itself."""
+        from exudyn import ConfigurationType
+
+        system, initial = self.model.mbs.systemData, ConfigurationType.Initial
+        coordinates, rates = system.GetODE2Coordinates(initial), system.GetODE2Coordinates_t(initial)
+        self._start = np.array(coordinates), np.array(rates)
         self.model.mbs.SetPostStepUserFunction(self._keep)
         return self
+
+    def rewind(self, time: float) -> float:
+        """Drop the steps that end after a time [s].
+
+        The last one left, or the model's start, becomes the system's initial state; return its time.
+        """
+        from exudyn import ConfigurationType
+
+        left = [step for step in self.steps if step.time <= time]
+        if len(left) < len(self.steps) and self._dynamics.has_bristles:
+            self._dynamics.memory[0] = self.steps[len(left)].begun
+        self.steps = left
+        coordinates, rates = (left[-1].coordinates, left[-1].rates) if left else self._start
+        system, initial = self.model.mbs.systemData, ConfigurationType.Initial
+        system.SetODE2Coordinates(coordinates.tolist(), initial)
+        system.SetODE2Coordinates_t(rates.tolist(), initial)
+        return self.reached
 
     def _keep(self, mbs: Any, t: float) -> bool:
         system = mbs.systemData
@@ -61,12 +86,27 @@ class Recorder:
             RecordedStep(t, coordinates, rates, drive, mesh, self._remembered(t, coordinates, rates))
         )
         reached(t / self.end, lambda: self.model.drive.shown(t))
+        self._stop_out_of_mesh(t, coordinates)
         if self.planned is not None and len(self.steps) > MOST_STEPS * self.planned + SPARE:
-            raise StepsUsedUpError(
+            raise StepRefusedError(
                 f"{len(self.steps)} steps instead of {self.planned} led to {t:.4g} s of {self.end:.4g} s, "
-                "for longer ones do not converge: choose shorter steps or a finer contact"
+                "for longer ones do not converge: choose shorter steps or a finer contact",
+                Status.NO_CONVERGENCE,
+                Code.STEPS_USED_UP,
             )
         return True
+
+    def _stop_out_of_mesh(self, t: float, coordinates: np.ndarray) -> None:
+        """End a run whose rack leaves the teeth: what follows is not the gear's motion."""
+        lift = abs(coordinates[self._rack_lift] - self.model.gear.installation.axis_offset)
+        allowed = largest_lift(self.model.gear)
+        if not lift <= allowed:
+            raise StepRefusedError(
+                f"the rack is {1e6 * lift:.4g} um out of its place, first above {1e6 * allowed:.4g} um "
+                f"at {self.model.drive.shown(t)}",
+                Status.CONTACT_LOST,
+                Code.RACK_OUT_OF_MESH,
+            )
 
     def _multiplier(self, system: Any) -> float:
         """That of the drive's constraint; 0 where a torque turns the wheel."""
@@ -90,6 +130,10 @@ class Recorder:
     @cached_property
     def _dynamics(self) -> Balance:
         return self.model.forces.dynamics
+
+    @cached_property
+    def _rack_lift(self) -> int:
+        return self.model.coordinates("rack").start + 1
 
     @cached_property
     def _columns(self) -> np.ndarray:
@@ -168,5 +212,5 @@ class Recorder:
         motions = zip(coordinates[:, rack], rates[:, rack], strict=True)
         velocity = np.array([axis_velocity(q, v, pulse.place) for q, v in motions])
         if bar is not None:
-            velocity += rates[:, SIZE:] @ bar.on_modes(pulse.place)
+            velocity += rates[:, SIZE : SIZE + bar.modes] @ bar.on_modes(pulse.place)
         return np.einsum("ti,ti->t", np.array([pulse.force(t) for t in time]), velocity)

@@ -5,7 +5,7 @@ success only when it passes its own checks; the scene adds those that need its p
 """
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -26,9 +26,19 @@ if TYPE_CHECKING:
 
 LARGEST_STATE = 1e6  # in SI: far beyond every coordinate and rate of a steering gear
 
+RESTARTED = {Code.NO_STEP, Code.NOT_FINITE, Code.OUT_OF_BOUNDS, Code.RACK_OUT_OF_MESH}
+MOST_RESTARTS = 12  # of a run ...
+MOST_DIVISIONS = 3  # ... and about one place, each in a quarter of the steps and from twice as far back
+RESTART_PARTS, RESTART_SPAN = 4, 8  # parts of a step, and planned steps before the place, at first
 
-class StepsUsedUpError(ArithmeticError):
-    """Raised after a step where a run goes on in ever shorter ones, and would hardly end."""
+
+class StepRefusedError(ArithmeticError):
+    """Raised after a step that must not be the last one's successor: it has the status and code of the run
+    that ends there."""
+
+    def __init__(self, message: str, status: Status, code: Code) -> None:
+        super().__init__(message)
+        self.status, self.code = status, code
 
 
 @dataclass(frozen=True)
@@ -50,28 +60,70 @@ class SolverPlan:
     recovery_steps: int = 3  # that converge in shortened steps before these are lengthened again ...
     recovery_iterations: int = 12  # ... of Newton's method, which such a step may take
 
+    @property
+    def step(self) -> float:
+        """Return the length of a step [s]."""
+        return (self.end_time - self.start_time) / self.steps
+
     def as_dict(self) -> dict[str, Any]:
         """Return all settings by their names, for the result's file."""
         return {"name": "generalized-alpha", **asdict(self)}
 
 
-def solve_one_after_another(mbs: "exudyn.MainSystem", plans: Sequence[SolverPlan]) -> Outcome:
+def solve_one_after_another(
+    mbs: "exudyn.MainSystem",
+    plans: Sequence[SolverPlan],
+    rewind: Callable[[float], float] | None = None,
+) -> Outcome:
     """Integrate by plans each of which begins where the one before ends, until one fails.
 
-    The outcome counts them all; its settings are those of the first with all steps.
+    Where no step converges, or a step leads out of all bounds or the rack out of its teeth, the run is
+    restarted a few steps before, in shorter ones: an iteration may have gone to an equilibrium across a snap,
+    or a step over a jump. What fails there as well ends the run. The outcome counts all plans and the
+    restarts; its settings are those of the first with all steps.
+
+    Args:
+        mbs: the system.
+        plans: in the order of time.
+        rewind: makes the last state kept at a time [s], or before, the initial one; returns its time.
     """
     outcomes: list[Outcome] = []
-    for plan in plans:
+    ahead, restarts, divisions, shortened_to = list(plans), 0, 0, -np.inf
+    while ahead:
+        plan = ahead.pop(0)
         outcomes.append(solve(mbs, plan))
-        if outcomes[-1].status is not Status.OK:
+        if outcomes[-1].status is Status.OK:
+            continue
+        reached = outcomes[-1].time_reached
+        divisions = divisions + 1 if reached <= shortened_to else 1
+        hopeless = restarts == MOST_RESTARTS or divisions > MOST_DIVISIONS
+        if rewind is None or hopeless or not RESTARTED.issuperset(outcomes[-1].codes):
             break
+        restarts += 1
+        step = next(each for each in plans if reached <= each.end_time * (1 + 1e-9)).step
+        back = RESTART_SPAN * 2 ** (divisions - 1) * step
+        shortened_to = reached + back
+        ahead = _shortened(plans, rewind(reached - back), shortened_to, RESTART_PARTS**divisions)
     whole = replace(plans[0], end_time=plans[-1].end_time, steps=sum(plan.steps for plan in plans))
+    counters = dict(sum((Counter(each.counters) for each in outcomes), Counter()))
     return replace(
         outcomes[-1],
         cpu_s=sum(each.cpu_s for each in outcomes),
-        counters=dict(sum((Counter(each.counters) for each in outcomes), Counter())),
+        counters={**counters, "restarts": restarts} if restarts else counters,
         settings=whole.as_dict(),
     )
+
+
+def _shortened(plans: Sequence[SolverPlan], begin: float, end: float, parts: int) -> list[SolverPlan]:
+    """What is left of plans from a time [s] on, each step divided into parts up to another time."""
+    pieces = []
+    for plan in plans:
+        for first, last, divided in ((plan.start_time, end, parts), (end, plan.end_time, 1)):
+            first, last = max(first, begin, plan.start_time), min(last, plan.end_time)
+            steps = int(np.ceil((last - first) / plan.step * divided * (1 - 1e-9)))
+            if steps > 0:
+                pieces.append(replace(plan, start_time=first, end_time=last, steps=steps))
+    return pieces
 
 
 def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
@@ -104,15 +156,17 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
     solver = mbs.sys.get("dynamicSolver")
     reached = float(mbs.systemData.GetTime())
     state = np.concatenate([mbs.systemData.GetODE2Coordinates(), mbs.systemData.GetODE2Coordinates_t()])
-    if not np.isfinite(state).all():
+    if isinstance(cause, StepRefusedError):
+        status, code, message = cause.status, cause.code, str(cause)
+    elif not np.isfinite(state).all():
         status, code = Status.DIVERGED, Code.NOT_FINITE
         message = f"the state is not finite at {reached:.6g} s"
     elif np.abs(state).max() > LARGEST_STATE:
         status, code = Status.DIVERGED, Code.OUT_OF_BOUNDS
         message = f"a coordinate or rate is {np.abs(state).max():.3g} at {reached:.6g} s"
     elif cause is not None:
-        named = "" if isinstance(cause, StepsUsedUpError) else f"{type(cause).__name__} at {reached:.6g} s: "
-        status, message = Status.NO_CONVERGENCE, f"{named}{cause}"
+        status, code = Status.NO_CONVERGENCE, Code.FORCE_FAILED
+        message = f"{type(cause).__name__} at {reached:.6g} s: {cause}"
     elif not finished:
         status = Status.NO_CONVERGENCE
         message = f"no step down to {plan.minimum_step:g} s converged at {reached:.6g} s"
@@ -165,7 +219,7 @@ def settings_of(plan: SolverPlan) -> "exudyn.SimulationSettings":
     settings.parallel.numberOfThreads = 1
     settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
     settings.solution.file.write = False
-    settings.solution.sensors.writePeriod = (plan.end_time - plan.start_time) / plan.steps
+    settings.solution.sensors.writePeriod = plan.step
 
     time = settings.timeIntegration
     time.startTime, time.endTime, time.numberOfSteps = plan.start_time, plan.end_time, plan.steps

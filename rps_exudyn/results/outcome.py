@@ -41,51 +41,76 @@ class Code(StrEnum):
     """What a message is about, for programs: sentences are for readers, and may change.
 
     A failed run has the code of its cause; one that ended ok those of its remarks.
+
+    Attributes:
+        meaning: what the code stands for, without a full stop.
     """
 
-    NOT_FINITE = "not-finite"
-    OUT_OF_BOUNDS = "out-of-bounds"
-    NO_STEP = "no-step"
-    NO_EQUILIBRIUM = "no-equilibrium"
-    NO_RESISTANCE = "no-resistance"
-    INTERRUPTED = "interrupted"
-    REFUSED = "refused"
-    RACK_OUT_OF_MESH = "rack-out-of-mesh"
-    TEETH_UNLOADED = "teeth-unloaded"
-    BEYOND_LAW = "beyond-law"
-    BEYOND_FORMULAS = "beyond-formulas"
-    FRICTION_ZONE = "friction-zone"
-    STEPS_TOO_COARSE = "steps-too-coarse"
-    ROLLING_TOO_COARSE = "rolling-too-coarse"
-    STEPS_NOT_CONFIRMED = "steps-not-confirmed"
-    STRIPS_NOT_CONFIRMED = "strips-not-confirmed"
-    RACK_NOT_SETTLED = "rack-not-settled"
-    START_MATTERS = "start-matters"
-    SWING_TOO_FAST = "swing-too-fast"
-    SWING_NOT_SETTLED = "swing-not-settled"
-    CONTACT_DISAGREES = "contact-disagrees"
-    FEW_SPHERES = "few-spheres"
-    SPHERES_OUT_OF_PLACE = "spheres-out-of-place"
-    WORK_MISSING = "work-missing"
-    EDGES_LOADED = "edges-loaded"
-    FLANK_LIFTED = "flank-lifted"
-    YOKE_STOPPED = "yoke-stopped"
-    CLEARANCE_CLOSED = "clearance-closed"
-    TEETH_OVERLOADED = "teeth-overloaded"
-    PEAKS_UNRESOLVED = "peaks-unresolved"
-    METRIC_NOT_CONFIRMED = "metric-not-confirmed"
-    RACK_RIGID = "rack-rigid"
-    NO_EFFICIENCY = "no-efficiency"
-    OTHER_LAW = "other-law"
-    HELD_BY_FRICTION = "held-by-friction"
-    FRICTION_NEVER_FALLS = "friction-never-falls"
-    NOT_HIT = "not-hit"
-    THRESHOLD_RESOLUTION = "threshold-resolution"
-    CAP_PRESSES = "cap-presses"
-    OTHER_SETTINGS = "other-settings"
-    ACCURACY_NOT_CONFIRMED = "accuracy-not-confirmed"
-    ACCURACY_NOT_REACHED = "accuracy-not-reached"
-    ACCURACY_NOT_PROMISED = "accuracy-not-promised"
+    meaning: str
+
+    def __new__(cls, word: str, meaning: str) -> "Code":
+        """Make a member that is the word, and has a meaning."""
+        member = str.__new__(cls, word)
+        member._value_, member.meaning = word, meaning
+        return member
+
+    NOT_FINITE = "not-finite", "a value is not a finite number"
+    OUT_OF_BOUNDS = "out-of-bounds", "a coordinate or a rate left all bounds"
+    NO_STEP = "no-step", "no time step converged"
+    STEPS_USED_UP = "steps-used-up", "the run took far more time steps than planned"
+    FORCE_FAILED = "force-failed", "a function of the model ended with an error"
+    NO_EQUILIBRIUM = "no-equilibrium", "no equilibrium was found"
+    NO_RESISTANCE = "no-resistance", "the gear yields without resistance"
+    INTERRUPTED = "interrupted", "the run was stopped before its end"
+    REFUSED = "refused", "a check of the plan failed, nothing was run"
+    RACK_OUT_OF_MESH = "rack-out-of-mesh", "the rack left the mesh"
+    TEETH_UNLOADED = "teeth-unloaded", "the teeth carry no load"
+    BEYOND_LAW = "beyond-law", "the contact left the range of its law"
+    BEYOND_FORMULAS = "beyond-formulas", "the gear is outside the range of the closed form"
+    FRICTION_ZONE = "friction-zone", "friction depends on the zone in which it develops"
+    STEPS_TOO_COARSE = "steps-too-coarse", "the steps are too long for the result"
+    ROLLING_TOO_COARSE = "rolling-too-coarse", "the steps are too long for the rack's rolling"
+    STEPS_NOT_CONFIRMED = "steps-not-confirmed", "the run in shorter steps failed"
+    STRIPS_NOT_CONFIRMED = "strips-not-confirmed", "the run with finer strips failed"
+    RACK_NOT_SETTLED = "rack-not-settled", "the rack still rolls into its place"
+    START_MATTERS = "start-matters", "the result depends on where the motion began"
+    SWING_TOO_FAST = "swing-too-fast", "inertia matters, which equilibria leave out"
+    SWING_NOT_SETTLED = "swing-not-settled", "the swing does not become periodic"
+    CONTACT_DISAGREES = "contact-disagrees", "two evaluations of the contact forces differ"
+    FEW_SPHERES = "few-spheres", "too few spheres touch"
+    SPHERES_OUT_OF_PLACE = (
+        "spheres-out-of-place",
+        "the rack is not where the spheres were laid for",
+    )
+    WORK_MISSING = "work-missing", "the work balance does not close"
+    EDGES_LOADED = "edges-loaded", "too much work is lost at the tooth edges"
+    FLANK_LIFTED = "flank-lifted", "flanks of one side carry nothing in a part of the record"
+    YOKE_STOPPED = "yoke-stopped", "the yoke touched its nut"
+    CLEARANCE_CLOSED = "clearance-closed", "the yoke touches its nut from the start"
+    TEETH_OVERLOADED = "teeth-overloaded", "the contact pressure is above that of case-hardened steel"
+    PEAKS_UNRESOLVED = "peaks-unresolved", "the peak to peak is omitted: the steps do not resolve it"
+    METRIC_NOT_CONFIRMED = (
+        "metric-not-confirmed",
+        "metrics are omitted: half the step or another cycle changes them",
+    )
+    RACK_RIGID = "rack-rigid", "the model leaves out the bending of the rack, which matters here"
+    NO_EFFICIENCY = "no-efficiency", "a number that is called efficiency is not between 0 and 1"
+    OTHER_LAW = "other-law", "the closed form takes another contact law"
+    HELD_BY_FRICTION = "held-by-friction", "friction holds the gear against the torque"
+    FRICTION_NEVER_FALLS = "friction-never-falls", "no friction falls with speed: sliding is steady"
+    NOT_HIT = "not-hit", "the yokenut is not hit up to the largest force"
+    THRESHOLD_RESOLUTION = "threshold-resolution", "the threshold is known to one cycle of the growing force"
+    CAP_PRESSES = "cap-presses", "the yoke's cap still presses the plunger"
+    OTHER_SETTINGS = "other-settings", "safer settings than those asked for were taken"
+    ACCURACY_NOT_CONFIRMED = "accuracy-not-confirmed", "the finer run failed"
+    ACCURACY_NOT_REACHED = (
+        "accuracy-not-reached",
+        "the finest runs differ by more than the accuracy",
+    )
+    ACCURACY_NOT_PROMISED = (
+        "accuracy-not-promised",
+        "the table of accuracies does not cover this run",
+    )
 
 
 class Remark(NamedTuple):

@@ -143,7 +143,7 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
     planned, interrupted = sum(plan.steps for plan in plans), False
     recorder = Recorder(model, plans[-1].end_time, planned).attach()
     try:
-        outcome = solve_one_after_another(model.mbs, plans)
+        outcome = solve_one_after_another(model.mbs, plans, recorder.rewind)
     except KeyboardInterrupt:
         message = f"interrupted at {recorder.reached:.4g} s of {recorder.end:.4g} s"
         outcome = Outcome(Status.TIMEOUT, message, (Code.INTERRUPTED,))
@@ -384,10 +384,12 @@ def by_formula(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, optio
 
 def _other_law(gear: SteeringGear) -> Remark | None:
     """Return a remark on the law that the formulas take instead of the gear's."""
-    law = law_of_formulas(gear.mesh.law)
-    if law == gear.mesh.law:
+    law = law_of_formulas(gear.mesh.contact_law)
+    if law == gear.mesh.contact_law:
         return None
-    taken = f"mesh.law is {gear.mesh.law}; the closed form takes loads per length as law {law} has them"
+    taken = (
+        f"mesh.law is {gear.mesh.contact_law}; the closed form takes loads per length as law {law} has them"
+    )
     return Remark(Code.OTHER_LAW, taken)
 
 

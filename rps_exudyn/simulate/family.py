@@ -15,6 +15,7 @@ from rps_exudyn.analysis.passes import spread
 from rps_exudyn.analysis.torque import mean
 from rps_exudyn.forces.force_element import RACK
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.geometry_limits import largest_lift
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.checks.after_run import (
@@ -293,7 +294,6 @@ class FamilyRecord:
         family, signals = self.family, self.period
         gear, angle, force = family.gear, family.angles, signals[self.force]
         valid_to = family.series.forces.valid_to
-        in_mesh = gear.basic_rack.addendum * gear.pinion.normal_module / 2
         lifted = np.abs(signals["rack_y"] - self.records["mesh"]["flank"]["axis_offset"][:, None])
         late = lag(angle, signals["rack_roll"]) * gear.rack.bar_diameter / 2
         late = late / spread(signals["rack_displacement"])
@@ -303,7 +303,7 @@ class FamilyRecord:
         checks = (
             self.found,
             np.isfinite(force).all(axis=-1),
-            (lifted < SAFE * in_mesh).all(axis=-1),
+            (lifted < SAFE * largest_lift(gear)).all(axis=-1),
             (signals["mesh_normal_force"] > 0).all(axis=-1),
             *(signals[name].max(axis=-1) < SAFE * bound for name, bound in valid_to.items()),
             late < SAFE * min(ROLLING, LAG_BOUND),
@@ -314,7 +314,7 @@ class FamilyRecord:
             family.maneuver.closes
             | (family.unsettled * np.abs(force).max(axis=-1) < SAFE * UNSETTLED * np.ptp(force, axis=-1)),
             # else finer strips must confirm it
-            (signals["yokenut_force"].max(axis=-1) <= 0) | (gear.mesh.law != "teeth"),
+            (signals["yokenut_force"].max(axis=-1) <= 0) | (gear.mesh.contact_law != "teeth"),
         )
         return np.asarray(np.logical_and.reduce(checks))
 

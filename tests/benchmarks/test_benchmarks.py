@@ -3,10 +3,11 @@
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 from benchmarks.make import main
 from benchmarks.pages import pages, regions, written
-from benchmarks.published import origins, origins_table, recording
+from benchmarks.published import origins, origins_table, recording, shrink_pictures
 from benchmarks.topic import RESULTS
 from benchmarks.topics import TOPICS
 
@@ -58,7 +59,26 @@ def test_files_that_a_topic_writes_are_recorded_also_if_it_fails(tmp_path: Path)
     with pytest.raises(KeyboardInterrupt):
         stopped()
     assert list(origins(tmp_path)) == ["geometry/new.json"]
-    assert "`python benchmarks/make.py geometry`" in origins_table(tmp_path)
+    assert "| geometry" in origins_table(tmp_path)
+
+
+def test_published_results_stay_small() -> None:
+    """Above that, a clone and a reader wait for what nobody looks at."""
+    files = [file for file in RESULTS.rglob("*") if file.is_file()]
+    assert sum(file.stat().st_size for file in files) < 6e6
+    for file in files:
+        if file.suffix == ".png":
+            with Image.open(file) as picture:
+                assert picture.mode == "P", f"{file.name}: `make.py` writes pictures with a palette"
+
+
+def test_pictures_are_written_with_a_palette(tmp_path: Path) -> None:
+    file = tmp_path / "a.png"
+    Image.linear_gradient("L").convert("RGBA").resize((600, 600)).save(file)
+    shrink_pictures(tmp_path)
+    with Image.open(file) as picture:
+        assert (picture.mode, picture.size) == ("P", (600, 600))
+        assert abs(picture.convert("L").getpixel((300, 300)) - 127) < 3
 
 
 def test_without_a_topic_all_are_listed(capsys: pytest.CaptureFixture[str]) -> None:

@@ -9,6 +9,7 @@ import h5py
 import pytest
 
 from made_up_study import description, grid_points, make_study
+from reader import filled
 from rps_exudyn.gears.geometry_report import GeometryReport
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import GROUPS, SIGNALS
@@ -18,7 +19,8 @@ from rps_exudyn.study import definition as study
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import OUTCOME, CaseTable
 
-PAGE = (Path(__file__).parents[2] / "docs" / "hdf5-format.md").read_text(encoding="utf-8")
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs" / "hdf5-format.md").read_text(encoding="utf-8")
 
 
 def rows(section: str) -> list[tuple[str, ...]]:
@@ -31,9 +33,13 @@ def rows(section: str) -> list[tuple[str, ...]]:
 
 
 @pytest.mark.parametrize("group", GROUPS)
-def test_page_lists_every_quantity(group: str) -> None:
+def test_site_lists_every_quantity(group: str) -> None:
+    page = filled((ROOT / "docs" / "quantities.md").read_text(encoding="utf-8"))
+    table = page.split(f"## {group}\n")[1].split("\n## ")[0]
+    listed = [tuple(line.strip("| ").split(" | "))[:3] for line in re.findall(r"^\| `.*$", table, re.M)]
     expected = [(f"`{name}`", item.unit or "1", item.long_name) for name, item in GROUPS[group].items()]
-    assert rows(f"`/{group}`") == expected
+    assert listed == expected
+    assert f"`/{group}`" in [name for name, _ in rows("Groups")]
 
 
 def test_page_lists_what_is_kept_of_a_measured_torque() -> None:

@@ -3,16 +3,20 @@
 Five seeds a kind: of intervals that hold 95 %, three or more of twenty miss in one case of a hundred.
 """
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.inference.fitting.bench_tests import BenchTest, MeasuredPass, measurement_of
 from rps_exudyn.inference.fitting.diagnosis import notes_of
 from rps_exudyn.inference.fitting.level import LevelEstimate, levels_of, runout_of
 from rps_exudyn.inference.fitting.noise import is_regular, resolution_of
+from rps_exudyn.inference.measured.reading import TORQUE
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.result import MeasuredTorque
 from verification.bench_curves import GAIN, KINDS, TEETH, BenchGear, BenchKind, bench_record
 from verification.made_up_curves import BenchNoise, measured_curve, with_noise
 
@@ -123,3 +127,46 @@ def test_a_level_does_not_depend_on_a_lag() -> None:
     """1.5 degrees on the way back, of passes of a turn: less than a tenth of a per cent."""
     kind = BenchKind(replace(BenchNoise(0.0), lag=np.radians(1.5)))
     assert level_of(kind, 1).value == pytest.approx(GEAR.level, rel=1e-3)
+
+
+def late_record(seconds: float, rate: float = 15.0) -> dict[str, np.ndarray]:
+    """Forth and back at a rate [deg/s], with a torque that is late."""
+    record = bench_record(GEAR, 0.5)
+    clock = 0.5 / rate * np.arange(record["pinion_angle"].size)
+    torque = np.interp(clock - seconds, clock, record["pinion_torque"], left=0.0)
+    return {**record, "pinion_torque": torque, "clock": clock}
+
+
+def test_a_late_torque_is_named_and_left_out_or_refused() -> None:
+    """0.5 s at 15 deg/s are 7.5 degrees; what lies within them is left out, so that the level stays."""
+    for seconds, words in (
+        (0.0, ""),
+        (0.1, ""),
+        (0.5, r"7\.[5-9] deg \(0\.5 s\) after the motion turns back"),
+    ):
+        record = late_record(seconds)
+        curve = MeasuredTorque(
+            "bench", {name: record[name] for name in TORQUE}, beside={"clock": record["clock"]}
+        )
+        measurement = measurement_of([(FREE, curve)])
+        assert len(measurement.late) == bool(words)
+        assert all(re.search(words, each) for each in measurement.late)
+        (level,) = levels_of(measurement.passes, TEETH, GAIN)
+        assert level.value == pytest.approx(GEAR.level, rel=2e-3)
+    record = late_record(3.0)
+    curve = MeasuredTorque(
+        "bench", {name: record[name] for name in TORQUE}, beside={"clock": record["clock"]}
+    )
+    with pytest.raises(
+        InputError, match=r"changes 45 deg \(3 s\) after the motion turns back \(limit 15 deg\)"
+    ):
+        measurement_of([(FREE, curve)])
+
+
+def test_noise_and_weights_are_no_lateness() -> None:
+    """No kind of noise and rig makes a torque look late."""
+    for name, kind in KINDS.items():
+        for seed in range(4):
+            record = with_noise(bench_record(GEAR, kind.spacing), kind.noise, np.random.default_rng(seed))
+            curve = MeasuredTorque("bench", {each: record[each] for each in TORQUE})
+            assert not measurement_of([(FREE, curve)]).late, name

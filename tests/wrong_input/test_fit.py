@@ -219,12 +219,12 @@ def test_absolute_values_below_zero_are_read_as_against_the_motion(tmp_path: Pat
 def test_run_reads_absolute_torques_as_a_fit_does(tmp_path: Path) -> None:
     """The curve that a run is compared with has the signs of the passes that a fit compares."""
     path = turned(tmp_path / "a.csv", 0.63, 0.61)
-    curve, measured = read_measured(path, (), "free-pinion-torque"), read_measurement([path])
+    curve, measured = read_measured(path, (), "free-pinion-torque", SteeringGear()), read_measurement([path])
     for mine, theirs in zip(passes(curve.signals), measured.passes, strict=True):
         assert np.sign(mine.signals["pinion_torque"]).mean() == mine.direction
         assert mine.signals["pinion_torque"].mean() == pytest.approx(theirs.value.mean(), rel=1e-3)
     assert "torques of the same sign both ways are read as against the motion" in curve.assumed
-    weighed = read_measured(path, (), "load-test")
+    weighed = read_measured(path, (), "load-test", SteeringGear())
     assert (weighed.signals["pinion_torque"] > 0).all()
 
 

@@ -3,7 +3,9 @@
 All curves here are made up; no measurement is part of this package.
 """
 
+import sys
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from time import process_time
 
@@ -12,12 +14,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import measured_binary_files as binary
+from measured_binary_files import READABLE as BINARY
+from measured_binary_files import REFUSED as BINARY_REFUSED
 from measured_files import ANGLE, READABLE, REFUSED, TORQUE
 from measured_odd_files import ODD_READABLE, ODD_REFUSED
 from rps_exudyn.analysis.measured import compare_with_measured, onto_simulated
 from rps_exudyn.analysis.passes import is_in_random_order, passes
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.inference.measured import channels
 from rps_exudyn.inference.measured.numbers import Format, as_number
 from rps_exudyn.inference.measured.reading import read_curve, read_measured_torque
 from rps_exudyn.parameters.gear import SteeringGear
@@ -339,3 +346,130 @@ def test_angles_in_random_order_are_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize("angle", [[0, 90, 180, 90, 0], [0, 1, 2, 3, 2, 1] * 4, [0, 1, 2, 1] * 10, [0, 1, 2]])
 def test_few_rows_of_a_motion_are_no_random_order(angle: list[float]) -> None:
     assert not is_in_random_order(np.array(angle, dtype=float))
+
+
+@pytest.mark.parametrize("kind", BINARY)
+def test_every_binary_file_holds_the_same_curve(kind: str, tmp_path: Path) -> None:
+    """Units come from the file; of two rates the driven channel's instants count."""
+    needs_libraries(kind)
+    path = tmp_path / "bench.bin"
+    BINARY[kind](path)
+    measured = read_measured_torque(path)
+    np.testing.assert_allclose(measured.signals["pinion_angle"], np.radians(ANGLE), atol=1e-9)
+    np.testing.assert_allclose(measured.signals["pinion_torque"], TORQUE, atol=1e-6)
+
+
+@pytest.mark.parametrize("kind", BINARY_REFUSED)
+def test_binary_files_that_leave_something_open_say_what(kind: str, tmp_path: Path) -> None:
+    needs_libraries(kind)
+    path = tmp_path / "bench.bin"
+    write, sentence = BINARY_REFUSED[kind]
+    write(path)
+    with pytest.raises(InputError, match=sentence) as refused:
+        read_measured_torque(path)
+    assert len(refused.value.problems) == 1
+
+
+@pytest.mark.parametrize("kind", ["MDF", "TDMS", "MAT, compressed, columns", "MAT, a structure with units"])
+def test_damaged_binary_files_are_refused_or_hold_the_curve(kind: str, tmp_path: Path) -> None:
+    """Cut anywhere, or with random bytes in it: one sentence, or a curve; no other error."""
+    needs_libraries(kind)
+    path, random = tmp_path / "bench.bin", np.random.default_rng(5)
+    BINARY[kind](path)
+    whole = path.read_bytes()
+    for trial in range(20):
+        if trial % 2:
+            content = whole[: int(random.integers(10, len(whole)))]
+        else:
+            changed = bytearray(whole)
+            for place in random.integers(8, len(whole), size=1 + trial):
+                changed[place] = int(random.integers(256))
+            content = bytes(changed)
+        path.write_bytes(content)
+        with suppress(InputError):
+            read_measured_torque(path)
+
+
+@pytest.mark.parametrize("block", [b"##DG", b"##CG", b"##CN", b"##FH"])
+def test_blocks_that_follow_themselves_are_refused(block: bytes, tmp_path: Path) -> None:
+    """A reader that follows them would never end."""
+    needs_libraries("MDF")
+    path = tmp_path / "bench.mf4"
+    BINARY["MDF"](path)
+    content = bytearray(path.read_bytes())
+    place = content.find(block)
+    content[place + 24 : place + 32] = place.to_bytes(8, "little")
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="is a damaged file of MDF 4"):
+        read_measured_torque(path)
+
+
+def test_a_library_that_is_missing_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "asammdf", None)
+    path = tmp_path / "bench.mf4"
+    path.write_bytes(b"MDF     4.10    " + bytes(200))
+    with pytest.raises(InputError, match=r"needs asammdf: pip install 'rps-exudyn\[bench\]'"):
+        read_measured_torque(path)
+
+
+def test_a_file_that_unpacks_to_much_more_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(channels, "LARGEST", 1_000_000)
+    path = tmp_path / "bench.mat"
+    binary.mat(path, {"angle_deg": np.zeros(200_000)}, compressed=True)
+    assert path.stat().st_size < 10_000
+    with pytest.raises(InputError, match="needs more memory than there is"):
+        read_measured_torque(path)
+
+
+def needs_libraries(kind: str) -> None:
+    """Skip where the extra [bench] is not installed."""
+    pytest.importorskip({"MDF": "asammdf", "TDM": "nptdms"}.get(kind[:3], "scipy"))
+
+
+# --- The rack's travel, or time and speed, instead of an angle
+
+GAIN = float(GearPair.of(SteeringGear()).gain)
+
+
+def test_the_racks_travel_gives_the_angle_of_the_gear(tmp_path: Path) -> None:
+    rows = "".join(f"{1e3 * GAIN * np.radians(a):.6f};{t:.5f}\n" for a, t in zip(ANGLE, TORQUE, strict=True))
+    path = written(tmp_path, "Zahnstangenweg [mm];Moment [Nm]\n" + rows)
+    measured = read_measured_torque(path, gear=SteeringGear())
+    np.testing.assert_allclose(measured.signals["pinion_angle"], np.radians(ANGLE), atol=1e-5)
+    assert any("35.0" in each and "mm per turn of the gear given" in each for each in measured.assumed)
+    with pytest.raises(InputError, match="holds the rack's travel and no pinion angle: give the gear"):
+        read_measured_torque(path)
+    other = written(tmp_path, "yoke displacement [mm];torque [Nm]\n" + rows)
+    with pytest.raises(InputError, match="no column pinion_angle"):
+        read_measured_torque(other, gear=SteeringGear())
+
+
+@pytest.mark.parametrize(("unit", "size"), [("deg/s", 1.0), ("rpm", 6.0), ("mm/s", np.degrees(1e-3 / GAIN))])
+def test_times_and_speeds_give_the_angle(unit: str, size: float, tmp_path: Path) -> None:
+    """Forth and back at 5 degrees a row of half a second."""
+    speed = np.gradient(ANGLE, 0.5)
+    rows = "".join(
+        f"{0.5 * i},{v / size:.8f},{t:.5f}\n" for i, (v, t) in enumerate(zip(speed, TORQUE, strict=True))
+    )
+    path = written(tmp_path, f"time [s],speed [{unit}],torque [N m]\n" + rows)
+    measured = read_measured_torque(path, gear=SteeringGear())
+    np.testing.assert_allclose(
+        measured.signals["pinion_angle"], np.radians(ANGLE + 180), atol=np.radians(2.6)
+    )
+    assert [each.direction for each in passes(measured.signals)] == [1, -1]
+    text = "".join(
+        f"{0.5 * i},{abs(v) / size:.8f},{t:.5f}\n" for i, (v, t) in enumerate(zip(speed, TORQUE, strict=True))
+    )
+    unsigned = written(tmp_path, f"time [s],speed [{unit}],torque [N m]\n" + text)
+    with pytest.raises(InputError, match="its speed has one sign although the motion turns back"):
+        read_measured_torque(unsigned, gear=SteeringGear())
+
+
+def test_100_000_rows_are_read_in_a_second_of_cpu_time(tmp_path: Path) -> None:
+    angle = np.concatenate([np.linspace(0, 720, 50_000), np.linspace(720, 0, 50_000)])
+    rows = "\n".join(f"{0.001 * i:.3f},{a:.4f},{0.63:.5f},21.5" for i, a in enumerate(angle))
+    path = written(tmp_path, f"time [s],angle [deg],torque [N m],oil [C]\n{rows}\n")
+    read_measured_torque(path)
+    begun = process_time()
+    assert read_measured_torque(path).signals["pinion_angle"].size == 100_000
+    assert process_time() - begun < 1.0

@@ -23,6 +23,7 @@ from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import FOR_MEANS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.judged_row import JudgedRow, Verdict
+from rps_exudyn.scenes.law_by_scene import SERIES, with_law
 from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
 from rps_exudyn.scenes.rack_lift import SCENE as RACK_LIFT
 from rps_exudyn.solvers.closed_form import load_test
@@ -118,6 +119,11 @@ def judge(
     yield _row("rated_lift", limits, partial(_of_lift, gear, inputs, limits, rated_torque, samples, jobs))
     yield _exact("travel", 2 * RackBar.of(gear).largest_displacement, limits)
     yield _exact("gain", 2 * np.pi * float(pair.gain), limits)
+
+
+def law_of_sheet(gear: SteeringGear) -> str:
+    """Return the contact law of the sheet's runs."""
+    return with_law(gear, FOR_MEANS, SERIES).mesh.contact_law
 
 
 def _row(name: str, limits: Mapping[str, Limit], computed: Callable[[], RequirementRow]) -> RequirementRow:

@@ -1,16 +1,18 @@
 """The tests of a bench whose curves can be fitted, and the files that hold them.
 
-free           the pinion is turned, the rack carries nothing (the scene free-pinion-torque)
-reversal       the same to and fro over some ten degrees
-load-test@80kg the pinion raises a weight at the rack's end, and lowers it
-rack-push      the rack is pushed, the pinion follows
-yoke-out       the pinion is turned without the yoke: nothing presses the teeth together
-bearing        the pinion alone in its bearings
+free             the pinion is turned, the rack carries nothing (the scene free-pinion-torque)
+reversal         the same to and fro over some ten degrees
+load-test@80kg   the pinion raises a weight at the rack's end, and lowers it
+rack-push        the rack is pushed, the pinion follows
+rack-on-rollers  the rack is pushed between the yoke and rollers, which stand where the pinion was
+yoke-out         the pinion is turned without the yoke: nothing presses the teeth together
+bearing          the pinion alone in its bearings
 """
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -18,10 +20,13 @@ import numpy as np
 from rps_exudyn.analysis.passes import Pass, passes
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError, are, lines_in_words
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.inference.measured.reading import PUSH, TORQUE, read_curve
 from rps_exudyn.inference.measured.turning import speeds
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
+from rps_exudyn.scenes.rack_on_rollers import SCENE as RACK_ON_ROLLERS
 from rps_exudyn.scenes.rack_push import SCENE as RACK_PUSH
 from rps_exudyn.scenes.reversal import SCENE as REVERSAL
 from rps_exudyn.solvers.closed_form import GRAVITY
@@ -49,6 +54,7 @@ KINDS = {
     REVERSAL.name: BenchKind(by_angle=True, turns_about=True),
     LOAD_TEST.name: BenchKind(weighted=True),
     RACK_PUSH.name: BenchKind(quantities=PUSH),
+    RACK_ON_ROLLERS.name: BenchKind(quantities=PUSH),
     "yoke-out": BenchKind(),
     "bearing": BenchKind(),
 }
@@ -59,6 +65,8 @@ UNSIGNED = 0.5  # least ratio of absolute values of friction in both directions
 MIXED = 1.5  # of two speeds, from which on friction may differ between them
 SHORTEST = 0.2  # of the longest pass: what is shorter is the way to the start, or a jerk
 TURNING = np.radians(3.0)  # after a turn of a reversal, where friction is still turning about
+LATE, TOO_LATE = np.radians(3.0), np.radians(15.0)  # after a turn, by which a torque follows: said, refused
+SETTLED = 0.25  # of a pass, from its end, that shows the torque of a direction
 
 
 @dataclass(frozen=True)
@@ -120,6 +128,7 @@ class Measurement:
     names: tuple[str, ...]  # of the files, by their number
     assumed: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()  # rows of the files that no pass has, and why
+    late: tuple[str, ...] = ()  # files whose torque follows the motion late, and by how much
 
     @property
     def tests(self) -> list[BenchTest]:
@@ -150,17 +159,20 @@ def named_test(text: str) -> tuple[BenchTest, Path]:
     return BenchTest(kind, mass * GRAVITY), file
 
 
-def read_measurement(files: Iterable[str | Path], columns: Mapping[str, str] | None = None) -> Measurement:
-    """Read the passes of all files.
+def read_measurement(
+    files: Iterable[str | Path], columns: Mapping[str, str] | None = None, gear: SteeringGear | None = None
+) -> Measurement:
+    """Read the passes of all files; where one has the rack's travel instead of an angle, of this gear.
 
     Raises:
         InputError: files that cannot be read, all of them at once.
     """
     curves, problems = [], []
+    gain = float(GearPair.of(gear or SteeringGear()).gain)
     for text in files:
         try:
             test, path = named_test(str(text))
-            curves.append((test, read_curve(path, test.of_kind.quantities, columns)))
+            curves.append((test, read_curve(path, test.of_kind.quantities, columns, gain)))
         except InputError as error:
             problems += error.problems
     if problems:
@@ -178,14 +190,17 @@ def measurement_of(curves: Iterable[tuple[BenchTest, MeasuredTorque]]) -> Measur
     names: list[str] = []
     assumed: list[str] = []
     left_out: list[str] = []
+    late: list[str] = []
     for run, (test, curve) in enumerate(curves):
         driven, measured = test.of_kind.quantities
         signals = {"pinion_angle": curve.signals[driven], "value": curve.signals[measured]}
         lines = {"line": np.arange(1.0, curve.signals[driven].size + 1), **curve.beside}
         turned = passes(signals | lines)
-        own = [_measured_pass(test, run, each) for each in turned]
+        after, delay = (0.0, "") if test.pushed else _lateness(turned, curve.name)
+        late += [delay] if delay else []
+        own = [_measured_pass(test, run, each, after) for each in turned]
         shortest = SHORTEST * max(np.ptp(each.angle) for each in own)
-        rows = (*curve.left_out, *_rows_left_out(turned, own, lines["line"], shortest))
+        rows = (*curve.left_out, *_rows_left_out(turned, own, lines["line"], shortest, after))
         left_out += [f"{curve.name}: {sentence}" for sentence in rows]
         own = [each for each in own if np.ptp(each.angle) > shortest]  # without the way to the start, a jerk
         own, said = _with_signs(own, curve.name)
@@ -194,11 +209,50 @@ def measurement_of(curves: Iterable[tuple[BenchTest, MeasuredTorque]]) -> Measur
         assumed += [f"{curve.name}: {sentence}" for sentence in (*curve.assumed, f"{len(own)} passes", *said)]
     if not found:
         raise InputError("a fit needs at least one measured curve.")
-    return Measurement(tuple(found), tuple(names), tuple(assumed), tuple(left_out))
+    return Measurement(tuple(found), tuple(names), tuple(assumed), tuple(left_out), tuple(late))
 
 
-def _measured_pass(test: BenchTest, run: int, turned: Pass) -> MeasuredPass:
-    inside = _sliding(test, turned)
+def _lateness(turned: Sequence[Pass], name: str) -> tuple[float, str]:
+    """Angle [rad] by which the torque follows each turn of the motion, and what is said of it; 0 and "" where
+    it changes within `LATE`, as friction does.
+
+    Raises:
+        InputError: it follows by more than `TOO_LATE`.
+    """
+    found = []
+    for before, after in pairwise(turned):
+        step = float(np.median(np.abs(np.diff(before.angle)))) if before.angle.size > 1 else 0.0
+        joined = abs(after.angle[0] - before.angle[-1]) <= 3 * step + 1e-9
+        if before.direction == after.direction or not joined or min(before.angle.size, after.angle.size) < 12:
+            continue
+        ends = [each.signals["value"][-max(3, int(SETTLED * each.angle.size)) :] for each in (before, after)]
+        first, last = (float(np.median(end)) for end in ends)
+        if abs(last - first) < 4 * max(float(np.std(np.diff(end))) for end in ends):
+            continue  # noise hides when it changes
+        middle, values = (first + last) / 2, after.signals["value"]
+        crossed = np.flatnonzero((values - middle) * (last - first) > 0)
+        place = int(crossed[0]) if crossed.size else 0
+        clock = after.signals.get("clock")
+        seconds = float(clock[place] - clock[0]) if clock is not None else np.nan
+        found.append((abs(float(after.angle[place] - after.angle[0])), seconds))
+    if not found:
+        return 0.0, ""
+    angle, seconds = (float(each) for each in np.median(np.array(found), axis=0))
+    if angle <= LATE:
+        return 0.0, ""
+    time = f" ({seconds:.2g} s)" if np.isfinite(seconds) else ""
+    late = f"the torque changes {np.degrees(angle):.2g} deg{time} after the motion turns back"
+    if angle > TOO_LATE:
+        raise InputError(
+            f"{name}: {late} (limit {np.degrees(TOO_LATE):.0f} deg): its channel is late; shift it by "
+            "that time, or "
+            "record angle and torque by one clock."
+        )
+    return 1.5 * angle, f"{name}: {late}: its channel may be late, or the rig has play"
+
+
+def _measured_pass(test: BenchTest, run: int, turned: Pass, after: float = 0.0) -> MeasuredPass:
+    inside = _sliding(test, turned, after)
     angle, value = turned.angle[inside], turned.signals["value"][inside]
     order = np.argsort(angle)
     angle, value = angle[order], value[order]
@@ -211,27 +265,35 @@ def _measured_pass(test: BenchTest, run: int, turned: Pass) -> MeasuredPass:
     return MeasuredPass(test, run, turned.direction, angle, value, speeds(turned.signals), recorded)
 
 
-def _sliding(test: BenchTest, turned: Pass) -> np.ndarray:
-    """Which rows of a pass are compared, shape (n,): those of a reversal where friction has turned about."""
+def _sliding(test: BenchTest, turned: Pass, after: float) -> np.ndarray:
+    """Which rows of a pass are compared, shape (n,): those of a reversal where friction has turned about, and
+    those beyond an angle `after` its begin, as far as a torque is late."""
     angle = turned.angle
     inside = (angle > angle.min() + TURNING) & (angle < angle.max() - TURNING)
-    return inside if test.of_kind.turns_about and inside.sum() > 2 else np.ones(angle.size, dtype=bool)
+    if not (test.of_kind.turns_about and inside.sum() > 2):
+        inside = np.ones(angle.size, dtype=bool)
+    settled = inside & (np.abs(angle - angle[0]) >= after)
+    return settled if settled.sum() > 2 else inside
 
 
 def _rows_left_out(
-    turned: Sequence[Pass], measured: Sequence[MeasuredPass], lines: np.ndarray, shortest: float
+    turned: Sequence[Pass],
+    measured: Sequence[MeasuredPass],
+    lines: np.ndarray,
+    shortest: float,
+    after: float,
 ) -> Iterator[str]:
     """Which rows of a file, by their numbers of lines (n,), are in none of its measured passes, and why."""
     unmoved = np.setdiff1d(lines, np.concatenate([each.signals["line"] for each in turned]))
     if unmoved.size:
         yield f"{_rows(unmoved)}, where the angle stands still or jerks back"
     for each, found in zip(turned, measured, strict=True):
-        inside, numbers = _sliding(found.test, each), each.signals["line"]
+        inside, numbers = _sliding(found.test, each, after), each.signals["line"]
         if not np.ptp(found.angle) > shortest:
             yield f"{_rows(numbers)}, a pass shorter than {100 * SHORTEST:.0f} % of the longest"
             continue
         if not inside.all():
-            degrees = np.degrees(TURNING)
+            degrees = np.degrees(max(after, TURNING if found.test.of_kind.turns_about else 0.0))
             yield f"{_rows(numbers[~inside])}, within {degrees:.2g} deg of where the motion turns about"
         if inside.sum() > MOST_POINTS:
             yield f"{inside.sum()} rows of a pass are taken together to {MOST_POINTS} medians"

@@ -114,6 +114,7 @@ def notes(problem: Problem, gear: SteeringGear) -> Iterator[str]:
         yield "no test was run twice: how much runs differ is declared, not known from these data"
     for each in levels:
         yield from notes_of(each, gear)
+    yield from measurement.late
     yield from mixed_speeds(measurement, float(GearPair.of(gear).gain))
 
 

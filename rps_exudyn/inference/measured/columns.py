@@ -69,6 +69,17 @@ def known_columns(header: Sequence[str]) -> int:
     )
 
 
+_OF_OTHER_PARTS = re.compile(
+    r"yoke|plunger|joch|druckst|bush|buchse|housing|gehäuse|tie|wheel|probe|dial", re.I
+)
+
+
+def names_quantity(layout: Layout, quantity: str) -> bool:
+    """Return whether a header names a quantity of pinion or rack, with or without a unit."""
+    titles = _titles(layout.header[1] if layout.header else [], layout.units[1] if layout.units else None)
+    return any(each.is_named(quantity) and not _OF_OTHER_PARTS.search(each.text) for each in titles)
+
+
 def find_columns(
     path: object, layout: Layout, wanted: Iterable[str], chosen: Mapping[str, str]
 ) -> list[MeasuredColumn]:
@@ -86,7 +97,7 @@ def find_columns(
         )
     header = layout.header[1] if layout.header else []
     titles = _titles(header, layout.units[1] if layout.units else None)
-    where = f"{path}, line {layout.header[0]}" if layout.header else str(path)
+    where = f"{path}, line {layout.header[0]}" if layout.header and layout.header[0] else str(path)
     problems, found = [], []
     for quantity in wanted:
         try:

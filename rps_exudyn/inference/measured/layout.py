@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import content_of
 from rps_exudyn.inference.measured.bench_units import is_never_unit, is_unit
-from rps_exudyn.inference.measured.numbers import as_number, is_missing, pattern
+from rps_exudyn.inference.measured.numbers import as_number, is_missing, patterns
 
 Line = tuple[int, str]
 Row = tuple[int, list[str]]
@@ -68,9 +67,9 @@ def layout_of(text: str, known_in: Callable[[list[str]], int]) -> Layout | None:
     marked = [(line, _COMMENT.match(line[1])) for line in lines]
     comments = [(number, line[mark.end() :]) for (number, line), mark in marked if mark]
     lines = [line for line, mark in marked if not mark]
-    patterns = [pattern(line) for _, line in lines]
+    of_lines = patterns([line for _, line in lines])
     separators = [stated] if stated else list(SEPARATORS)
-    divisions = [each for sign in separators if (each := _divided(lines, patterns, comments, sign, known_in))]
+    divisions = [each for sign in separators if (each := _divided(lines, of_lines, comments, sign, known_in))]
 
     def merit(division: _Division) -> tuple[int, int]:
         known = min(known_in(division.header[1]), 2) if division.header else 0
@@ -102,13 +101,13 @@ def _lines(text: str) -> Iterator[Line]:
 
 def _divided(
     lines: list[Line],
-    patterns: list[str],
+    of_lines: list[str],
     comments: list[Line],
     separator: str,
     known_in: Callable[[list[str]], int],
 ) -> _Division | None:
     """How a separator divides the lines; None where no row of numbers follows."""
-    counted = _counted(lines, patterns, separator)
+    counted = _counted(lines, of_lines, separator)
     counts = [count for count, _ in counted]
     begin = _first_of_numbers(lines, counts, separator)
     if begin is None:
@@ -126,11 +125,11 @@ def _divided(
     return _Division(separator, header, below, begin, sum(count > 1 for count in counts[begin:]))
 
 
-def _counted(lines: list[Line], patterns: list[str], separator: str) -> list[tuple[int, int]]:
+def _counted(lines: list[Line], of_lines: list[str], separator: str) -> list[tuple[int, int]]:
     """Numbers and cells of each line; lines of one pattern have as many, unless a unit may hold digits."""
     of_pattern: dict[str, tuple[int, int] | None] = {}
     counted = []
-    for (_, line), of_line in zip(lines, patterns, strict=True):
+    for (_, line), of_line in zip(lines, of_lines, strict=True):
         found = of_pattern.get(of_line)
         if found is None:
             cells = _cells(line, separator)
@@ -242,13 +241,12 @@ _MARKS = {
 }
 
 
-def read_text(path: str | Path) -> tuple[str, str]:
+def text_of(path: str | Path, content: bytes) -> tuple[str, str]:
     """Return a file's text and its encoding: by its mark, else UTF-8, UTF-16 without a mark, or Windows-1252.
 
     Raises:
-        InputError: the file cannot be read, or is no text.
+        InputError: it is no text.
     """
-    content = content_of(path)
     for begin, what in _OTHER_FILES.items():
         if content.startswith(begin):
             raise InputError(f"{path} is {what}.")

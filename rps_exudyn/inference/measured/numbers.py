@@ -67,21 +67,32 @@ def pattern(text: str) -> str:
     return text.translate(_PATTERN)
 
 
+def patterns(texts: Sequence[str]) -> list[str]:
+    """Return the pattern of each text, by one translation of all of them."""
+    return pattern("\n".join(texts)).split("\n") if texts else []
+
+
 def one_of_each(cells: Iterable[str]) -> Iterator[Cell]:
     """Parse the numbers among the cells, of each pattern the first with a leading zero and the first without.
 
     All numbers of a pattern are parsed where digits follow them, for instance in a unit.
     """
-    alike: dict[tuple[str, bool], list[str]] = {}
-    for cell in cells:
-        of_cell = pattern(cell)
-        alike.setdefault((of_cell, cell[of_cell.find("0") :][:1] == "0"), []).append(cell)
-    for group in alike.values():
+    alike: dict[str, list[str]] = {}
+    cells = list(cells)
+    for cell, of_cell in zip(cells, patterns(cells), strict=True):
+        alike.setdefault(of_cell, []).append(cell)
+    for of_cell, group in alike.items():
         first = as_number(group[0])
-        if first is not None:
-            yield first
-            if first.tail_has_digits:
-                yield from (number for cell in group[1:] if (number := as_number(cell)) is not None)
+        if first is None:
+            continue
+        yield first
+        if first.tail_has_digits:
+            yield from (number for cell in group[1:] if (number := as_number(cell)) is not None)
+        elif (digit := of_cell.find("0")) >= 0:
+            leads = group[0][digit] == "0"
+            other = next((cell for cell in group if (cell[digit] == "0") != leads), None)
+            if other is not None and (number := as_number(other)) is not None:
+                yield number
 
 
 @dataclass(frozen=True)
@@ -113,17 +124,23 @@ class Format:
 
         `units` are what may follow a number; None: anything.
         """
-        readers: dict[str, Callable[[str], float]] = {}
+        of_cells = patterns(cells)
+        readers = {
+            of_cell: self._reader(cell, units)
+            for of_cell, cell in dict(zip(of_cells, cells, strict=True)).items()
+        }
+        if all(reader is None for reader in readers.values()):
+            return np.array(
+                [float(cell) for cell in "\n".join(cells).replace(",", ".").split("\n")] if cells else []
+            )
         values = []
-        for cell in cells:
-            reader = readers.get(of_cell := pattern(cell))
-            if reader is None:
-                readers[of_cell] = reader = self._reader(cell, units)
-            values.append(reader(cell))
+        for cell, of_cell in zip(cells, of_cells, strict=True):
+            reader = readers[of_cell]
+            values.append(reader(cell) if reader else float(cell.replace(",", ".")))
         return np.array(values, dtype=float)
 
-    def _reader(self, cell: str, units: Sequence[str] | None) -> Callable[[str], float]:
-        """The function that reads all cells of this one's pattern."""
+    def _reader(self, cell: str, units: Sequence[str] | None) -> Callable[[str], float] | None:
+        """The function that reads all cells of this one's pattern; None where `float` does, commas aside."""
 
         def number_of(text: str) -> float:
             found = as_number(text)
@@ -143,7 +160,7 @@ class Format:
             return number_of
         if units is not None and found.tail not in units:
             return lambda text: np.nan
-        return lambda text: float(text[: len(number)].replace(",", "."))
+        return None if cell == number else lambda text: float(text[: len(number)].replace(",", "."))
 
     @property
     def words(self) -> str:

@@ -1,4 +1,4 @@
-"""A measured curve from a text file, with what was assumed on the way.
+"""A measured curve from a file, with what was assumed on the way.
 
     measured = read_measured_torque("bench.csv")
     measured.assumed  # ("cells separated by semicolons, decimal comma", ...)
@@ -12,16 +12,26 @@ moves along +X.
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from rps_exudyn.analysis.measured import FEWEST
 from rps_exudyn.analysis.passes import is_in_random_order, passes
 from rps_exudyn.base.errors import InputError, are, lines_in_words
+from rps_exudyn.base.files import content_of
 from rps_exudyn.base.units import short
-from rps_exudyn.inference.measured.columns import MeasuredColumn, find_columns, known_columns
-from rps_exudyn.inference.measured.layout import SEPARATORS, Layout, Row, layout_of, read_text
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.inference.measured.channels import Channels, channels_of
+from rps_exudyn.inference.measured.columns import (
+    MeasuredColumn,
+    find_columns,
+    known_columns,
+    names_quantity,
+)
+from rps_exudyn.inference.measured.layout import SEPARATORS, Layout, Row, layout_of, text_of
 from rps_exudyn.inference.measured.numbers import (
     AmbiguousNumbersError,
     Format,
@@ -31,7 +41,8 @@ from rps_exudyn.inference.measured.numbers import (
     is_placeholder,
     one_of_each,
 )
-from rps_exudyn.inference.measured.turning import counted_on, directions, recorded
+from rps_exudyn.inference.measured.turning import angle_by_speed, counted_on, directions, recorded
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import MeasuredTorque
 
 TORQUE = ("pinion_angle", "pinion_torque")
@@ -40,9 +51,15 @@ _ENCODINGS = {"utf-8": "", "utf-8-sig": "", "cp1252": "Windows-1252"}
 FAR = 20.0  # times the usual size of a value: a number of nines beyond stands for none
 
 
-def read_measured_torque(path: str | Path, columns: Mapping[str, str] | None = None) -> MeasuredTorque:
-    """The torque over the pinion angle in a file; `columns` is quantity -> "TITLE [unit]", where its header
-    does not tell.
+def read_measured_torque(
+    path: str | Path, columns: Mapping[str, str] | None = None, gear: SteeringGear | None = None
+) -> MeasuredTorque:
+    """The torque over the pinion angle in a file.
+
+    Args:
+        path: a text, or an MDF 4, TDMS or MAT file.
+        columns: quantity -> "TITLE [unit]", where its header does not tell.
+        gear: whose travel per turn gives the angle where a file has the rack's travel instead.
 
     Raises:
         InputError: the file cannot be read, lacks a column or its unit, or holds no numbers or no curve.
@@ -53,13 +70,19 @@ def read_measured_torque(path: str | Path, columns: Mapping[str, str] | None = N
         >>> rps.read_measured_torque("bench.csv").signals["pinion_torque"].size
         361
     """
-    return read_curve(path, TORQUE, columns)
+    return read_curve(path, TORQUE, columns, None if gear is None else float(GearPair.of(gear).gain))
 
 
 def read_curve(
-    path: str | Path, wanted: Sequence[str], columns: Mapping[str, str] | None = None
+    path: str | Path,
+    wanted: Sequence[str],
+    columns: Mapping[str, str] | None = None,
+    gain: float | None = None,
 ) -> MeasuredTorque:
     """The curve of the wanted quantities, the driven coordinate first: `TORQUE` or `PUSH`.
+
+    The angle of a torque may follow from the rack's travel, or from times and speeds; `gain` is the travel
+    per angle [m/rad], None where no gear is known.
 
     Raises:
         InputError: as of `read_measured_torque`.
@@ -67,31 +90,33 @@ def read_curve(
     chosen = dict(columns or {})
     if unknown := [name for name in chosen if name not in (*TORQUE, *PUSH)]:
         raise InputError(f"--column {unknown[0]} is no quantity; there are {', '.join((*TORQUE, *PUSH))}.")
-    text, encoding = read_text(path)
-    layout = layout_of(text, known_columns)
-    if layout is None:
-        raise InputError(
-            f"{path} has no column {wanted[0]} with its unit: it holds no rows of two numbers or more."
-        )
-    if layout.separator == "," and layout.header and layout.width > len(layout.header[1]):
-        raise InputError(
-            f"{path} has {layout.width} cells in a row where line {layout.header[0]} names "
-            f"{len(layout.header[1])}: its commas may separate cells or decimals; write decimal points, or "
-            "semicolons between cells."
-        )
-    found = find_columns(path, layout, wanted, {name: chosen[name] for name in wanted if name in chosen})
-    numbers = _format(path, layout, found)
-    values, notes, lines = _values(path, layout, found, numbers)
+    content = content_of(path)
+    channels = channels_of(path, content)
+    source = _Text.of(path, content, wanted) if channels is None else _Channels(path, channels)
+    recording, instead = _columns_instead(source.layout, wanted, chosen)
+    picked = find_columns(
+        path, source.layout, recording, {name: chosen[name] for name in recording if name in chosen}
+    )
+    values, first, notes, lines, beside = source.read(picked)
     if len(lines) < FEWEST:
         raise InputError(f"{path} holds {len(lines)} points; a torque curve needs at least {FEWEST}.")
-    table = values * np.array([column.size for column in found])[:, None]
+    table = values * np.array([column.size for column in picked])[:, None]
+    left_out = tuple(notes)
+    rack_speed = beside.pop("rack_speed", None)
+    if rack_speed is not None and (wanted[0] in PUSH or gain is not None):
+        beside.setdefault("speed", rack_speed if wanted[0] in PUSH else rack_speed / gain)
+    if instead == "rack_displacement":
+        table[0], said = _angle_by_travel(path, table[0], gain)
+        notes.append(said)
+    elif instead == "speed":
+        table = np.array([_angle_by_speed(path, beside, table[0]), table[0]])
+        notes.append("the pinion angle is the sum of speed times time, from 0 on")
     if is_in_random_order(table[0]):
         raise InputError(
             f"{path} holds its {wanted[0].replace('_', ' ')}s in random order: they turn back after a few "
             "rows each; write the rows in the order in which they were recorded."
         )
-    left_out = tuple(notes)
-    if wanted[0] in TORQUE:
+    if wanted[0] in TORQUE and not instead:
         table[0], turns = counted_on(table[0])
         notes += [f"the angle begins anew {turns} times and is counted on from turn to turn"] if turns else []
     signals = dict(zip(wanted, table, strict=True))
@@ -99,13 +124,151 @@ def read_curve(
         raise InputError(
             f"{path} holds one {wanted[0].replace('_', ' ')} only; a curve covers a range of them."
         )
-    _check_directions(path, layout, signals[wanted[0]])
-    first = f"cells separated by {SEPARATORS.get(layout.separator, layout.separator)}, {numbers.words}"
-    if named := _ENCODINGS.get(encoding, encoding.upper()):
-        first = f"text in {named}, {first}"
-    taken = [_taken(column) for column in found]
-    beside = {**recorded(layout, lines, numbers), "line": np.array(lines, dtype=float)}
+    _check_directions(path, source.layout, signals[wanted[0]])
+    taken = [_taken(column) for column in picked]
+    beside["line"] = np.array(lines, dtype=float)
     return MeasuredTorque(Path(path).stem, signals, (first, *taken, *notes), beside, left_out)
+
+
+def _columns_instead(
+    layout: Layout, wanted: Sequence[str], chosen: Mapping[str, str]
+) -> tuple[tuple[str, ...], str]:
+    """The quantities that are read, and what stands instead of a pinion angle: "" where it is there."""
+    own = tuple(wanted)
+    if wanted[0] != "pinion_angle" or "pinion_angle" in chosen:
+        return own, ""
+    if "rack_displacement" in chosen:
+        return ("rack_displacement", *own[1:]), "rack_displacement"
+    if names_quantity(layout, "pinion_angle"):
+        return own, ""
+    if names_quantity(layout, "rack_displacement"):
+        return ("rack_displacement", *own[1:]), "rack_displacement"
+    if {"speed", "rack_speed"} & set(recorded(layout, lambda index: np.zeros(0))):
+        return own[1:], "speed"
+    return own, ""
+
+
+def _angle_by_travel(path: str | Path, travel: np.ndarray, gain: float | None) -> tuple[np.ndarray, str]:
+    if gain is None:
+        raise InputError(
+            f"{path} holds the rack's travel and no pinion angle: give the gear whose travel per turn is "
+            "known."
+        )
+    turn = 2e3 * np.pi * gain
+    return (
+        travel / gain,
+        f"the pinion angle follows from the rack's travel, {turn:.4g} mm per turn of the gear given",
+    )
+
+
+def _angle_by_speed(path: str | Path, beside: Mapping[str, np.ndarray], torque: np.ndarray) -> np.ndarray:
+    if "clock" not in beside:
+        raise InputError(
+            f"{path} has a speed and neither a pinion angle nor times; name a column time [s] or "
+            "pinion_angle [deg]."
+        )
+    if "speed" not in beside:
+        raise InputError(
+            f"{path} holds the rack's speed and no pinion angle: give the gear whose travel per turn is "
+            "known."
+        )
+    try:
+        return angle_by_speed(beside["clock"], beside["speed"], torque)
+    except ValueError as error:
+        raise InputError(
+            f"{path} has times and speeds instead of a pinion angle, but {error}; write a pinion_angle "
+            "[deg], "
+            "or speeds that are negative where the pinion turns back."
+        ) from None
+
+
+class _Read(NamedTuple):
+    """What was read of a file."""
+
+    values: np.ndarray  # in the columns' units, shape (columns, n)
+    first: str  # what was assumed of the file
+    notes: list[str]  # which rows were left out
+    lines: list[int]  # numbers of the rows
+    beside: dict[str, np.ndarray]  # clock and speeds, shape (n,)
+
+
+@dataclass(frozen=True, eq=False)
+class _Channels:
+    """A file of channels."""
+
+    path: str | Path
+    channels: Channels
+
+    @property
+    def layout(self) -> Layout:
+        return self.channels.layout
+
+    def read(self, picked: list[MeasuredColumn]) -> "_Read":
+        """The columns' numbers and what stands beside them."""
+        table = np.array([self._column(column.index, picked) for column in picked])
+        known = np.isfinite(table).all(axis=0)
+        notes = []
+        if missing := int((~known).sum()):
+            rows = lines_in_words((np.flatnonzero(~known) + 1).tolist()).replace("line", "row")
+            notes.append(f"{are(missing, 'row', ' without a value')} left out: {rows}")
+        beside = recorded(self.layout, lambda index: self._column(index, picked)[known])
+        clock = self.channels.channels[picked[0].index].clock
+        if clock is not None:
+            beside.setdefault("clock", clock[known])
+        rows_kept = (np.flatnonzero(known) + 1).tolist()
+        return _Read(table[:, known], self.channels.what, notes, rows_kept, beside)
+
+    def _column(self, index: int, picked: list[MeasuredColumn]) -> np.ndarray:
+        try:
+            return self.channels.column(index, picked[0].index)
+        except InputError as error:
+            raise InputError(f"{self.path}: {' '.join(error.problems)}.") from None
+
+
+@dataclass(frozen=True, eq=False)
+class _Text:
+    """A file of text."""
+
+    path: str | Path
+    encoding: str
+    layout: Layout
+
+    @classmethod
+    def of(cls, path: str | Path, content: bytes, wanted: Sequence[str]) -> "_Text":
+        """The table in a text.
+
+        Raises:
+            InputError: it is no text, or holds no table.
+        """
+        text, encoding = text_of(path, content)
+        layout = layout_of(text, known_columns)
+        if layout is None:
+            raise InputError(
+                f"{path} has no column {wanted[0]} with its unit: it holds no rows of two numbers or more."
+            )
+        if layout.separator == "," and layout.header and layout.width > len(layout.header[1]):
+            raise InputError(
+                f"{path} has {layout.width} cells in a row where line {layout.header[0]} names "
+                f"{len(layout.header[1])}: its commas may separate cells or decimals; write decimal "
+                "points, or "
+                "semicolons between cells."
+            )
+        return cls(path, encoding, layout)
+
+    def read(self, picked: list[MeasuredColumn]) -> "_Read":
+        """The columns' numbers and what stands beside them."""
+        numbers, separator = _format(self.path, self.layout, picked), self.layout.separator
+        values, notes, lines = _values(self.path, self.layout, picked, numbers)
+        first = f"cells separated by {SEPARATORS.get(separator, separator)}, {numbers.words}"
+        if named := _ENCODINGS.get(self.encoding, self.encoding.upper()):
+            first = f"text in {named}, {first}"
+        kept = set(lines)
+        rows = [row for number, row in self.layout.rows if number in kept]
+        beside = recorded(
+            self.layout,
+            lambda index: numbers.column([row[index] if index < len(row) else "" for row in rows]),
+        )
+        return _Read(values, first, notes, lines, beside)
 
 
 def _check_directions(path: str | Path, layout: Layout, driven: np.ndarray) -> None:

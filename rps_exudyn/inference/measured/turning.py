@@ -1,11 +1,12 @@
 """The angle of an encoder that counts one turn only, and records whose angle does not show the direction."""
 
 import re
+from collections.abc import Callable
 
 import numpy as np
 
 from rps_exudyn.inference.measured.layout import Layout
-from rps_exudyn.inference.measured.numbers import Format, is_missing
+from rps_exudyn.inference.measured.numbers import is_missing
 
 TURN = 2 * np.pi
 NEAR_TURN = 0.5  # of a turn: a larger step is no motion but the count beginning anew ...
@@ -42,14 +43,16 @@ def directions(layout: Layout) -> list[str]:
     return words if 1 < len(words) <= MOST_WAYS else []
 
 
-# --- The clock and the speed that a bench records beside the curve
+# --- The clock and the speed that a bench records beside the curve, or instead of an angle
 #
-# Nothing depends on them but a warning: a column whose unit is not certain is left out.
+# A column whose unit is not certain is left out.
 
 _TITLE = re.compile(r"(?P<name>[^\[\](){}/]+?)\s*[\[({/,_ ]+\s*(?P<unit>[^\])}]+?)\s*[\])}]?")
+_SPEED = r"(?:\w+ )?(?:speed|velocity|rate)|drehzahl|(?:winkel|dreh)?geschwindigkeit|n|omega|v"
 _TITLES_OF = {
     "clock": r"time|zeit|t|messzeit|elapsed(?: time)?|timestamp",
-    "speed": r"(?:\w+ )?(?:speed|velocity|rate)|drehzahl|(?:winkel|dreh)?geschwindigkeit|n|omega|v",
+    "speed": _SPEED,
+    "rack_speed": _SPEED,
 }
 _SIZES = {
     "clock": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
@@ -58,17 +61,15 @@ _SIZES = {
         **dict.fromkeys(("rpm", "1/min", "u/min", "rev/min", "min-1", "min^-1"), TURN / 60),
         **dict.fromkeys(("1/s", "u/s", "rev/s"), TURN),
         "rad/s": 1.0,
-        "m/s": 1.0,
-        "mm/s": 1e-3,
-        "mm/min": 1e-3 / 60,
     },
+    "rack_speed": {"m/s": 1.0, "mm/s": 1e-3, "mm/min": 1e-3 / 60},
 }
 
 
-def recorded(layout: Layout, lines: list[int], numbers: Format) -> dict[str, np.ndarray]:
-    """Return `clock` [s] and `speed` [rad/s], or [m/s] of a rack, at these lines, where the file has them.
+def recorded(layout: Layout, column: Callable[[int], np.ndarray]) -> dict[str, np.ndarray]:
+    """Return `clock` [s], `speed` [rad/s] and `rack_speed` [m/s], as far as the columns' titles name them.
 
-    Values that are missing are NaN.
+    `column` returns the numbers of a column of the file, NaN where a value is missing.
     """
     titles = layout.header[1] if layout.header else []
     units = layout.units[1] if layout.units else [""] * len(titles)
@@ -81,9 +82,35 @@ def recorded(layout: Layout, lines: list[int], numbers: Format) -> dict[str, np.
         ]
         if len(fitting) == 1:
             index, size = fitting[0]
-            cells = {line: row[index] for line, row in layout.rows if index < len(row)}
-            found[quantity] = size * numbers.column([cells.get(line, "") for line in lines])
+            found[quantity] = size * column(index)
     return found
+
+
+TO_REST = 0.05  # of the usual speed, between two parts of a motion
+OTHER_SIGN = 0.1  # of the rows, whose torque has the other sign
+
+
+def angle_by_speed(clock: np.ndarray, speed: np.ndarray, torque: np.ndarray) -> np.ndarray:
+    """Return angles [rad] from times [s], speeds [rad/s] and torques, all of shape (n,), from 0 on.
+
+    Raises:
+        ValueError: the times do not rise, or the speed has no sign although the motion turns back; its text
+            is the cause.
+    """
+    steps = np.diff(clock)
+    if not (np.isfinite(clock).all() and np.isfinite(speed).all() and (steps >= 0).all() and steps.any()):
+        raise ValueError("its times do not rise, or a speed is missing")
+    if not speed.any():
+        raise ValueError("its speed is 0")
+    moving = np.flatnonzero(np.abs(speed) >= 0.5 * np.median(np.abs(speed[speed != 0])))
+    inner = speed[moving[0] : moving[-1] + 1]
+    if (inner >= 0).all() or (inner <= 0).all():
+        stops = np.abs(inner).min() < TO_REST * np.median(np.abs(inner))
+        signs = np.sign(torque[moving])
+        other = min((signs > 0).mean(), (signs < 0).mean())
+        if stops or other > OTHER_SIGN:
+            raise ValueError("its speed has one sign although the motion turns back")
+    return np.concatenate([[0.0], np.cumsum((speed[1:] + speed[:-1]) / 2 * steps)])
 
 
 def _size(quantity: str, names: str, title: str, below: str) -> float | None:

@@ -15,6 +15,7 @@ from rps_exudyn.analysis.work_balance import largest_work, missing_work
 from rps_exudyn.forces.force_element import ENERGY_TERMS, Part
 from rps_exudyn.gears.bar_section import mass_and_moments
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.geometry_limits import largest_lift
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Outcome, Status
@@ -56,10 +57,9 @@ def validated(
     developed.
     """
     equilibria = outcome.settings.get("name") == "equilibrium"
-    in_mesh = gear.basic_rack.addendum * gear.pinion.normal_module / 2
     checks = (
         finite(signals),
-        rack_in_mesh(signals, gear.installation.axis_offset, in_mesh),
+        rack_in_mesh(signals, gear.installation.axis_offset, largest_lift(gear)),
         *([] if record.pulse_power is not None else [teeth_loaded(signals)]),  # a pulse may part them
         law_valid(record.forces.valid_to, signals),
         *([] if friction_zone is None else [friction_developed(signals, friction_zone, GearPair.of(gear))]),
@@ -314,7 +314,9 @@ def edge_bound(gear: SteeringGear) -> float:
 
     By law "line" 5 % of random gears exceed 2 %, and one of 200 reaches 5 %, in the smallest steps as well.
     """
-    return EDGE_BOUND[gear.mesh.law] + EDGE_FRACTION * float(np.degrees(abs(gear.installation.angle_error)))
+    return EDGE_BOUND[gear.mesh.contact_law] + EDGE_FRACTION * float(
+        np.degrees(abs(gear.installation.angle_error))
+    )
 
 
 def edges_spared(signals: dict[str, np.ndarray], bound: float) -> Failure:

@@ -1,0 +1,288 @@
+"""Channels of a bench's binary files: MDF 4 (asammdf), TDMS (npTDMS) and MAT up to version 7.2 (scipy).
+
+Each channel has a name, a unit as far as the file states it, values, and the instants of its values where
+they are recorded. Channels of other rates are brought onto the instants of the driven one. asammdf and
+npTDMS come with the extra `[bench]`. These files come from others: every error of a reader is a refusal, and
+what a file would unpack to is bounded.
+"""
+
+import gc
+import logging
+import struct
+import sys
+import warnings
+import zlib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+
+from rps_exudyn.base.errors import InputError, raise_wrapped
+from rps_exudyn.inference.measured.layout import Layout
+
+LARGEST = 2_000_000_000  # bytes that a file may unpack to
+_UNITS = ("unit_string", "unit", "units", "NI_UnitDescription", "Unit", "Units", "Einheit")
+_VALUES = ("values", "value", "data", "signal", "y")
+_CLOCKS = ("time", "t", "x")
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """A channel of a file."""
+
+    name: str
+    unit: str  # "" where the file states none
+    values: np.ndarray  # shape (n,)
+    clock: np.ndarray | None = None  # [s], shape (n,)
+
+
+@dataclass(frozen=True, eq=False)
+class Channels:
+    """The channels of a file of numbers."""
+
+    what: str  # kind of file, for a reader
+    channels: tuple[Channel, ...]
+
+    @property
+    def layout(self) -> Layout:
+        """Names and units of the channels as those of a table without rows."""
+        names = [each.name for each in self.channels]
+        return Layout("", (0, names), (0, [each.unit for each in self.channels]), [])
+
+    def column(self, index: int, driven: int) -> np.ndarray:
+        """Return the values of a channel at the instants of the driven one, shape (n,); NaN outside its own.
+
+        Raises:
+            InputError: it has another number of values, and no instants.
+        """
+        own, other = self.channels[index], self.channels[driven]
+        same_clock = (own.clock is None) == (other.clock is None) and (
+            own.clock is None or other.clock is None or np.array_equal(own.clock, other.clock)
+        )
+        if own.values.size == other.values.size and same_clock:
+            return own.values
+        if own.clock is None or other.clock is None or not (np.diff(own.clock) > 0).all():
+            raise InputError(
+                f"its channels {other.name} and {own.name} have {other.values.size} and {own.values.size} "
+                "values and no common time; export them at one rate"
+            )
+        return np.interp(other.clock, own.clock, own.values, left=np.nan, right=np.nan)
+
+
+def channels_of(path: str | Path, content: bytes) -> Channels | None:
+    """Return the channels of a binary file of a bench; None of any other content.
+
+    Raises:
+        InputError: the file is damaged or of a version that is not read, or its library is not installed.
+    """
+    if content.startswith((b"MDF     ", b"UnFinMF ")):
+        if content[8:9] != b"4":
+            version = content[8:12].decode("latin-1").strip()
+            raise InputError(f"{path} is an MDF file of version {version}; save it as MDF 4.")
+        what, read = "MDF 4", _mdf
+    elif content.startswith(b"TDSm"):
+        what, read = "TDMS", _tdms
+    elif content.startswith(b"MATLAB 7.3 MAT-file"):
+        raise InputError(f"{path} is a MAT file of version 7.3; save it by save(..., '-v7').")
+    elif content.startswith(b"MATLAB 5.0 MAT-file"):
+        what, read = "MAT", _mat
+    else:
+        return None
+    refused = ""
+    found: tuple[Channel, ...] = ()
+    with _quiet():
+        try:
+            found = tuple(read(content))
+        except ImportError as error:
+            refused = (
+                f"{path} is in {what}, which needs {error.name}: pip install 'rps-exudyn[bench]', or write "
+                "its curve as CSV."
+            )
+        except MemoryError:
+            refused = f"{path} needs more memory than there is; export its curve as CSV."
+        except Exception as error:
+            raise_wrapped(error)
+            why = type(error).__name__
+            refused = f"{path} is a damaged file of {what} ({why}); export its curve as CSV."
+        if refused and read is _mdf:
+            gc.collect()  # what was half made is deleted while nothing is printed
+    if refused:
+        raise InputError(refused)
+    found = tuple(each for each in found if each.values.size > 1)
+    if not found:
+        raise InputError(f"{path} is a file of {what} without a channel of numbers.")
+    return Channels(f"channels of {what}", _with_own_names(found))
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep what the libraries print of damaged files from the screen: warnings, messages of their loggers and
+    errors of objects that are deleted half made."""
+    logger, hook = logging.getLogger("asammdf"), sys.unraisablehook
+    level = logger.level
+    logger.setLevel(logging.CRITICAL + 1)
+    sys.unraisablehook = lambda _: None
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        logger.setLevel(level)
+        sys.unraisablehook = hook
+
+
+def _with_own_names(found: tuple[Channel, ...]) -> tuple[Channel, ...]:
+    """Channels of which several have one name are named with their groups, "group/name", as they come."""
+    short = [each.name.rpartition("/")[2] for each in found]
+    return tuple(
+        Channel(each.name if short.count(name) > 1 else name, each.unit, each.values, each.clock)
+        for each, name in zip(found, short, strict=True)
+    )
+
+
+def _numbers(values: object) -> np.ndarray | None:
+    """Values as a vector of floating point numbers; None of texts, matrices, complex numbers."""
+    array = (
+        np.ma.filled(np.ma.asarray(values, dtype=None), np.nan) if np.ma.isMA(values) else np.asarray(values)
+    )
+    if array.dtype.kind not in "iuf" or (array.ndim > 1 and max(array.shape) != array.size):
+        return None
+    return array.reshape(-1).astype(float)
+
+
+def _mdf(content: bytes) -> Iterator[Channel]:
+    from asammdf import MDF
+
+    _check_links(content)
+    with MDF(BytesIO(content)) as file:
+        size = sum(
+            each.channel_group.cycles_nr * (each.channel_group.samples_byte_nr + 1) for each in file.groups
+        )
+        _check_size(size)
+        for group, own in enumerate(file.groups):
+            master = file.masters_db.get(group)
+            for index, channel in enumerate(own.channels):
+                if index == master:
+                    continue
+                signal = file.get(group=group, index=index, ignore_invalidation_bits=False)
+                values = _numbers(signal.samples)
+                if values is None:
+                    continue
+                if signal.invalidation_bits is not None:
+                    values[np.asarray(signal.invalidation_bits, dtype=bool)] = np.nan
+                clock = np.asarray(signal.timestamps, dtype=float) if master is not None else None
+                yield Channel(f"{group}/{channel.name}", signal.unit or "", values, clock)
+
+
+_HEADER_BLOCK = 64  # address of an MDF file's header block
+_REFERRING = (b"##CA", b"##CH", b"##EV", b"##AT")  # blocks that may refer back to channels
+_BLOCK = struct.Struct("<4s4xQQ")
+
+
+def _check_links(content: bytes) -> None:
+    """Refuse an MDF file whose blocks lead back to themselves: its reader would follow them for ever.
+
+    Raises:
+        ValueError: they do.
+    """
+    open_blocks: set[int] = set()
+    done: set[int] = set()
+    stack = [(_HEADER_BLOCK, False)]
+    while stack:
+        place, is_left = stack.pop()
+        if is_left:
+            open_blocks.discard(place)
+            done.add(place)
+            continue
+        if place in open_blocks:
+            raise ValueError("blocks that refer to themselves")
+        if place in done or not 0 < place <= len(content) - _BLOCK.size:
+            continue
+        name, _, count = _BLOCK.unpack_from(content, place)
+        begin = place + _BLOCK.size
+        if name[:2] != b"##" or name in _REFERRING or begin + 8 * count > len(content):
+            done.add(place)
+            continue
+        open_blocks.add(place)
+        stack.append((place, True))
+        stack += [(link, False) for link in struct.unpack_from(f"<{count}Q", content, begin) if link]
+
+
+def _tdms(content: bytes) -> Iterator[Channel]:
+    from nptdms import TdmsFile
+
+    with TdmsFile.open(BytesIO(content)) as file:
+        each_channel = [channel for group in file.groups() for channel in group.channels()]
+        _check_size(8 * sum(len(channel) for channel in each_channel))
+        for channel in each_channel:
+            values = _numbers(channel[:])
+            if values is None:
+                continue
+            stated = next((channel.properties[key] for key in _UNITS if key in channel.properties), "")
+            step = channel.properties.get("wf_increment", 0.0)
+            clock = None
+            if isinstance(step, (int, float)) and step > 0:
+                clock = float(channel.properties.get("wf_start_offset", 0.0)) + step * np.arange(values.size)
+            yield Channel(f"{channel.group_name}/{channel.name}", str(stated), values, clock)
+
+
+def _mat(content: bytes) -> Iterator[Channel]:
+    from scipy.io import loadmat
+
+    _check_size(_unpacked(content))
+    held = loadmat(BytesIO(content), simplify_cells=True)
+    tables = {name: value for name, value in held.items() if not name.startswith("__")}
+    yield from _variables("", tables)
+
+
+def _variables(group: str, table: Mapping[str, object]) -> Iterator[Channel]:
+    """Vectors of a table of variables; structures hold further ones, or one channel with its unit."""
+    units = next((table[key] for key in _UNITS if isinstance(table.get(key), Mapping)), {})
+    clock = next((found for key in _CLOCKS if (found := _numbers(table.get(key, ""))) is not None), None)
+    for name, value in table.items():
+        if isinstance(value, Mapping):
+            key = next((key for key in _VALUES if key in value), None)
+            values = None if key is None else _numbers(value[key])
+            if values is None:
+                yield from _variables(f"{group}{name}/", value)
+                continue
+            stated = next((value[key] for key in _UNITS if isinstance(value.get(key), str)), "")
+            own = next((each for key in _CLOCKS if (each := _numbers(value.get(key, ""))) is not None), None)
+            own = own if own is not None and own.size == values.size else None
+            yield Channel(f"{group}{name}", str(stated), values, own)
+        elif (values := _numbers(value)) is not None:
+            stated = units.get(name, "") if isinstance(units, Mapping) else ""
+            own = clock if clock is not None and clock.size == values.size else None
+            yield Channel(f"{group}{name}", stated if isinstance(stated, str) else "", values, own)
+
+
+def _unpacked(content: bytes) -> int:
+    """Bytes of a MAT file's variables, as far as they are at most `LARGEST`."""
+    order: str = "little" if content[126:128] == b"IM" else "big"
+    place, size = 128, 0
+    while place + 8 <= len(content) and size <= LARGEST:
+        kind = int.from_bytes(content[place : place + 4], order)  # type: ignore[arg-type]
+        count = int.from_bytes(content[place + 4 : place + 8], order)  # type: ignore[arg-type]
+        data = content[place + 8 : place + 8 + count]
+        if kind == 15:  # compressed
+            unpacking = zlib.decompressobj()
+            while data and size <= LARGEST:
+                size += len(unpacking.decompress(data, 1 << 20))
+                data = unpacking.unconsumed_tail
+        else:
+            size += count
+        place += 8 + count
+    return size
+
+
+def _check_size(size: int) -> None:
+    """Refuse a file that would unpack to more than `LARGEST`.
+
+    Raises:
+        MemoryError: it would.
+    """
+    if not 0 <= size <= LARGEST:
+        raise MemoryError
