@@ -362,11 +362,13 @@ class _Followed:
 
     def described(self, change: Mapping[str, np.ndarray]) -> "_Part":
         """Return the gears without the metrics that change, and without those whose figure does."""
+        if not self.gears:
+            return NO_GEARS
         beyond = {name: np.broadcast_to(each, len(self.gears)) for name, each in change.items()}
         stands = beyond.get(self.common.figure, np.zeros(len(self.gears))) <= 1
         if not stands.all():
             return self.some(stands).described({name: each[stands] for name, each in beyond.items()})
-        summary, n = dict(self.summary), len(self.gears)
+        summary = dict(self.summary)
         for name in summary.keys() & beyond.keys():
             summary[name] = np.where(beyond[name] > 1, np.nan, summary[name])
         noted: list[list[Remark]] = []
@@ -380,7 +382,7 @@ class _Followed:
                 summary[name] = np.array([own.get(name, np.nan) for own in figures])
         stride = 2**self.common.halvings
         kept = every_second(self.signals, stride) if stride > 1 else self.signals
-        return _Part(self.common.rows[self.chosen], summary, self.counters, noted, kept) if n else NO_GEARS
+        return _Part(self.common.rows[self.chosen], summary, self.counters, noted, kept)
 
 
 @dataclass(frozen=True, eq=False)
@@ -405,7 +407,8 @@ NO_GEARS = _Part(np.zeros(0, dtype=np.intp), {}, {}, [], {})
 
 def _confirmed(common: Common, first: _Followed) -> Iterator[_Part]:
     """Yield the gears with the metrics that stand, as `metric_confirmation.confirmed` does of a single one:
-    those whose record doubts a metric are followed again in half the steps."""
+    those whose record doubts a metric are followed again in half the steps. Their signals stay those of the
+    first instants, which all gears share."""
     if not first.gears:
         return
     late = np.broadcast_to(rolls_late(first.signals) > LATE, len(first.gears))

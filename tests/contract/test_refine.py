@@ -141,5 +141,7 @@ def test_a_late_rolling_is_half_a_step_of_its_fastest_over_its_range() -> None:
     """Of a sine with n steps in a period pi / n; of many racks one each."""
     time = np.linspace(0.0, 1.0, 41)
     roll = np.stack([np.sin(2 * np.pi * time), np.sin(4 * np.pi * time)])
-    assert rolls_late({"time": time, "rack_roll": roll}) == pytest.approx(np.pi / np.array([40, 20]), rel=0.02)
+    assert rolls_late({"time": time, "rack_roll": roll}) == pytest.approx(
+        np.pi / np.array([40, 20]), rel=0.02
+    )
     assert rolls_late({"time": time}) == 0
