@@ -262,34 +262,6 @@ def sticking_table(folder: Path) -> str:
     return markdown(["damping ratio", "largest sticking speed rad/s"], rows)
 
 
-def breakaway_table(folder: Path) -> str:
-    """Peak over running torque at a breakaway."""
-    rows = [
-        [f"{1e6 * case['travel']:g} um", f"{case['ratio']:.3f}"]
-        for case in load_data(folder / DATA)["breakaway"]
-    ]
-    return markdown(["bristle travel", "breakaway over running torque"], rows)
-
-
-def cells_table(folder: Path) -> str:
-    """Cells in which the whole gear was run."""
-    rows = [
-        [
-            f"{1e6 * cell['travel']:g} um" if cell["travel"] else "-",
-            f"{cell['speed']:g}",
-            f"{cell['ratio']:g}",
-            *([f"*{cell['message']}*", ""] if "message" in cell else _found(cell)),
-        ]
-        for cell in load_data(folder / DATA)["tried"]
-    ]
-    head = ["bristle travel", "speed rad/s", "damping ratio", "sticks", "torque, half its range"]
-    return markdown(head, rows)
-
-
-def _found(cell: dict[str, Any]) -> list[str]:
-    return [f"{cell['share']:.0%}", f"{cell['torque']:.3f} N m"]
-
-
 TOPIC = Topic(
     "stick-slip of gear and column: maps, limits measured and predicted, methods",
     "2 min",
@@ -306,7 +278,5 @@ TOPIC = Topic(
     {
         "stick_slip_limits": limits_table,
         "sticking": sticking_table,
-        "breakaway": breakaway_table,
-        "whole_gear": cells_table,
     },
 )
