@@ -55,6 +55,12 @@ CHANGES = {
     "teeth: contact damping 0.1 ms": Change(gear={"mesh.damping": "0.1 ms"}),
     "lead error 0.2 mrad": Change(gear={"pinion.lead_error": LEAD_ERROR}),
     "lead error -0.2 mrad": Change(gear={"pinion.lead_error": -LEAD_ERROR}),
+    "pitch errors of the pinion: ISO 1328 class 8": Change(
+        gear={"pinion.pitch_errors": "ISO 1328 class 8, seed 3"}
+    ),
+    "pitch errors of the rack: ISO 1328 class 8": Change(
+        gear={"rack.pitch_errors": "ISO 1328 class 8, seed 3"}
+    ),
     "friction zone half as wide": Change({"zone_ratio": Fidelity().zone_ratio / 2}),
     "step half as long": Change({"step_angle": Fidelity().step_angle / 2}),
     "friction: bristles of 5 um": Change(gear=BRISTLES),

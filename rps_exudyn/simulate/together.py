@@ -55,6 +55,7 @@ def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, value
     usual = Fidelity.preset("quasi-static")
     same = fidelity.replace({"step_angle": usual.step_angle, "strip_stations": usual.strip_stations})
     parts = gear.rack.bow or gear.rack.side_force or gear.installation.gravity
+    parts = parts or gear.rack.pitch_errors or gear.pinion.pitch_errors
     reasons = {
         "scene": scene_named(scene).test is None,
         "fidelity": same != usual,
