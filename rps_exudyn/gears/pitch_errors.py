@@ -1,8 +1,8 @@
 """Pitch errors of every tooth of pinion and rack: given one by one, or drawn from a class of ISO 1328.
 
 An error is the displacement of a tooth from its place: along the pinion's reference circle in the sense of
-`pinion.pitch_error`, or along X of the rack. The class A states the largest error from tooth to tooth f_pt and
-over all teeth F_p (ISO 1328-1:2013; d and m_n in mm, f and F in um):
+`pinion.pitch_error`, or along X of the rack. The class A states the largest error from tooth to tooth f_pt
+and over all teeth F_p (ISO 1328-1:2013; d and m_n in mm, f and F in um):
 
     f_pt = (0.001 d + 0.4 m_n + 5) sqrt(2)^(A - 5)
     F_p = (0.002 d + 0.55 sqrt(d) + 0.7 m_n + 12) sqrt(2)^(A - 5)
