@@ -38,7 +38,7 @@ def test_numbers_are_those_of_the_record(rated: Result) -> None:
 
 
 def test_pressure_leaves_out_edges_and_shortest_lines(rated: Result) -> None:
-    """Hertz's line contact holds a contact's width from a line's ends; what is left has its local curvature."""
+    """Hertz's line contact holds a contact's width from a line's ends; the rest has its local curvature."""
     loads = load_distribution(rated.gear, rated.signals)
     edge = at_ends(loads)
     assert loads.pressure[edge].max() > 1.3 * loads.pressure[~edge].max()

@@ -209,9 +209,8 @@ def under_rated_torque(gear: SteeringGear, torque: float) -> str:
     ]
     if result.status is not Status.OK or not found:
         return f"By contact forces: {result.status}, {result.message}"
-    return (
-        f"All K = 1; by the contact forces of {mass:.3g} kg, law {result.gear.mesh.law}: {', '.join(found)}"
-    )
+    how = f"by the contact forces under {mass:.3g} kg, law {result.gear.mesh.law}"
+    return f"All K = 1; {how}: {', '.join(found)}"
 
 
 def _of_lift(
