@@ -77,8 +77,8 @@ def states(gear: SteeringGear, turn: tuple[float, float, float]) -> list[tuple[A
 
 def microseconds(gear: SteeringGear, arguments: list[tuple[Any, ...]], flank: np.record) -> float:
     """CPU time of one evaluation."""
-    contact = {"line": line_contact, "area": area_contact, "teeth": teeth_contact}[gear.mesh.law]
-    constants = mesh_of_teeth(gear, flank) if gear.mesh.law == "teeth" else flank
+    contact = {"line": line_contact, "area": area_contact, "teeth": teeth_contact}[gear.mesh.contact_law]
+    constants = mesh_of_teeth(gear, flank) if gear.mesh.contact_law == "teeth" else flank
 
     @numba.njit
     def sweep(repeats, angles, places, rotation, velocity, spin, records, works):  # type: ignore[no-untyped-def]
@@ -136,7 +136,7 @@ def by_case(names: Sequence[str]) -> Iterator[Row]:
     for name in names:
         settings, turn = CASES[name]
         gear = GEAR.replace(settings)
-        data, known = pack(gear), gear.mesh.law == "area"
+        data, known = pack(gear), gear.mesh.contact_law == "area"
         cost = microseconds(gear, states(gear, turn), data)
         yield name, cost, *(errors(gear, turn, data) if known else (None, None))
 

@@ -141,33 +141,27 @@ def errors(found: Batch, alone: Batch, both: np.ndarray) -> dict[str, float]:
 
 
 def table(folder: Path) -> str:
-    """Gears together beside single runs."""
+    """Gears together beside single runs, by the default law."""
     head = (
         "law, motion",
-        "gears/s and core: follower, all in, with all signals, singly",
+        "gears/s and core, together",
         "times a single run",
-        "evaluations per instant",
         "found together [%]",
-        "error of the mean [%]: of 99 %, largest",
+        "largest error of the mean [%]",
         "of peak to peak [%]",
     )
     rows = [
         (
             f"{row['law']}, {SPANS[row['span']]}",
-            ", ".join(digits(1 / row[name], 3) for name in TIMES if name in row),
+            digits(1 / row["all_in"], 3),
             digits(row["single"] / row["all_in"]),
-            digits(row["evaluations"], 3),
             digits(100 * row["in_loop"], 4),
-            _errors(row, "torque_mean"),
-            _errors(row, "torque_peak_to_peak"),
+            *(digits(100 * row[f"{name}_largest"]) for name in ("torque_mean", "torque_peak_to_peak")),
         )
         for row in load_data(folder / DATA)["rows"]
+        if row["law"] == "line"
     ]
     return markdown(head, rows)
-
-
-def _errors(row: dict[str, float], name: str) -> str:
-    return f"{digits(100 * row[f'{name}_99'])}, {digits(100 * row[f'{name}_largest'])}"
 
 
 TOPIC = Topic(

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.many_gears import REPEATS, SPANS, TIMES, Gears, in_follower, least, singly
+from benchmarks.many_gears import REPEATS, SPANS, Gears, in_follower, least, singly
 from benchmarks.topic import Topic, digits, load_data, markdown, save_data
 from rps_exudyn.analysis.passes import Signals, passes
 from rps_exudyn.scenes import scene_named
@@ -124,27 +124,23 @@ def spreads(scene: str, signals: Signals) -> np.ndarray:
 
 
 def table(folder: Path) -> str:
-    """Gears together beside single runs."""
+    """Gears together beside single runs, by the default law."""
     head = (
         "scene, law, motion",
-        "gears/s and core: follower, all in, singly",
+        "gears/s and core, together",
         "times a single run",
-        "found together [%]",
-        "error of the mean [%]: of 99 %, largest",
+        "largest error of the mean [%]",
         "of peak to peak [%]",
     )
     rows = [
         (
             f"{KINDS[row['kind']].shown}, {row['law']}, {SPANS[row['span']]}",
-            ", ".join(digits(1 / row[name], 3) for name in TIMES if name in row),
+            digits(1 / row["all_in"], 3),
             digits(row["single"] / row["all_in"]),
-            digits(100 * row["in_loop"], 4),
-            *(
-                f"{digits(100 * row[f'{name}_99'])}, {digits(100 * row[f'{name}_largest'])}"
-                for name in ("mean", "peak_to_peak")
-            ),
+            *(digits(100 * row[f"{name}_largest"]) for name in ("mean", "peak_to_peak")),
         )
         for row in load_data(folder / DATA)["rows"]
+        if row["law"] == "line"
     ]
     return markdown(head, rows)
 

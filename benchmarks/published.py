@@ -64,22 +64,23 @@ def origins(results: Path) -> dict[str, dict[str, object]]:
 
 
 def origins_table(results: Path) -> str:
-    """One row a file; where CPU time was not counted yet, none is given."""
-    rows = []
-    for file, entry in origins(results).items():
+    """One row a commit, the newest last: the topics that were run from it, with their CPU time."""
+    runs: dict[tuple[str, str], dict[str, float | None]] = {}
+    for entry in origins(results).values():
+        commit, _, dirty = str(entry["commit"]).partition("-")
+        made = str(entry["date"])[:10], f"`{commit[:7]}`{' with edits' if dirty else ''}"
         seconds = entry.get("cpu_time")
-        commit, dirty = str(entry["commit"])[:10], str(entry["commit"]).endswith("-dirty")
-        rows.append(
-            [
-                f"[{file}]({file})",
-                f"`{entry['command']}`",
-                f"`{commit}`{' with edits' if dirty else ''}",
-                str(entry["date"])[:10],
-                entry["machine"],
-                "" if seconds is None else f"{seconds:g}",
-            ]
+        topic = str(entry["command"]).rpartition(" ")[2]
+        runs.setdefault(made, {})[topic] = float(str(seconds)) if seconds is not None else None
+    rows = [
+        (
+            date,
+            commit,
+            ", ".join(f"{topic} ({s:.0f} s)" if s else topic for topic, s in sorted(topics.items())),
         )
-    return markdown(["file", "command", "commit", "date", "machine", "CPU time s"], rows)
+        for (date, commit), topics in sorted(runs.items())
+    ]
+    return markdown(["date", "commit", "topics (CPU time)"], rows)
 
 
 def _stamps(folder: Path) -> Stamps:

@@ -71,16 +71,15 @@ LABELS = {"rattle_force_rms": "yokenut force RMS", "rattle_speed_rms": "impact s
 
 
 def rattle_table(folder: Path) -> str:
-    """Figures by frequency and force."""
+    """Each frequency's least force with impacts, and what the largest force gives."""
     rows = []
-    for case in load_data(folder / DATA)["cases"]:
-        row = [f"{case['frequency']:g}", f"{case['force']:g}"]
-        if "message" in case:
-            rows.append([*row, f"*{case['message']}*", "", "", "", "", ""])
-            continue
-        values = [SUMMARY[name].show(case[name]) for name in FIGURES]
-        rows.append([*row, f"{case['rattle_impacts_per_cycle']:.3g}", *values, f"{case['largest']:.0f} N"])
-    heads = ["frequency Hz", "force N", "impacts", *(f"`{name}`" for name in FIGURES), "largest force"]
+    cases = [case for case in load_data(folder / DATA)["cases"] if "message" not in case]
+    for frequency in dict.fromkeys(case["frequency"] for case in cases):
+        own = sorted((c for c in cases if c["frequency"] == frequency), key=lambda case: case["force"])
+        hit = [case["force"] for case in own if case["rattle_impacts_per_cycle"]]
+        values = [SUMMARY[name].show(own[-1][name]) for name in FIGURES]
+        rows.append([f"{frequency:g}", f"{hit[0]:g}" if hit else "-", f"{own[-1]['force']:g}", *values])
+    heads = ["frequency Hz", "impacts from N on", "at N", *(f"`{name}`" for name in FIGURES)]
     return markdown(heads, rows)
 
 

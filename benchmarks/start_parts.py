@@ -49,6 +49,9 @@ print(json.dumps(found))
 """
 
 
+LEAST_SHARE = 0.08  # of the whole, of a part that the table shows
+
+
 def run(folder: Path, repeats: int = 5) -> None:
     """Measure all parts some times; the first process compiles what is missing."""
     probe = f"PARTS = {json.dumps(PARTS)!r}\n{PROBE}"
@@ -68,12 +71,13 @@ def _measured(probe: str, place: str) -> dict[str, float]:
 
 
 def table(folder: Path) -> str:
-    """CPU time of each part and its share."""
+    """CPU time and share of the largest parts."""
     parts = load_data(folder / DATA)["parts"]
     whole = sum(time for part, time in parts.items() if part not in NOT_IN_RUN)
     rows = [
         (part, f"{time:.3f}", "" if part in NOT_IN_RUN else f"{100 * time / whole:.0f}")
-        for part, time in parts.items()
+        for part, time in sorted(parts.items(), key=lambda each: -each[1])
+        if time > LEAST_SHARE * whole
     ]
     rows.append(("all", f"{whole:.2f}", "100"))
     return markdown(("part of `rps-exudyn run`", "CPU time [s]", "share %"), rows)

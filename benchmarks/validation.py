@@ -14,6 +14,7 @@ from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
 
 DATA = "validation.json"
+ERROR = "size of E / u_val"
 
 
 def run(folder: Path, only: Sequence[str] = ()) -> None:
@@ -26,19 +27,26 @@ def run(folder: Path, only: Sequence[str] = ()) -> None:
 
 
 def rows_table(kind: str, folder: Path) -> str:
-    """The rows of one kind."""
-    rows = [row for row in load_data(folder / DATA)["rows"] if row["kind"] == kind]
-    return markdown(COLUMNS, [[cell.replace("|", "/") for cell in row["cells"]] for row in rows])
+    """The rows of one kind by their verdicts, each with its error over the standard uncertainty."""
+    by_verdict: dict[str, list[str]] = {}
+    for row in load_data(folder / DATA)["rows"]:
+        if row["kind"] == kind:
+            shown = dict(zip(COLUMNS, row["cells"], strict=True))
+            size = f" ({shown[ERROR]})" if shown[ERROR] else ""
+            by_verdict.setdefault(shown["verdict"], []).append(shown["row"].replace("|", "/") + size)
+    return markdown(
+        ("verdict", "rows (size of E / u_val)"), [(v, "; ".join(x)) for v, x in by_verdict.items()]
+    )
 
 
 def pedigree_table(folder: Path) -> str:
     """Distributions of the inputs with their sources, from the declarations."""
     series = {each.path: each for each in SETS["series"]}
     rows = [
-        [f"`{each.path}`", _written(each), _written(series[each.path]), each.source, series[each.path].source]
+        [f"`{each.path}`", _written(each), _written(series[each.path]), each.source]
         for each in SETS["unknown"]
     ]
-    return markdown(("parameter", "unknown", "series", "source of unknown", "source of series"), rows)
+    return markdown(("parameter", "unknown", "series", "source of unknown"), rows)
 
 
 def _written(each: Input) -> str:

@@ -25,6 +25,7 @@ SCENES = {
     "reversal": "reversal",
     "load-test": "load-test",
     "rack-push": "rack-push",
+    "rack-on-rollers": "rack-on-rollers",
 }
 
 
@@ -74,9 +75,7 @@ def true_curve(gear: SteeringGear, test: BenchTest, law: str | None = None) -> d
     result = simulate(SCENES[test.kind], gear, Fidelity.preset("quasi-static"))
     if result.status != "ok":
         raise RuntimeError(f"{test.title}: {result.status}: {result.message}")
-    driven, value = (
-        ("rack_displacement", "rack_force") if test.kind == "rack-push" else ("pinion_angle", "pinion_torque")
-    )
+    driven, value = ("rack_displacement", "rack_force") if test.pushed else ("pinion_angle", "pinion_torque")
     return {"pinion_angle": result[driven], "value": result[value]}
 
 
@@ -120,7 +119,7 @@ def measured_curve(
     curve: dict[str, np.ndarray], test: BenchTest, name: str = "made up"
 ) -> tuple[BenchTest, MeasuredTorque]:
     """Return a curve as the reading of a file would."""
-    driven, value = PUSH if test.kind == "rack-push" else TORQUE
+    driven, value = PUSH if test.pushed else TORQUE
     return test, MeasuredTorque(name, {driven: curve["pinion_angle"], value: curve["value"]})
 
 

@@ -44,7 +44,8 @@ from verification.stated_ranges import (
 
 SCENE_WEIGHTS = {
     "free-pinion-torque": 0.25,
-    "rack-push": 0.08,
+    "rack-push": 0.05,
+    "rack-on-rollers": 0.03,
     "load-test": 0.08,
     "reversal": 0.14,
     "steering-feel": 0.1,
@@ -52,20 +53,26 @@ SCENE_WEIGHTS = {
     "stick-slip": 0.08,
     "yoke-impact": 0.03,
     "radial-play": 0.03,
-    "rack-lift": 0.03,
+    "rack-lift": 0.02,
+    "input-shaft-play": 0.01,
     "rattle": 0.03,
     "yoke-setting": 0.05,
 }
 PRESET_WEIGHTS = {"quasi-static": 0.42, "flank": 0.42, "full": 0.08, "closed-form": 0.08}
 ONE_LAW = 0.6  # of the gears: all their parts have the same friction law
-BY_FORMULA = ("free-pinion-torque", "rack-push", "load-test")  # scenes that the preset closed-form has
+BY_FORMULA = (
+    "free-pinion-torque",
+    "rack-push",
+    "rack-on-rollers",
+    "load-test",
+)  # scenes that the preset closed-form has
 
 
 COARSE = np.deg2rad(10)  # steps by which a test is tried
 MOST_STEPS = 1200  # of a plan
 UNEVEN = (
     "reversal", "steering-feel", "steering-torque", "stick-slip", "yoke-impact", "radial-play", "rack-lift",
-    "rattle",
+    "input-shaft-play", "rattle",
 )  # fmt: skip
 """Scenes whose steps do not follow from the angle turned."""
 PART_OF_PITCH = 0.2  # that a plan with general contact turns
@@ -170,7 +177,7 @@ def random_plan(rng: np.random.Generator) -> ScenePlan:
     fidelity = random_fidelity(rng, fixed)
     while scene_named(scene).at_rest and fidelity.rack not in LOOSE:
         fidelity = random_fidelity(rng, fixed)
-    stations = max(fidelity.strip_stations, LEAST_STATIONS[gear.mesh.law])
+    stations = max(fidelity.strip_stations, LEAST_STATIONS[gear.mesh.contact_law])
     fidelity = fidelity.replace({"strip_stations": stations})
     return ScenePlan(scene, gear, affordable(gear, scene, fidelity))
 
@@ -246,6 +253,7 @@ def _giving_torque(gear: SteeringGear) -> None:
 REACHES: dict[str, Callable[[SteeringGear], None]] = {
     "free-pinion-torque": _turning,
     "rack-push": _turning,
+    "rack-on-rollers": _turning,
     "load-test": _loading,
     "reversal": _steering,
     "steering-feel": _steering,
@@ -254,6 +262,7 @@ REACHES: dict[str, Callable[[SteeringGear], None]] = {
     "yoke-impact": _shaking,
     "radial-play": _resting,
     "rack-lift": _resting,
+    "input-shaft-play": _resting,
     "rattle": _resting,
     "yoke-setting": _turning,
 }

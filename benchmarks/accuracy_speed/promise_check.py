@@ -113,25 +113,19 @@ def judged_by(error: float, doubt: float, wanted: float, **_: object) -> str:
 
 
 def check_table(folder: Path) -> str:
-    """Promises kept, by scene and accuracy."""
+    """Promises kept, by scene and accuracy, and what became of the runs that were not judged."""
     rows = []
     for scene, known in load_data(folder / DATA)["scenes"].items():
-        for at, wanted in enumerate(WANTED):
+        cells, others = [], Counter[str]()
+        for at, _ in enumerate(WANTED):
             by = [row["by"][at] for row in known]
-            counts = Counter(each["verdict"] for each in by)
             promised = [each for each in by if each["verdict"] in ("kept", "missed")]
-            quantities = sorted({each["quantity"] for each in promised})
             worst = max((each["error"] for each in promised), default=0.0)
-            failed = sum(counts.values()) - sum(
-                counts[name] for name in ("kept", "missed", "undecided", "outside", "no reference", "refused")
-            )
-            kept = f"{counts['kept']} of {len(promised)}"
-            others = [counts[name] for name in ("undecided", "outside", "no reference", "refused")]
-            rows.append(
-                (scene, f"{wanted:g} %", ", ".join(quantities), kept, f"{worst:.2g} %", *others, failed)
-            )
-    head = ("scene", "wanted", "quantity", "kept", "largest error", "undecided", "outside, and said so",
-            "no reference", "refused", "runs that end otherwise")  # fmt: skip
+            kept = sum(each["verdict"] == "kept" for each in promised)
+            cells.append(f"{kept} of {len(promised)}, {worst:.1g} %")
+            others += Counter(each["verdict"] for each in by if each not in promised)
+        rows.append((scene, *cells, ", ".join(f"{count} {name}" for name, count in others.most_common())))
+    head = ("scene", *(f"{wanted:g} % wanted: kept, largest error" for wanted in WANTED), "not judged")
     return markdown(head, rows)
 
 

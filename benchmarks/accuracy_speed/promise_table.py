@@ -217,25 +217,14 @@ def factor_of(rows: list[dict[str, Any]], table: dict[str, Any]) -> float:
 
 
 def promises_table(folder: Path) -> str:
-    """Gears, floor and the strictest promise of each quantity, from the folder's table or the package's."""
+    """Gears and the strictest promise of each quantity, from the folder's table or the package's."""
     own, rows = folder / TABLE.name, []
     content = json.loads((own if own.exists() else TABLE).read_text())
     for scene, each in content["scenes"].items():
         for table in each["quantities"]:
             strictest = min(setting["promised"] for setting in table["settings"])
-            rows.append(
-                (
-                    scene,
-                    table["quantity"],
-                    each["tried"],
-                    table["gears"],
-                    f"{table['floor']:g} %",
-                    f"{strictest:g} %",
-                )
-            )
-    return markdown(
-        ("scene", "quantity", "random gears", "of them measured", "floor", "strictest promise"), rows
-    )
+            rows.append((scene, table["quantity"], table["gears"], f"{strictest:.2g} %"))
+    return markdown(("scene", "quantity", "random gears measured", "strictest promise"), rows)
 
 
 _STEADY = SCENES[LAW_SCENE]

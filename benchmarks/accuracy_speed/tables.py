@@ -10,56 +10,30 @@ import numpy as np
 from benchmarks.accuracy_speed.measurement import Measurement, Point, load_measurement
 from benchmarks.topic import digits, markdown
 from rps_exudyn.scenes import SCENE_NAMES
-from verification.work_precision import pareto_front, power_law
+from verification.work_precision import power_law
 
 TORQUE = "free-pinion-torque"
 LIMITS = "limits.json"
-WANTED = (1.0, 0.3, 0.1, 0.02, 0.01)
-"""Errors for which the cheapest model is shown [%]."""
-
-CHOICES = (
-    "quasi-static, line",
-    "quasi-static, teeth",
-    "quasi-static, bending rack",
-    "quasi-static, Stribeck",
-    "quasi-static, bristles",
-    "quasi-static, four bristles",
-    "loop over gears, line",
-    "quasi-static",
-    "flank, line",
-    "flank, teeth",
-    "flank, bending rack",
-    "flank, Stribeck",
-    "flank, bristles",
-    "flank, four bristles",
-    "flank",
-    "general contact",
-    "explicit",
-)
 DEFAULT_STRIPS = "strips 4"
 MODELS = {
-    "general_contact": ("spheres",),
+    "general_contact": ("spheres 10", "spheres 27", "spheres 54"),
     "bush": ("segments 25, step_angle 1 °",),
-    "flank": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("0.3", "1", "3", "6")),
-    "quasi_static": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("1", "2.5", "5", "15")),
     "flank_line": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("1", "3")),
     "quasi_static_line": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("1", "5")),
-    "flank_teeth": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("1", "3")),
-    "quasi_static_teeth": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("1", "5")),
-    "flank_bending": tuple(f"modes {modes}, step_angle 1 °" for modes in (2, 4, 8)),
-    "quasi_static_bending": tuple(f"modes {modes}, step_angle 1 °" for modes in (2, 4, 8)),
-    "flank_stribeck": ("step_angle 1 °", "step_angle 3 °"),
-    "quasi_static_stribeck": ("step_angle 1 °", "step_angle 5 °"),
-    "flank_bristles": ("step_angle 1 °", "step_angle 3 °"),
-    "quasi_static_bristles": ("step_angle 1 °", "step_angle 5 °"),
-    "flank_four_bristles": ("step_angle 1 °", "step_angle 3 °"),
-    "quasi_static_four_bristles": ("step_angle 1 °", "step_angle 5 °"),
-    "loop": ("step_angle 2 °", "step_angle 5 °", "step_angle 7.5 °"),
+    "flank_teeth": (f"step_angle 1 °, {DEFAULT_STRIPS}",),
+    "quasi_static_teeth": (f"step_angle 1 °, {DEFAULT_STRIPS}",),
+    "flank_bending": ("rack.modes 8, step_angle 1 °",),
+    "quasi_static_bending": ("rack.modes 8, step_angle 1 °",),
+    "flank_stribeck": ("step_angle 1 °",),
+    "quasi_static_stribeck": ("step_angle 1 °",),
+    "flank_bristles": ("step_angle 1 °",),
+    "quasi_static_bristles": ("step_angle 1 °",),
+    "flank_four_bristles": ("step_angle 1 °",),
+    "quasi_static_four_bristles": ("step_angle 1 °",),
+    "loop": ("step_angle 5 °",),
     "closed_form": ("",),
 }
 """Study -> beginnings of the labels that stand for the package's models."""
-
-COUNTERS = ("steps", "newton_iterations", "jacobians")
 
 
 def measured(folder: Path) -> Iterator[Measurement]:
@@ -78,16 +52,6 @@ def of_torque(folder: Path, *studies: str) -> list[Point]:
 
 def models_table(folder: Path) -> str:
     """Return what each kind of model costs per revolution, and how far its torque is from the reference."""
-    head = (
-        "family",
-        "settings",
-        "CPU s",
-        "error %",
-        "of the mean %",
-        "steps",
-        "Newton iterations",
-        "Jacobians",
-    )
     points = of_torque(folder, *MODELS)
     shown = [
         p
@@ -95,23 +59,14 @@ def models_table(folder: Path) -> str:
         for p in points
         if p.study == study and p.label.startswith(labels)
     ]
-    return markdown(head, [_model(point) for point in shown])
+    rows = [
+        (p.family, p.label, digits(p.cost), f"{p.error:.2g}" if p.ok else p.status, _number(p.steps))
+        for p in shown
+    ]
+    return markdown(("family", "settings", "CPU s", "error %", "steps"), rows)
 
 
-def _model(point: Point) -> tuple[str, ...]:
-    if not point.ok:
-        return (point.family, point.label, digits(point.cost), point.status, *[""] * 4)
-    errors = f"{point.error:.2g}", f"{point.bias:+.2g}"
-    return (
-        point.family,
-        point.label,
-        f"{point.cost:.2g}",
-        *errors,
-        *(number(getattr(point, n)) for n in COUNTERS),
-    )
-
-
-def number(value: float) -> str:
+def _number(value: float) -> str:
     """A counter, nothing where there is none."""
     return f"{value:.0f}" if np.isfinite(value) else ""
 
@@ -120,22 +75,6 @@ def cheapest(points: Iterable[Point], family: str, error: float) -> Point | None
     """The cheapest point of a family that keeps an error [%]."""
     keeps = [point for point in points if point.ok and point.family == family and point.error <= error]
     return min(keeps, key=lambda point: point.cost, default=None)
-
-
-def cheapest_table(folder: Path) -> str:
-    """The cheapest model of each family that keeps an error; each model stands at its strictest error."""
-    points = load_measurement(folder / f"{TORQUE}.h5").points
-    strictest: dict[str, tuple[float, Point]] = {}
-    for wanted in WANTED:
-        for family in CHOICES:
-            best = cheapest(points, family, wanted)
-            if best is not None:
-                strictest[f"{family} {best.label}"] = wanted, best
-    rows = [
-        (f"{wanted:g} %", best.family, best.label, f"{best.error:.2g} %", _time(best.cost))
-        for wanted, best in sorted(strictest.values(), key=lambda pair: (-pair[0], pair[1].cost))
-    ]
-    return markdown(("you want", "family", "settings", "error", "CPU time per revolution"), rows)
 
 
 def _time(seconds: float) -> str:
@@ -162,50 +101,18 @@ def _cheapest_of(points: Sequence[Point], kind: str, error: float) -> Point | No
     return cheapest(points, family, error)
 
 
-def fronts_table(folder: Path) -> str:
-    """The Pareto front of all families of each scene."""
-    rows = [
-        (
-            each.scene,
-            point.family,
-            point.label,
-            f"{point.error:.2g} %",
-            f"{point.bias:+.2g} %",
-            _time(point.cost),
-        )
-        for each in measured(folder)
-        for point in front_of(each)
-    ]
-    return markdown(("scene", "family", "settings", "error", "of the mean", "CPU time"), rows)
-
-
-def front_of(measurement: Measurement) -> list[Point]:
-    """Points that no other beats in both cost and error, cheapest first; below the floor all are alike."""
-    points = [point for point in measurement.points if point.ok and np.isfinite(point.error)]
-    error = np.maximum([point.error for point in points], measurement.reference.uncertainty)
-    best = pareto_front(np.array([point.cost for point in points]), error)
-    return sorted((p for p, one in zip(points, best, strict=True) if one), key=lambda point: point.cost)
-
-
 def failures_table(folder: Path) -> str:
-    """Points that failed: how many of each kind, and the first of them."""
-    kinds: dict[tuple[str, ...], list[Point]] = {}
+    """Points that failed: how many of each outcome, of which families, and the message of one."""
+    kinds: dict[str, list[Point]] = {}
     for each in measured(folder):
         for point in each.points:
             if not point.ok:
-                kinds.setdefault((each.scene, point.family, point.status), []).append(point)
-    rows = [(*kind, len(found), found[0].label, found[0].message) for kind, found in kinds.items()]
-    return markdown(("scene", "family", "outcome", "points", "first of them", "message"), rows)
-
-
-def references_table(folder: Path) -> str:
-    """Largest differences of the methods behind each reference."""
+                kinds.setdefault(point.status, []).append(point)
     rows = [
-        (each.scene, pair, f"{difference:.2g} %")
-        for each in measured(folder)
-        for pair, difference in [max(each.reference.differences.items(), key=lambda item: item[1])]
+        (status, len(found), ", ".join(dict.fromkeys(point.family for point in found)), found[0].message)
+        for status, found in kinds.items()
     ]
-    return markdown(("scene", "methods that differ most", "RMS, of the mean"), rows)
+    return markdown(("outcome", "points", "families", "for instance"), rows)
 
 
 def orders_table(folder: Path) -> str:
@@ -243,17 +150,6 @@ def facets_table(folder: Path) -> str:
     return markdown(("family", "facets, material left over", "torque, RMS", "mean"), rows)
 
 
-def bush_table(folder: Path) -> str:
-    """Return what segments of the bush cost."""
-    points = [
-        p for p in of_torque(folder, "bush", "flank") if p.study == "bush" or p.label in MODELS["flank"]
-    ]
-    rows: Sequence[tuple[str, ...]] = [
-        (point.family, point.label, f"{point.error:.2g} %", _time(point.cost)) for point in points if point.ok
-    ]
-    return markdown(("family", "settings", "error", "CPU time per revolution"), rows)
-
-
 # --- contact law and size ----------------------------------------------------------------------------
 def law_rows(content: Any) -> list[tuple[str, ...]]:
     """Law, mean [N mm], off the default's [%], peak to peak [N mm]."""
@@ -284,13 +180,9 @@ SCALING_HEAD = ("size", "range", "CPU s", "exponent")
 
 TABLES = {
     "models": models_table,
-    "cheapest": cheapest_table,
     "accuracy_scenes": scenes_table,
-    "fronts": fronts_table,
     "failures": failures_table,
-    "references": references_table,
     "orders": orders_table,
     "explicit_solvers": explicit_table,
     "facets": facets_table,
-    "bush_segments": bush_table,
 }

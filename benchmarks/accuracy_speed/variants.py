@@ -88,7 +88,7 @@ def variant_of(gear: SteeringGear, fidelity: Fidelity) -> str:
     if gear.mesh.friction_law != "coulomb":
         bristles = "four bristles" if fidelity.friction_elements == 4 else "bristles"
         return {"stribeck": "Stribeck", "bristle": bristles}[gear.mesh.friction_law]
-    return "" if gear.mesh.law == "area" else gear.mesh.law
+    return "" if gear.mesh.contact_law == "area" else gear.mesh.contact_law
 
 
 def of_family(family: str) -> str:

@@ -3,8 +3,11 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from benchmarks.peers.rounds import Row, from_data
 from benchmarks.topic import digits, load_data, markdown
+from verification.work_precision import pareto_front
 
 DATA = "peers.json"
 PACKAGE = "quasi-static", "flank", "full"
@@ -48,42 +51,20 @@ def ratios(rows: Sequence[Row], preset: str, peer: str, time: Time) -> list[floa
 
 # --- tables ------------------------------------------------------------------------------------------
 def peers_table(folder: Path) -> str:
-    """Errors and times of every program and setting."""
-    head = (
-        "program",
-        "settings",
-        "mean %",
-        "shape %",
-        "error %",
-        "against its own limit %",
-        "loop CPU s",
-        "whole run CPU s",
-        "rounds",
-    )
+    """Errors and times of the settings that no other of the same program beats."""
     rows = from_data(load_data(folder / DATA)["rows"])
-    return markdown(head, [_cells(row) for row in rows])
+    shown = [
+        (row.program, row.label, *(f"{x:.2g}" for x in (row.mean, row.error)), digits(row.whole_s))
+        for program in dict.fromkeys(row.program for row in rows)
+        for row in front_of([row for row in rows if row.ok and row.program == program])
+    ]
+    return markdown(("program", "settings", "mean %", "error %", "whole run CPU s"), shown)
 
 
-def _cells(row: Row) -> tuple[object, ...]:
-    if not row.ok:
-        return row.program, row.label, *[""] * 6, _line(row.message)
-    own = "" if row.own != row.own else f"{row.own:.2g}"
-    times = (digits(row.loop_s), digits(row.whole_s))
-    return (
-        row.program,
-        row.label,
-        f"{row.mean:+.2g}",
-        f"{row.shape:.2g}",
-        f"{row.error:.2g}",
-        own,
-        *times,
-        row.rounds,
-    )
-
-
-def _line(message: str) -> str:
-    """First line of a message, as far as a table has room for it."""
-    return message.splitlines()[0].replace("|", "/")[:120]
+def front_of(rows: Sequence[Row]) -> list[Row]:
+    """Rows that no other one beats in both time and error, quickest first."""
+    best = pareto_front(np.array([row.whole_s for row in rows]), np.array([row.error for row in rows]))
+    return sorted((row for row, one in zip(rows, best, strict=True) if one), key=whole)
 
 
 def ratios_table(folder: Path) -> str:
@@ -100,8 +81,8 @@ def ratios_table(folder: Path) -> str:
                     kept = bool(found) and min(found) >= ASKED[preset]
             reached = len(ratios(rows, preset, peer, whole))
             own = sum(row.ok and row.program == peer for row in rows)
-            lines.append((preset, peer, *cells, f"{reached} of {own}", f"{ASKED[preset]:g}", _yes(kept)))
-    head = ("preset", "peer", "whole runs", "loop", "peer's errors kept", "asked", "reached")
+            lines.append((preset, peer, *cells, f"{reached}/{own}", _yes(kept)))
+    head = ("preset", "peer", "whole runs", "loop", "peer's errors kept", "as asked")
     return markdown(head, lines)
 
 
@@ -117,15 +98,15 @@ def limits_table(folder: Path) -> str:
 
 
 def search_table(folder: Path) -> str:
-    """All settings that were searched: errors over one tooth pitch, the time of a turn at that pace."""
-    rows = from_data(load_data(folder / DATA)["search"])
-    lines = [
-        (row.program, row.label, f"{row.mean:+.2g}", f"{row.shape:.2g}", digits(row.loop_s))
-        if row.ok
-        else (row.program, row.label, "", "", _line(row.message))
-        for row in rows
-    ]
-    return markdown(("peer", "settings", "mean %", "shape %", "loop CPU s per turn"), lines)
+    """How many settings of each peer were tried over a tooth pitch, and how near the best came."""
+    rows, lines = from_data(load_data(folder / DATA)["search"]), []
+    for peer in peers_of(rows):
+        own = [row for row in rows if row.program == peer]
+        ran = [row for row in own if row.ok]
+        best = min(ran, key=lambda row: row.error, default=None)
+        shown = ("-", "") if best is None else (f"{best.error:.2g}", best.label)
+        lines.append((peer, len(own), len(own) - len(ran), *shown))
+    return markdown(("peer", "settings tried", "failed", "least error %", "by"), lines)
 
 
 def versions_table(folder: Path) -> str:

@@ -330,7 +330,7 @@ def kernels_of(plan: ScenePlan) -> tuple[str | bool, ...]:
     """What decides which kernels a plan needs."""
     model, gear = plan.fidelity, plan.gear
     bent = model.rack == "flexible" or gear.rack.bow != 0 or plan.scene == "yoke-impact"
-    return model.solver, model.mesh, gear.mesh.law, model.bush == "chain", bent
+    return model.solver, model.mesh, gear.mesh.contact_law, model.bush == "chain", bent
 
 
 def read(path: Path) -> list[dict[str, Any]]:

@@ -69,7 +69,7 @@ def warm_up(scene: str, law: str, solver: str, bowed: bool) -> None:
 
 def outcome_of(plan: ScenePlan) -> dict[str, Any]:
     """Outcome of a plan, and its errors; one that failed and says so needs no reference."""
-    warm_up(plan.scene, plan.gear.mesh.law, plan.fidelity.solver, plan.gear.rack.bow != 0)
+    warm_up(plan.scene, plan.gear.mesh.contact_law, plan.fidelity.solver, plan.gear.rack.bow != 0)
     start = process_time()
     found: dict[str, Any] = {"refused": "; ".join(refused(plan.gear, plan.fidelity, steady=False))}
     try:

@@ -47,7 +47,7 @@ def contact_pattern(gear: SteeringGear, signals: Signals) -> tuple[FlankPattern,
         InputError: the record lacks the rack's motions.
     """
     roll, face = unrolled(gear)
-    if gear.mesh.law == "area":
+    if gear.mesh.contact_law == "area":
         maps = [pressures(gear, signals, side, roll, face).max(axis=(0, 1)) for side in (-1, +1)]
     else:
         loads = load_distribution(gear, signals)

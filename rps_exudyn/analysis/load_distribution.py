@@ -72,7 +72,7 @@ def load_distribution(gear: SteeringGear, signals: Signals) -> LoadDistribution:
     Raises:
         InputError: the record lacks the rack's motions, or the gear's contact law has no load per length.
     """
-    if gear.mesh.law == "area":
+    if gear.mesh.contact_law == "area":
         raise InputError(
             'mesh.law is "area", which has no load per length of line: choose "line" or "teeth".'
         )
@@ -125,7 +125,9 @@ def mesh_stiffness(gear: SteeringGear, signals: Signals) -> np.ndarray:
     """
     pair = GearPair.of(gear)
     points, tilts, _ = rack_poses(pair, signals)
-    data = loads_data(gear if gear.mesh.law != "area" else gear.replace({"mesh.law": "line"}), STATIONS)
+    data = loads_data(
+        gear if gear.mesh.contact_law != "area" else gear.replace({"mesh.law": "line"}), STATIONS
+    )
     normals = {side: pair.rack_flank_normal(side) for side in (-1, +1)}
 
     def force(angle: float, point: np.ndarray, tilt: np.ndarray) -> np.ndarray:

@@ -9,8 +9,18 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import check_writable, write_json
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.base.units import to_si
-from rps_exudyn.cli.options import PAPER_GEAR, GearOptions, Inputs, Jobs, Json
-from rps_exudyn.cli.output import DONE, FAILED, print_json, put, put_table
+from rps_exudyn.cli.options import PAPER_GEAR, All, Flag, GearOptions, Inputs, Jobs, Json
+from rps_exudyn.cli.output import (
+    DONE,
+    FAILED,
+    QUIET_ALONE,
+    command_line,
+    print_files,
+    print_json,
+    printing,
+    put,
+    put_table,
+)
 
 if TYPE_CHECKING:
     from rps_exudyn.assessment.requirements.sheet import RequirementRow
@@ -26,6 +36,8 @@ def check(
     rated_torque: str = "30 N*m",
     out: Path | None = None,
     jobs: Jobs = None,
+    every: All = False,
+    quiet: Flag = False,
     json: Json = False,
 ) -> int:
     """Judge a gear by its requirement sheet: torque, variation, efficiency, strength, lift, travel, gain.
@@ -36,34 +48,48 @@ def check(
         limits: TOML file whose limits replace the shipped ones, which stand with their sources in
             `rps_exudyn/assessment/requirements/limits.toml`.
         rated_torque: on the pinion, for the strength of the teeth and the lift.
-        out: the sheet as a file (.json).
+        out: the sheet as a page (.html), or as data (.json) of which `report` makes the page.
+        quiet: print nothing but errors.
     """
+    if quiet and (every or json):
+        raise InputError(QUIET_ALONE)
     from rps_exudyn.assessment.requirements.limits import read_limits
-    from rps_exudyn.assessment.requirements.sheet import judge
+    from rps_exudyn.assessment.requirements.requirement_page import requirement_article
+    from rps_exudyn.assessment.requirements.sheet import judge, law_of_sheet
+    from rps_exudyn.cli.printed import print_sheet
     from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
+    from rps_exudyn.pages.report.sheet_file import KEY, sheet_as_dict, with_gear
+    from rps_exudyn.pages.report.write_report import write_pages
     from rps_exudyn.simulate.cases.run_cases import checked_jobs
 
     own, chosen, asked = gear.carried(), gear.load(), read_limits(limits)
     if out is not None:
-        check_writable(out, (".json",))
+        check_writable(out, (".json", ".html"))
     try:
         torque = to_si(rated_torque, "N*m")
     except ValueError as error:
         raise InputError(f"--rated-torque {error}.") from None
     processes = checked_jobs(jobs)
-    drawn = uncertain_inputs(chosen, inputs, own)
-    with shown_progress() as show:
+    drawn, law = uncertain_inputs(chosen, inputs, own), law_of_sheet(chosen)
+    with printing(quiet):
+        with shown_progress() as show:
 
-        def report(text: str) -> None:
-            show(f"computing: {text}", None)
+            def report(text: str, fraction: float) -> None:
+                show(f"computing: {text}", fraction)
 
-        sheet = list(judge(chosen, drawn, asked, torque, on_progress=report, jobs=processes))
-    if out is not None:
-        write_json(out, _as_dict(sheet))
-    if json:
-        print_json(_as_dict(sheet))
-    else:
-        _print(sheet, torque, out)
+            sheet = list(judge(chosen, drawn, asked, torque, on_progress=report, jobs=processes))
+        article = requirement_article(sheet, chosen, torque, command_line())
+        if out is not None and out.suffix == ".html":
+            write_pages([with_gear(article, chosen)], out)
+        elif out is not None:
+            write_json(out, _as_dict(sheet, law) | {KEY: sheet_as_dict(article, chosen)})
+        files = [out] if out is not None else []
+        if json:
+            print_json(_as_dict(sheet, law))
+        elif every:
+            _print(sheet, torque, law, files)
+        else:
+            print_sheet(article.sheet, files, "limits, bands and sources")
     return DONE if all(each.verdict == "pass" for each in sheet) else FAILED
 
 
@@ -72,7 +98,7 @@ def _known(value: float) -> float | None:
     return None if isnan(value) else value
 
 
-def _as_dict(sheet: "Sequence[RequirementRow]") -> dict[str, object]:
+def _as_dict(sheet: "Sequence[RequirementRow]", law: str) -> dict[str, object]:
     from rps_exudyn.assessment.requirements.limits import REQUIRED
 
     rows = {
@@ -88,10 +114,11 @@ def _as_dict(sheet: "Sequence[RequirementRow]") -> dict[str, object]:
         }
         for each in sheet
     }
-    return {"all_kept": all(each.verdict == "pass" for each in sheet), "requirements": rows}
+    kept = all(each.verdict == "pass" for each in sheet)
+    return {"all_kept": kept, "contact_law": law, "requirements": rows}
 
 
-def _print(sheet: "Sequence[RequirementRow]", torque: float, out: Path | None) -> None:
+def _print(sheet: "Sequence[RequirementRow]", torque: float, law: str, files: Sequence[Path]) -> None:
     from rps_exudyn.assessment.requirements.limits import REQUIRED
     from rps_exudyn.assessment.requirements.sheet import ASSURED
 
@@ -106,6 +133,6 @@ def _print(sheet: "Sequence[RequirementRow]", torque: float, out: Path | None) -
         remark = f" {each.remark}." if each.remark else ""
         text = f"{each.name}: {REQUIRED[each.name].long_name}. From: {each.limit.source}.{remark}"
         put(text)
-    put(f"Rated torque {torque:g} N m. A requirement passes if {ASSURED:.0%} of the gears keep it.")
-    if out is not None:
-        put(f"written: {out}")
+    put(f"Rated torque {torque:g} N m. Contact law {law}.")
+    put(f"A requirement passes if {ASSURED:.0%} of the gears keep it.")
+    print_files(files)

@@ -11,13 +11,16 @@ from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import PICTURES, check_writable, number_existing, replacing
 from rps_exudyn.base.screen import shown_progress
-from rps_exudyn.cli.options import PAPER_GEAR, Columns, Flag, GearOptions, Jobs, Json, chosen_columns
+from rps_exudyn.cli.options import PAPER_GEAR, All, Columns, Flag, GearOptions, Jobs, Json, chosen_columns
 from rps_exudyn.cli.output import (
     DONE,
     FAILED,
+    QUIET_ALONE,
+    command_line,
     named_if_interrupted,
     print_files,
     print_json,
+    printing,
     put,
     put_table,
     say,
@@ -26,7 +29,7 @@ from rps_exudyn.cli.output import (
 if TYPE_CHECKING:
     from rps_exudyn.inference.fitting.fitted import Fit
 
-PAGES = (".html", ".htm")
+PAGES = (".html", ".htm", ".json")
 _PRIOR = re.compile(r"(?P<value>.+?)\s*(?:\+-|\+/-|±)\s*(?P<sd>.+)")
 
 Priors = Annotated[
@@ -66,21 +69,28 @@ def fit(
     like: Path | None = None,
     jobs: Jobs = None,
     time_limit: str | None = None,
+    every: All = False,
+    quiet: Flag = False,
     json: Json = False,
 ) -> int:
     """Estimate preload, friction, drag and runout from measured curves, and name what they cannot separate.
 
     Args:
         files: measured files, FILE of a free turning or TEST=FILE, where TEST is free, reversal,
-            load-test@80kg, rack-push, yoke-out or bearing; several of one test are its repeats.
+            load-test@80kg, rack-push, rack-on-rollers, yoke-out or bearing; several of one test are its
+            repeats.
         single_law: leave out the fit by another contact law, whose difference is added to the intervals.
         out: gear file (.toml) with the estimates in place.
         plot: picture (.png, .svg, .pdf) of measured and fitted torque.
-        report: page (.html) with pictures, intervals, correlations and what was assumed.
+        report: the sheet as a page (.html) with pictures, intervals, correlations and what was assumed, or as
+            data (.json) of which `report` makes the page without its curves.
         series: file (.json) with what this fit leaves for the next gear of the series.
         like: such a file of another gear, with the same tests: this fit begins there.
         time_limit: of each simulation, for instance "20 s": one that takes longer is left out.
+        quiet: print nothing but errors.
     """
+    if quiet and (every or json):
+        raise InputError(QUIET_ALONE)
     from rps_exudyn.inference.fitting import findings
     from rps_exudyn.inference.fitting.fit import fit as fitted
     from rps_exudyn.inference.fitting.series import read_series
@@ -94,7 +104,8 @@ def fit(
     for path, suffixes in ((plot, PICTURES), (report, PAGES), (series, (".json",))):
         if path:
             check_writable(path, suffixes)
-    with shown_progress(asked=False):
+    with printing(quiet), shown_progress() as show:
+        show("fitting", None)
         found = fitted(
             files,
             gear.load(),
@@ -111,8 +122,14 @@ def fit(
         written.extend(_written_files(found, out, plot, report, series))  # keeps those before an interrupt
     if json:
         print_json(findings.fit_as_dict(found) | {"files": [str(file) for file in written]})
-    else:
+    elif every:
         print_fit(found, written)
+    elif not quiet:
+        from rps_exudyn.cli.printed import print_sheet
+        from rps_exudyn.pages.report.fit_page import fit_article
+
+        sheet = fit_article(found, command_line()).sheet
+        print_sheet(sheet, written, "intervals, verdicts, budget, notes")
     return DONE if found.converged else FAILED
 
 
@@ -172,7 +189,7 @@ def print_fit(fit: "Fit", files: Iterable[Path]) -> None:
     for sentence in (findings.level_sentence(fit), *findings.open_sentences(fit)):
         if sentence:
             put(sentence)
-    columns = ("parameter", "value", "95 % interval", "expected before", "verdict")
+    columns = ("parameter", "value", "95 % interval", "prior", "verdict")
     put_table(columns, findings.rows(fit))
     put_table(findings.BUDGET, findings.budget_rows(fit))
     if sentence := findings.offset_sentence(fit):
@@ -210,7 +227,7 @@ def _written_files(
             style.save(figure, plot)
             yield plot
     if report:
-        from rps_exudyn.pages.report.fit_page import write_fit_page
+        from rps_exudyn.pages.report.fit_page import write_fit_sheet
 
-        write_fit_page(fit, report)
+        write_fit_sheet(fit, report, command_line())
         yield report

@@ -7,6 +7,7 @@ does this too, but takes longer for the list of all parameters than Python takes
 import json
 import math
 import os
+import shlex
 import sys
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -44,6 +45,14 @@ def note(sentence: str) -> None:
     """Print on standard error what is no error, unless only errors are wanted."""
     if not _quiet:
         say(sentence)
+
+
+QUIET_ALONE = "--quiet prints nothing but errors; leave out --all and --json."
+
+
+def command_line() -> str:
+    """The command that this process does, as it can be typed again."""
+    return shlex.join(["rps-exudyn", *sys.argv[1:]])
 
 
 @contextmanager

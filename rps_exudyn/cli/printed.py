@@ -29,17 +29,17 @@ def put_result(result: "Result", json: bool, files: Iterable[Path] = (), every: 
         print_result(result, files)
         print_measured(compared)
     else:
-        print_sheet(sheet_of(result, compared), files, len(result.summary))
+        print_sheet(sheet_of(result, compared), files, f"{len(result.summary)} quantities")
 
 
-def print_sheet(sheet: Sheet, files: Iterable[Path], count: int) -> None:
-    """Print a sheet and the names of the files; `count` is that of all numbers."""
+def print_sheet(sheet: Sheet, files: Iterable[Path], more: str) -> None:
+    """Print a sheet, the names of the files, and what --all prints more."""
     title, *lines = sheet.lines()
     put(title, "bold")
     for line in lines:
         put(line)
     names = ", ".join(map(str, files))
-    put(f"{f'written: {names}' if names else 'nothing written'}  (--all: {count} quantities)")
+    put(f"{f'written: {names}' if names else 'nothing written'}  (--all: {more})")
 
 
 def put_accuracy(result: "Result", every: bool) -> None:

@@ -13,7 +13,8 @@ def report(*paths: Path, out: Path | None = None, contact: Flag = False) -> int:
     """Write one HTML page about studies and results: what was run, effects, best, worst and failed cases.
 
     Args:
-        paths: folders that `study` wrote, also half-finished ones, and HDF5 files that `run` wrote.
+        paths: folders that `study` wrote, also half-finished ones, HDF5 files that `run` wrote, and JSON
+            files of check, fit and validate.
         out: page (.html); without it report.html in the study's folder, or a page beside the only file.
         contact: add loads of the lines of contact, shares of the teeth and contact pattern to each result.
     """
@@ -22,7 +23,11 @@ def report(*paths: Path, out: Path | None = None, contact: Flag = False) -> int:
     if not paths:
         raise InputError("report needs at least one study's folder or result's file.")
     out = check_writable(out or default_name(paths), SUFFIXES)
-    with shown_progress():
-        write_report(paths, out, contact)
+    with shown_progress() as show:
+
+        def drawn(done: int, of: int) -> None:
+            show(f"drawing sheet {done + 1} of {of}", done / of)
+
+        write_report(paths, out, contact, drawn)
     print(f"written: {out}")
     return DONE

@@ -25,7 +25,7 @@ from rps_exudyn.cli.options import (
     SetupOptions,
     chosen_columns,
 )
-from rps_exudyn.cli.output import DONE, FAILED, Files, keep, naming, note, printing
+from rps_exudyn.cli.output import DONE, FAILED, QUIET_ALONE, Files, keep, naming, note, printing
 from rps_exudyn.scenes import SCENE_NAMES
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ def run(
     """
     began = monotonic()
     if quiet and (every or json):
-        raise InputError("--quiet prints nothing but errors; leave out --all and --json.")
+        raise InputError(QUIET_ALONE)
     if no_plot and plot:
         raise InputError(f"--no-plot draws no picture; leave out --plot {plot}.")
     from rps_exudyn.cli.printed import put_accuracy, put_result, verdict

@@ -83,7 +83,8 @@ def do_band(
         elif every:
             print_band(band, written)
         else:
-            print_sheet(sheet_of(band.nominal, band=band), written, len(band.nominal.summary))
+            count = len(band.nominal.summary)
+            print_sheet(sheet_of(band.nominal, band=band), written, f"{count} quantities")
     return INTERRUPTED if band.interrupted else DONE
 
 

@@ -5,10 +5,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import check_writable, replacing, write_json
+from rps_exudyn.base.files import check_writable, write_json
 from rps_exudyn.base.screen import shown_progress
-from rps_exudyn.cli.options import Jobs, Json
-from rps_exudyn.cli.output import DONE, naming, print_files, print_json, put, put_table
+from rps_exudyn.cli.options import All, Flag, Jobs, Json
+from rps_exudyn.cli.output import (
+    DONE,
+    QUIET_ALONE,
+    command_line,
+    naming,
+    print_files,
+    print_json,
+    printing,
+    put,
+    put_table,
+)
 
 if TYPE_CHECKING:
     from rps_exudyn.assessment.validation.compared_rows import ComparedRow
@@ -23,6 +33,8 @@ def validate(
     only: tuple[str, ...] = (),
     out: Path | None = None,
     jobs: Jobs = None,
+    every: All = False,
+    quiet: Flag = False,
     json: Json = False,
 ) -> int:
     """Compare with data from outside: manuals, standards, other programs, closed forms; a verdict for each.
@@ -31,11 +43,17 @@ def validate(
         rows: folder of rows, each a folder with a row.toml; without it those that come with the package.
         only: name of a row to run alone; may be repeated.
         out: page (.html), with data (.json) and picture (.png) beside it; without it validation.html.
+        quiet: print nothing but errors.
     """
+    if quiet and (every or json):
+        raise InputError(QUIET_ALONE)
     from rps_exudyn.assessment.validation.compared_rows import compare_rows
     from rps_exudyn.assessment.validation.row import SHIPPED, read_rows
-    from rps_exudyn.assessment.validation.validation_page import validation_figure, validation_page
+    from rps_exudyn.assessment.validation.validation_page import validation_article, validation_figure
+    from rps_exudyn.cli.printed import print_sheet
     from rps_exudyn.pages.charts.style import save
+    from rps_exudyn.pages.report.sheet_file import KEY, sheet_as_dict
+    from rps_exudyn.pages.report.write_report import write_pages
     from rps_exudyn.results.provenance import provenance
     from rps_exudyn.simulate.cases.run_cases import checked_jobs
 
@@ -45,26 +63,28 @@ def validate(
         raise InputError(f"there is no row {', '.join(sorted(unknown))}; there are {known}.")
     out = check_writable(out or Path("validation.html"), (".html",))
     chosen = [row for row in found if not only or row.name in only]
-    with shown_progress() as show:
+    with printing(quiet), shown_progress() as show:
 
         def report(done: int, of: int) -> None:
             show(f"procedure {done} of {of}", done / of)
 
         comparisons = compare_rows(chosen, report, checked_jobs(jobs))
     content = {"origin": provenance(), "rows": [each.as_dict() for each in comparisons]}
+    article = validation_article(comparisons, command_line())
     files: list[Path] = []
-    with naming(files):
-        write_json(out.with_suffix(DATA), content)
+    with printing(quiet), naming(files):
+        write_json(out.with_suffix(DATA), content | {KEY: sheet_as_dict(article)})
         files.append(out.with_suffix(DATA))
-        with replacing(out) as partial:
-            partial.write_text(validation_page(comparisons), encoding="utf-8")
+        write_pages([article], out)
         files.append(out)
         save(validation_figure(comparisons), out.with_suffix(PICTURE))
         files.append(out.with_suffix(PICTURE))
         if json:
             print_json(content | {"files": [str(file) for file in files]})
-        else:
+        elif every:
             _print(comparisons, files)
+        else:
+            print_sheet(article.sheet, files, "every row")
     return DONE
 
 

@@ -211,5 +211,5 @@ class Recorder:
         motions = zip(coordinates[:, rack], rates[:, rack], strict=True)
         velocity = np.array([axis_velocity(q, v, pulse.place) for q, v in motions])
         if bar is not None:
-            velocity += rates[:, SIZE:] @ bar.on_modes(pulse.place)
+            velocity += rates[:, SIZE : SIZE + bar.modes] @ bar.on_modes(pulse.place)
         return np.einsum("ti,ti->t", np.array([pulse.force(t) for t in time]), velocity)

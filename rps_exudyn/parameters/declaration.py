@@ -5,7 +5,7 @@ values and what an HDF5 result stores. Values are SI; text with a unit is conver
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
@@ -72,6 +72,42 @@ class Unit:
         return units.show(value, self.si, self.display)
 
 
+@dataclass(frozen=True)
+class Listed:
+    """A list of numbers that is kept as text, in SI with commas between; "none" without any. In TOML it may
+    be a list."""
+
+    si: tuple[str, ...]  # of the numbers; the last one of all that follow
+    counts: tuple[int, ...] = ()  # how many there may be; any number without
+    text: Callable[[str], bool] | None = None  # other texts that are allowed
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Lists and texts become one text before the field is checked."""
+        return no_info_before_validator_function(self._as_text, handler(source))
+
+    def _as_text(self, value: object) -> str:
+        if isinstance(value, str):
+            if value.strip() in ("", "none") or (self.text is not None and self.text(value)):
+                return value.strip() or "none"
+            value = value.split(",")
+        parts = list(value) if isinstance(value, list | tuple) else [value]
+        numbers = [
+            units.to_si(part.strip() if isinstance(part, str) else part, self.si[min(i, len(self.si) - 1)])
+            for i, part in enumerate(parts)
+        ]
+        if self.counts and len(numbers) not in self.counts:
+            allowed = " or ".join(map(str, self.counts))
+            raise ValueError(f"has {len(numbers)} numbers; it must have {allowed}")
+        if not all(math.isfinite(number) and abs(number) <= LARGEST for number in numbers):
+            raise ValueError("has numbers that are not finite; they must be")
+        return ", ".join(repr(number) for number in numbers)
+
+
+def numbers_in(text: str) -> tuple[float, ...]:
+    """Return the numbers of a `Listed` text; none of "none"."""
+    return () if text == "none" else tuple(float(part) for part in text.split(","))
+
+
 Count = Annotated[int, Field(strict=True)]
 Number = Annotated[float, Unit("", "")]
 Length = Annotated[float, Unit("m", "mm")]
@@ -96,6 +132,7 @@ ViscousDrag = Annotated[float, Unit("N*s/m", "N*s/m")]
 Temperature = Annotated[float, Unit("K", "degC")]
 Expansion = Annotated[float, Unit("1/K", "1/K")]
 WearCoefficient = Annotated[float, Unit("m^2/N", "mm^3/N/m")]
+Stiffnesses = Annotated[str, Listed(("N/m", "N/m", "N/m", "N*m/rad"), counts=(6, 36))]
 
 
 def parameter(default: Any, meaning: str, source: Source, **limits: Any) -> Any:

@@ -43,6 +43,7 @@ from rps_exudyn.parameters.retired import read_choice
 from rps_exudyn.parameters.rig import Test, conflicts_of_test
 from rps_exudyn.parameters.wrong_values import WrongValue
 
+LARGEST_FLOAT = 0.1  # of the face width: beyond, the float takes the teeth off each other's face
 STEEPEST_LEAD = 0.01  # lead error over face width [rad]: the flanks' normals are those of the design to 1e-4
 
 
@@ -144,6 +145,12 @@ class Pinion(Table):
         le=1e-4,
     )
     density: Density = parameter(7850.0, "density of the pinion", "estimate", gt=0)
+    axial_float: Length = parameter(
+        0.0, "end float between the stops of a supported pinion along its axis", "estimate", ge=0, le=0.01
+    )
+    axial_friction: Force = parameter(
+        0.0, "friction against the axial motion of a supported pinion", "estimate", ge=0
+    )
 
 
 class Rack(Table):
@@ -306,6 +313,31 @@ class Bearing(FrictionLaw):
     """The pinion's bearings and seal."""
 
     friction_torque: Torque = parameter("30 N*mm", "constant Coulomb friction torque", "estimate", ge=0)
+    upper_position: Length = parameter(
+        "25 mm", "place of the upper bearing on the pinion's axis, from the middle of the mesh", "estimate"
+    )
+    lower_position: Length = parameter(
+        "-22 mm", "place of the lower bearing, on the other side of the mesh", "estimate"
+    )
+    upper_stiffness: SpringRate = parameter(
+        "5e7 N/m", "radial stiffness of the upper bearing (deep groove ball bearing)", "estimate", gt=0
+    )
+    lower_stiffness: SpringRate = parameter(
+        "1.2e8 N/m", "radial stiffness of the lower bearing (needle bearing)", "estimate", gt=0
+    )
+    upper_clearance: Length = parameter(
+        0.0, "diametral clearance of the upper bearing", "estimate", ge=0, le=1e-3
+    )
+    lower_clearance: Length = parameter(
+        0.0, "diametral clearance of the lower bearing", "estimate", ge=0, le=1e-3
+    )
+    axial_stiffness: SpringRate = parameter(
+        "3e7 N/m", "stiffness of the pinion's axial stops", "estimate", gt=0
+    )
+
+
+ChosenLaw = Literal["by-scene", "line", "teeth"]
+BY_SCENE: ChosenLaw = "by-scene"
 
 
 class Mesh(LoadedFrictionLaw):
@@ -319,8 +351,11 @@ class Mesh(LoadedFrictionLaw):
         gt=0,
     )
     damping: Time = parameter(0.0, "damping time: damping over stiffness", "estimate", ge=0, le=1e-2)
-    law: Annotated[Literal["line", "teeth"], WrapValidator(read_choice), PlainSerializer(str)] = parameter(
-        "line", "flank contact: load per length of line and depth, or teeth that bend together", "estimate"
+    law: Annotated[ChosenLaw, WrapValidator(read_choice), PlainSerializer(str)] = parameter(
+        "by-scene",
+        "flank contact: line, load per length of line and depth; teeth, which bend together; by-scene: what "
+        "the scene needs",
+        "choice",
     )
     tooth_wear: WearCoefficient = parameter(
         "1e-8 mm^3/N/m", "wear coefficient of the flanks, of pinion and rack each", "estimate", ge=0, le=1e-12
@@ -328,6 +363,11 @@ class Mesh(LoadedFrictionLaw):
     line_stiffness: LineStiffness = parameter(
         0.0, "load per length of contact line and depth, law line; 0: c' of ISO 6336-1", "estimate", ge=0
     )
+
+    @property
+    def contact_law(self) -> str:
+        """The law that is modelled; of a gear that no scene tests that of means."""
+        return "line" if self.law == BY_SCENE else self.law
 
 
 class SteeringGear(Table):
@@ -400,7 +440,20 @@ class SteeringGear(Table):
 def _conflicts(gear: SteeringGear) -> Iterator[WrongValue]:
     """Parameters that are each fine alone, but not together."""
     yield from conflicts_of_test(gear.test)
-    bush, rack, yoke, pinion = gear.bush, gear.rack, gear.yoke, gear.pinion
+    bush, rack, yoke, pinion, bearing = gear.bush, gear.rack, gear.yoke, gear.pinion, gear.bearing
+    if not bearing.lower_position < 0 < bearing.upper_position:
+        yield WrongValue(
+            ("bearing.upper_position", "bearing.lower_position"),
+            f"bearing.upper_position is {mm(bearing.upper_position)} and bearing.lower_position "
+            f"{mm(bearing.lower_position)}; the bearings must stand on both sides of the mesh, the upper one "
+            "above 0 mm and the lower one below.",
+        )
+    if pinion.axial_float > LARGEST_FLOAT * pinion.face_width:
+        yield WrongValue(
+            ("pinion.axial_float", "pinion.face_width"),
+            f"pinion.axial_float is {mm(pinion.axial_float)}; the mesh allows at most "
+            f"{mm(LARGEST_FLOAT * pinion.face_width)}, a tenth of pinion.face_width.",
+        )
     if pinion.shaft_length < pinion.face_width:
         yield WrongValue(
             ("pinion.shaft_length", "pinion.face_width"),

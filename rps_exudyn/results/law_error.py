@@ -89,7 +89,7 @@ def law_error(gear: SteeringGear, fidelity: Mapping[str, Any]) -> LawError | Non
     mesh = fidelity.get("mesh", "flank")
     if mesh.startswith("ratio"):
         return None
-    law = "area" if mesh == "flank-generators" else gear.mesh.law
+    law = "area" if mesh == "flank-generators" else gear.mesh.contact_law
     taken = law_of_formulas(law) if fidelity.get("solver") == "closed-form" else law
     if taken != "line" or not _has_plain_flanks(gear):
         return MEASURED[taken]

@@ -147,6 +147,17 @@ SIGNALS = {
     "road_force": _force("force of the road along the tie rod on the rack's end beside the pinion"),
     "end_force_y": _force("force of the rig across the rack's end beside the pinion, along Y"),
     "end_force_z": _force("the same along Z"),
+    "shaft_force_across": _force(
+        "force of the rig across the input shaft's end, along e, perpendicular to Y and the shaft"
+    ),
+    "shaft_force_y": _force("the same along Y"),
+    "shaft_force_axial": _force("force of the rig along the input shaft, away from the lower bearing"),
+    "shaft_end_across": _deflection("displacement of the input shaft's end along e"),
+    "shaft_end_y": _deflection("the same along Y"),
+    "shaft_end_axial": _deflection("the same along the shaft"),
+    "pinion_across": _deflection("displacement of a supported pinion's axis in the mesh along e"),
+    "pinion_y": _deflection("the same along Y"),
+    "pinion_axial": _deflection("displacement of a supported pinion along its axis, towards the input shaft"),
     "rack_displacement": _length("displacement of the rack's reference point along X"),
     "rack_y": _deflection(
         "lift of the bar's axis above the pitch point along Y, away from the pinion, from the design position"
@@ -174,8 +185,11 @@ SIGNALS = {
         "contact force of the yokenut on the plunger along -Y, 0 while there is clearance"
     ),
     "bush_force": _force("magnitude of the bush's force on the rack across X"),
+    "upper_bearing_force": _force("radial force of the upper bearing on a supported pinion"),
+    "lower_bearing_force": _force("the same of the lower bearing"),
+    "axial_bearing_force": _force("force of a supported pinion on its axial stops, towards the input shaft"),
     "work_drive": _energy("work of the drive on pinion or rack from the start of recording"),
-    "work_load": _energy("work of the forces on the rack's end from the start of recording"),
+    "work_load": _energy("work of the forces on rack's end and input shaft from the start of recording"),
     "work_mesh_friction": _energy("work lost to friction between the teeth from the start of recording"),
     "work_mesh_edges": _energy(
         "work that loaded material takes along over the rack's edges from the start of recording"
@@ -186,6 +200,9 @@ SIGNALS = {
     ),
     "work_bush_friction": _energy("work lost to the bush's drag from the start of recording"),
     "work_bearing_friction": _energy("work lost to the pinion's bearings from the start of recording"),
+    "work_support_friction": _energy(
+        "work lost to friction against a supported pinion's axial motion from the start of recording"
+    ),
     "work_rack_damping": _energy("work lost to the damping of a flexible rack from the start of recording"),
     "work_column_damping": _energy("work lost to the column's damping from the start of recording"),
     "column_energy": _energy("elastic energy of the column's twist; part of stored_energy"),
@@ -239,6 +256,9 @@ _SUMMARY = {
         "mean force along the motion that moves the rack, over the rack's displacement"
     ),
     "push_force_peak_to_peak": _force("largest minus smallest of it, in one direction"),
+    "roller_force_mean": _force(
+        "mean force along the motion that moves the rack on rollers in the pinion's place"
+    ),
     "rack_gain": _length("displacement of the rack per revolution of the pinion"),
     "transmission_error_peak_to_peak": _deflection(
         "largest minus smallest rack displacement ahead of gain x pinion angle, in one direction"
@@ -255,6 +275,11 @@ _SUMMARY = {
     "hysteresis_area": _energy("work of the drive on the pinion over the last whole cycle of reversals"),
     "lost_motion": _deflection(
         "rack displacement at the same pinion angle towards -X minus that towards +X, mean over the middle"
+    ),
+    "lost_motion_angle": Quantity(
+        "rad",
+        "mrad",
+        "lost_motion over the rack's travel per radian; below 0 the rack leads after a reversal",
     ),
     "torque_jump": _torque("change of the median pinion_torque of a pass across a reversal, the largest"),
     "reversal_angle": Quantity(
@@ -312,6 +337,13 @@ _SUMMARY = {
     "impact_speed": Quantity("m/s", "mm/s", "largest speed of the plunger at the beginning of an impact"),
     "impact_contact_share": _ratio("share of the time with contact between plunger and yokenut"),
     "impact_force_rms": _force("root mean square of yokenut_force over the record"),
+    "input_shaft_play_radial": _deflection(
+        "input shaft play: displacement of the shaft's end between test.shaft_force one way and the other, "
+        "along e or Y, the larger"
+    ),
+    "input_shaft_play_axial": _deflection(
+        "the same along the shaft between test.shaft_axial_force one way and the other"
+    ),
     "radial_play_y": _deflection(
         "radial play: displacement of the rack's end along Y under the largest force along Y, the larger way"
     ),
@@ -376,6 +408,7 @@ _SUMMARY = {
     "loss_share_seat": _ratio("work lost between plunger and rack, of all work lost"),
     "loss_share_bush": _ratio("work lost in the bush, of all work lost"),
     "loss_share_bearing": _ratio("work lost in the pinion's bearings, of all work lost"),
+    "loss_share_support": _ratio("work lost against a supported pinion's axial motion, of all work lost"),
     "loss_share_column": _ratio("work lost to the damping of the steering column, of all work lost"),
     "loss_share_rack": _ratio("work lost to the damping of a flexible rack, of all work lost"),
     "energy_residual": _ratio(
@@ -386,11 +419,12 @@ _SUMMARY = {
 _MEANS = {
     "torque_mean", "torque_mean_forward", "torque_mean_backward", "torque_on_centre", "torque_off_centre",
     "torque_forward", "torque_reverse", "free_torque", "push_force_mean", "feel_running_torque",
+    "roller_force_mean",
 }  # fmt: skip
 _OF_CYCLES = {
-    "hysteresis_area", "lost_motion", "torque_jump", "reversal_angle", "feel_area", "feel_running_torque",
-    "feel_angle_hysteresis", "on_centre_stiffness", "angle_dead_band", "torque_dead_band",
-    "steering_gradient", "breakaway_torque", "breakaway_ratio",
+    "hysteresis_area", "lost_motion", "lost_motion_angle", "torque_jump", "reversal_angle", "feel_area",
+    "feel_running_torque", "feel_angle_hysteresis", "on_centre_stiffness", "angle_dead_band",
+    "torque_dead_band", "steering_gradient", "breakaway_torque", "breakaway_ratio",
 }  # fmt: skip
 _NOT_FROM_STEPS = {
     "torque_closed_form", "rack_lift_closed_form", "cap_force", "clearance_set", "preload_set",
@@ -462,6 +496,7 @@ LABELS = {
     "torque_mean_backward": "mean torque towards -X",
     "torque_forward": "mean torque that moves the load",
     "push_force_mean": "mean force on the rack",
+    "roller_force_mean": "mean force on the rack",
     "hysteresis_area": "work of a whole cycle",
     "torque_jump": "jump of the torque across a reversal",
     "reversal_angle": "angle until it runs on after a reversal",
@@ -482,6 +517,8 @@ LABELS = {
     "rack_lift_end": "rise of the rack's end",
     "radial_play_y": "radial play along Y",
     "radial_play_z": "radial play along Z",
+    "input_shaft_play_radial": "radial play of the input shaft",
+    "input_shaft_play_axial": "axial play of the input shaft",
     "torque_peak_to_peak": "ripple, peak to peak",
     "push_force_peak_to_peak": "ripple, peak to peak",
     "torque_first_order": "amplitude once per revolution",
@@ -495,6 +532,7 @@ PARTS = {
     "seat": "yoke",
     "bush": "bush",
     "bearing": "bearings",
+    "support": "pinion along its axis",
     "column": "column",
     "rack": "bending rack",
 }

@@ -16,6 +16,7 @@ SCENE_NAMES = (
     "free-pinion-torque",
     "load-test",
     "rack-push",
+    "rack-on-rollers",
     "reversal",
     "steering-feel",
     "steering-torque",
@@ -23,6 +24,7 @@ SCENE_NAMES = (
     "yoke-impact",
     "radial-play",
     "rack-lift",
+    "input-shaft-play",
     "rattle",
     "yoke-setting",
 )

@@ -126,4 +126,5 @@ SCENE = Scene(
     steady=True,
     test=TEST,
     revolutions=lambda gear: 2 * gear.test.turns,
+    law="teeth",
 )

@@ -384,10 +384,12 @@ def by_formula(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, optio
 
 def _other_law(gear: SteeringGear) -> Remark | None:
     """Return a remark on the law that the formulas take instead of the gear's."""
-    law = law_of_formulas(gear.mesh.law)
-    if law == gear.mesh.law:
+    law = law_of_formulas(gear.mesh.contact_law)
+    if law == gear.mesh.contact_law:
         return None
-    taken = f"mesh.law is {gear.mesh.law}; the closed form takes loads per length as law {law} has them"
+    taken = (
+        f"mesh.law is {gear.mesh.contact_law}; the closed form takes loads per length as law {law} has them"
+    )
     return Remark(Code.OTHER_LAW, taken)
 
 

@@ -11,6 +11,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Remark
 from rps_exudyn.scenes.checks.after_run import validated
+from rps_exudyn.scenes.law_by_scene import NeededLaw
 from rps_exudyn.scenes.maneuver import Maneuver, StepLimits, swing_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 
@@ -106,6 +107,7 @@ class Scene:
         short_path: `test.path` of a run over a few tooth pitches.
         promised_as: name of the scene whose table of accuracy holds; "" if it is its own.
         unpromised: why no accuracy can be promised of a test; "" if one can.
+        law: contact law that its metrics need, where the gear's is by-scene (`law_by_scene`).
 
     Examples:
         >>> from rps_exudyn.scenes import scene_named
@@ -129,6 +131,7 @@ class Scene:
     short_path: str = "one-way"
     promised_as: str = ""
     unpromised: Callable[[SteeringGear], str] = always_promised
+    law: NeededLaw = "line"
 
     @property
     def unit_of_cost(self) -> str:

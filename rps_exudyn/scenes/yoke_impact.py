@@ -125,4 +125,5 @@ SCENE = Scene(
     needs_inertia=True,
     revolutions=None,
     at_test_speed=False,
+    law="teeth",
 )

@@ -21,6 +21,7 @@ from rps_exudyn.results.outcome import Status, joined_text
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.law_by_scene import with_law
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.simulate.together import UNSUPPORTED, Together, together, unsupported_reason
 
@@ -151,7 +152,7 @@ def batch(
 
     Args:
         scene: one of `scenes.SCENE_NAMES`.
-        gear: what all have in common.
+        gear: what all have in common, the contact law by scene too.
         values: path of a parameter -> its n values, SI or text with a unit.
         fidelity: name of a preset, or a `Fidelity`.
         keep: "signals", all of them; or "torque", the curve of the drive's torque or force, and figures.
@@ -173,6 +174,8 @@ def batch(
         raise InputError(f"keep is {keep!r}; it must be signals or torque.")
     chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity)
     rows = rows_of(values)
+    if "mesh.law" not in values:
+        gear = with_law(gear, chosen, chosen_scene.law, values)
     kept = chosen_scene.test.curve if keep == "torque" and chosen_scene.test else None
     found, alone = _together(scene, gear, values, chosen, ranges, kept)
     return Batch(

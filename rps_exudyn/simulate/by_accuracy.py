@@ -53,12 +53,12 @@ class Setting:
         """Return the angles on a tooth pitch that keep the promise by the gear's contact law."""
         if self.angles_per_pitch is None:
             return None
-        return ceil(denser(gear.mesh.law) * self.angles_per_pitch)
+        return ceil(denser(gear.mesh.contact_law) * self.angles_per_pitch)
 
     def cost_for(self, gear: SteeringGear) -> float:
         """Return about how many CPU seconds of the solver a revolution of this gear costs."""
         alike = whole_periods(gear, 2 * np.pi) == gear.pinion.teeth
-        return denser(gear.mesh.law) * (self.cost if alike else self.cost_of_turn)
+        return denser(gear.mesh.contact_law) * (self.cost if alike else self.cost_of_turn)
 
     def for_gear(self, gear: SteeringGear) -> Fidelity:
         """Return the fidelity, with the step that has the setting's angles on this gear's tooth pitch."""
@@ -191,7 +191,7 @@ def beyond_in_run(scene: str, signals: Mapping[str, np.ndarray]) -> str:
 def knows_law(setting: Setting, gear: SteeringGear) -> bool:
     """Return whether a setting's model has the gear's contact law; formulas and spheres have no teeth that
     bend."""
-    return gear.mesh.law != "teeth" or setting.preset not in ("closed-form", "full")
+    return gear.mesh.contact_law != "teeth" or Fidelity.preset(setting.preset).bends_teeth
 
 
 def _beside(gear: SteeringGear, fidelity: Fidelity) -> str:
@@ -200,7 +200,7 @@ def _beside(gear: SteeringGear, fidelity: Fidelity) -> str:
     if law is None:
         return ""
     only = "; closed form and general contact do not model it and are not considered"
-    left_out = only if gear.mesh.law == "teeth" else ""
+    left_out = only if gear.mesh.contact_law == "teeth" else ""
     return f"; this is the numerical error alone, and beside it {law.clause}{left_out}"
 
 

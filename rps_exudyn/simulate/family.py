@@ -309,7 +309,7 @@ class FamilyRecord:
             self._works_ok(),
             self._turns_on(),
             # else finer strips must confirm it
-            (signals["yokenut_force"].max(axis=-1) <= 0) | (gear.mesh.law != "teeth"),
+            (signals["yokenut_force"].max(axis=-1) <= 0) | (gear.mesh.contact_law != "teeth"),
         )
         return np.asarray(np.logical_and.reduce(checks))
 

@@ -24,6 +24,7 @@ from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.before_run import refused
+from rps_exudyn.scenes.law_by_scene import with_law
 from rps_exudyn.simulate.accuracy_check import Wanted, kept_by
 from rps_exudyn.simulate.by_accuracy import Choice, beyond_in_run, choose, percent
 from rps_exudyn.simulate.cases.run_cases import Task
@@ -96,15 +97,17 @@ def simulate(
     Raises:
         InputError: no such scene or fidelity, or a gear or test that cannot exist.
     """
-    scene_named(scene)
+    needed = scene_named(scene).law
     if accuracy is not None:
         if isinstance(fidelity, Fidelity):
             raise InputError(
                 "accuracy chooses the model itself; give fidelity by the name of a preset, or leave it out."
             )
         limited = partial(simulate, scene, robust=robust, time_limit=time_limit)
+        gear = with_law(gear, Fidelity.preset(fidelity or "flank"), needed)
         return _by_accuracy(limited, scene, gear, percent(accuracy), fidelity)
     chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity or "flank")
+    gear = with_law(gear, chosen, needed)
     if time_limit is not None:
         return isolated_run(scene, gear, chosen, time_limit, robust=robust)
     if robust:

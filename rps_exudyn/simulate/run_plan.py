@@ -16,6 +16,7 @@ from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.before_run import breaches
+from rps_exudyn.scenes.law_by_scene import with_law
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun
@@ -32,6 +33,7 @@ def run_unchecked(
         Interrupted: Ctrl-C; it carries what was recorded.
     """
     wall, cpu = perf_counter(), process_time()
+    gear = with_law(gear, fidelity, scene_named(scene).law)
     report, in_operation = geometry_report(gear), operating_gear(gear)
     tested, numbers = (in_operation.gear, in_operation.numbers) if in_operation else (gear, {})
 
@@ -71,6 +73,7 @@ def run_with_fallback(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Res
     Raises:
         InputError: a gear that cannot exist, or a test that it does not allow.
     """
+    gear = with_law(gear, fidelity, scene_named(scene).law)
     safer = list(_safer(scene_named(scene), tested_gear(gear), fidelity))
 
     def tried(changes: Changes) -> Result:

@@ -116,7 +116,7 @@ def standing_out(
 ) -> SampledContactData:
     """Return the spheres of law "line" that `tooth_contact.spheres.contact_data` made, made to stand out of
     the flanks; those of law "area" as they are, whose pressure is proportional to depth."""
-    if gear.mesh.law != "line":
+    if gear.mesh.contact_law != "line":
         return data
     depth = mean_depth(gear)
     pair = replace(GearPair.of(gear), runout=0.0)

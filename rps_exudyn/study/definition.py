@@ -19,6 +19,8 @@ from rps_exudyn.base.files import content_of, read_json_tables
 from rps_exudyn.base.hdf5 import check_version
 from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.block import Keep
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.law_by_scene import SERIES, with_law
 
 FILETYPE = "rps_exudyn-study"
 VERSION = (1, 1)
@@ -178,12 +180,18 @@ class Study:
 
     @cached_property
     def base(self) -> Setup:
-        """Gear and fidelity that the axes vary.
+        """Gear and fidelity that the axes vary; one contact law of all cases, unless they differ in law or
+        model.
 
         Raises:
             InputError: parameters that are wrong.
         """
-        return Setup.from_tables(self.tables, self.settings, where=str(self.file))
+        base = Setup.from_tables(self.tables, self.settings, where=str(self.file))
+        paths = [path for axis in self.axes for path in (*axis.paths, *axis.along)]
+        if any(path == "mesh.law" or path.startswith(FIDELITY) for path in paths):
+            return base
+        needed = SERIES if self.design == UNCERTAIN_DESIGN else scene_named(self.scene).law
+        return with_law(base, base.fidelity, needed, paths)
 
     def setup(self, settings: Mapping[str, Any]) -> Setup:
         """Return the base with these settings (path -> value).

@@ -33,11 +33,12 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import reached
 from rps_exudyn.base.units import short, shown, to_si
 from rps_exudyn.parameters.declaration import read_toml
-from rps_exudyn.parameters.fidelity import PRESETS, preset_table
+from rps_exudyn.parameters.fidelity import PRESETS, Fidelity, preset_table
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.block import Keep
 from rps_exudyn.results.quantities import SIGNALS
-from rps_exudyn.scenes import SCENE_NAMES
+from rps_exudyn.scenes import SCENE_NAMES, scene_named
+from rps_exudyn.scenes.law_by_scene import with_law
 from rps_exudyn.study.axis_tables import check_twice, read_axes
 from rps_exudyn.study.definition import DESIGNS, FIDELITY, GRID_DESIGN, UNCERTAIN_DESIGN, Axis, Study, choices
 from rps_exudyn.study.designs import ends, uncertain_axes
@@ -141,7 +142,9 @@ class _StudyKeys(Keys):
         with self.gathering():
             of_gear = {path: value for path, value in settings.items() if not path.startswith(FIDELITY)}
             base = SteeringGear.from_tables(gear, of_gear, where=str(self.file))
-            chosen = choose(self.scene(content), base, percent(self.text(content, "accuracy", "")), preset)
+            scene = self.scene(content)
+            base = with_law(base, Fidelity.preset(preset or "flank"), scene_named(scene).law)
+            chosen = choose(scene, base, percent(self.text(content, "accuracy", "")), preset)
             return chosen.fidelity.model_dump()
         return {}
 

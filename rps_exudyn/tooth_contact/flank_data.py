@@ -139,10 +139,10 @@ def pack(
             mesh, patches or Patches(), mesh.friction, gear.yoke.preload / abs(2 * normal[1]), count=2
         ),
         breaks_sliding=pair.slowest_sliding < TURNS_ABOUT,
-        line_stiffness=line_stiffness(gear) if mesh.law == "line" else 0.0,
+        line_stiffness=line_stiffness(gear) if mesh.contact_law == "line" else 0.0,
         stations=along,
         points=across,
-        along=_padded(rules_of_teeth(along) if mesh.law == "teeth" else jacobi_rules(along, 1.5)),
+        along=_padded(rules_of_teeth(along) if mesh.contact_law == "teeth" else jacobi_rules(along, 1.5)),
         across=_padded(jacobi_rules(across, 1.0)),
         ease_along=eased(along, 1.5, 0.5),
         ease_across=eased(across, 1.0, 0.0),

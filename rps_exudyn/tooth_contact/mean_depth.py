@@ -36,7 +36,7 @@ def mean_depth(gear: SteeringGear) -> float:
     def by_line(depth: float, rho: np.ndarray) -> np.ndarray:
         return np.full_like(rho, per_depth * depth)
 
-    law = by_area if mesh.law == "area" else by_line
+    law = by_area if mesh.contact_law == "area" else by_line
 
     def missing(depth: float) -> float:
         return load - mean_load(pair, depth, law)

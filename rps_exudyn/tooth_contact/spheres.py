@@ -154,7 +154,7 @@ def stiffness_per_area(gear: SteeringGear, depth: float, rho: np.ndarray) -> np.
     Raises:
         InputError: a gear with a law that spheres cannot have.
     """
-    law = gear.mesh.law
+    law = gear.mesh.contact_law
     if law not in ("area", "line"):
         raise InputError(
             f"mesh.law is {law}, but fidelity.mesh = general-contact has only line: set mesh.law = line."

@@ -1,7 +1,6 @@
 """Tables about accuracy and orders of convergence, from a whole measurement and from a stopped one."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +8,7 @@ import pytest
 
 from benchmarks.accuracy_speed.convergence import fitted_orders
 from benchmarks.accuracy_speed.measurement import Measurement, Point, load_measurement
-from benchmarks.accuracy_speed.tables import TABLES, front_of, scaling_rows
+from benchmarks.accuracy_speed.tables import TABLES, scaling_rows
 from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.parameters.fidelity import Fidelity
 from verification.work_precision import Reference
@@ -45,8 +44,7 @@ def stopped() -> Measurement:
 def test_a_stopped_measurement_is_shown(stopped: Measurement, tmp_path: Path) -> None:
     stopped.orders = fitted_orders(stopped)
     stopped.save(tmp_path / "free-pinion-torque.h5")
-    assert "| no-convergence | 1 | step 5 | <no equilibrium> |" in TABLES["failures"](tmp_path)
-    assert "one - another" in TABLES["references"](tmp_path)
+    assert "| no-convergence | 1 | quasi-static | <no equilibrium> |" in TABLES["failures"](tmp_path)
     assert "joined by lines | 2 | 2 | 3 |" in TABLES["orders"](tmp_path)
 
 
@@ -64,13 +62,6 @@ def test_too_few_points_give_no_order(stopped: Measurement) -> None:
     assert [np.isnan(each.observed) for each in fitted_orders(stopped)] == [True, True]
     stopped.scene = "reversal"
     assert fitted_orders(stopped) == []
-
-
-def test_front_is_sorted_by_cost(stopped: Measurement) -> None:
-    stopped.points.append(point(3, 1.0, 1.0))
-    assert [each.label for each in front_of(stopped)] == ["step 4", "step 2", "step 1"]
-    coarse = replace(stopped.reference, uncertainty=10.0)
-    assert len(front_of(replace(stopped, reference=coarse))) == 1  # below the floor nothing is more exact
 
 
 def test_cost_grows_with_a_fitted_exponent() -> None:

@@ -83,7 +83,7 @@ def test_grid_counts_its_last_axis_fastest_and_moves_linked_paths(tmp_path: Path
     assert setup.bearing.friction_torque == pytest.approx(0.02)
     assert setup.test.turns == 2
     assert setup.fidelity.step_angle == pytest.approx(np.deg2rad(2))
-    assert description.base == {"test.turns": 2.0}
+    assert description.base == {"test.turns": 2.0, "mesh.law": "line"}
 
 
 def test_case_is_what_run_would_take(tmp_path: Path) -> None:
@@ -96,6 +96,7 @@ def test_case_is_what_run_would_take(tmp_path: Path) -> None:
             "yoke.preload": "100 N",
             "bearing.friction_torque": "10 N*mm",
             "test.turns": 2,
+            "mesh.law": "line",  # which the scene needs
             "fidelity.step_angle": "2 deg",
         },
     )

@@ -192,7 +192,7 @@ def test_solution_error_stands_beside_the_band(both: tuple[Band, Band]) -> None:
     quick, _ = both
     assert 0 < quick.numerical["torque_mean"] < 1e-4 * quick.nominal.summary["torque_mean"]
     assert quick.law is not None
-    assert quick.law.law == "line"
+    assert quick.law.law == "teeth"
 
 
 @pytest.mark.parametrize(("scene", "count", "rounding"), [(TURN, 24, 0.0), ("rack-lift", 8, 1e-8)])

@@ -28,7 +28,7 @@ Contact = Callable[..., np.ndarray]
 def contact_of(gear: SteeringGear) -> Contact:
     """The contact of a gear's flanks by its law, the rack near its place."""
     pair, flank = GearPair.of(gear), pack(gear, zone=1e-5)
-    elastic = mesh_of_teeth(gear, flank) if gear.mesh.law == "teeth" else None
+    elastic = mesh_of_teeth(gear, flank) if gear.mesh.contact_law == "teeth" else None
 
     def contact(
         angle: float, x: float, y: float, turn: tuple[float, ...] = GUIDED, parting: float = 0.0

@@ -166,6 +166,24 @@ def test_without_yoke_and_rack_drag_and_bearings_are_found() -> None:
     assert found.estimate("bearing.friction_torque").value == pytest.approx(0.03, rel=0.05)
 
 
+def test_rollers_separate_the_two_frictions() -> None:
+    """One run each: the rollers narrow both coefficients to less than 0.6 of what they are without."""
+    tests, rollers = (*SET[:3], WEIGHTS[-1]), BenchTest("rack-on-rollers")
+    curves = [
+        measured(test, WHITE, np.random.default_rng([11, i])) for i, test in enumerate((*tests, rollers))
+    ]
+    with_rollers = fit(measurement_of(curves), other_law=False)
+    without = fit(measurement_of(curves[:-1]), other_law=False)
+    assert with_rollers.converged
+    for path, true in (
+        ("mesh.friction", true_gear().mesh.friction),
+        ("yoke.friction", true_gear().yoke.friction),
+    ):
+        after, before = (each.estimate(path) for each in (with_rollers, without))
+        assert after.sd < 0.6 * before.sd
+        assert after.low < true < after.high
+
+
 def test_a_weight_that_lifts_a_flank_finds_the_preload() -> None:
     """Within 8 %: the declared repeatability of 2 % lets the prior, 15 % off, pull at it. One weight does not
     show whether friction changes under load: three times wider beliefs of that leave more than 20 %."""
@@ -191,7 +209,7 @@ def test_what_means_determine_follows_from_the_closed_form() -> None:
     assert apart.with_test(gear, heavy).alone()["yoke.preload"] < 0.12
     advice = advice_of(gear, free, [FREE])
     assert advice is not None
-    assert {"yoke-out", "bearing", "load-test"} == {test.kind for test in advice.tests}
+    assert {"yoke-out", "bearing", "load-test"} <= {test.kind for test in advice.tests}
 
 
 def test_real_noise_widens_the_interval_to_what_runs_differ_by() -> None:

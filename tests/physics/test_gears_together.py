@@ -196,6 +196,7 @@ def test_every_metric_of_random_gears_is_that_of_single_runs(number: int) -> Non
     path = str(rng.choice(["one-way", "there-and-back"]))
     gear = random_gears(2, number + 1)[number].replace(
         {
+            "mesh.law": "line",
             "rack.bow": 0.0,
             "test.path": path,
             "test.turns": float(rng.choice([0.3, 1.0])),

@@ -9,7 +9,13 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.assessment.requirements.limits import REQUIRED, read_limits
-from rps_exudyn.assessment.requirements.sheet import RequirementRow, judge, requirement_row, weight_for_ratio
+from rps_exudyn.assessment.requirements.sheet import (
+    RequirementRow,
+    judge,
+    law_of_sheet,
+    requirement_row,
+    weight_for_ratio,
+)
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.tooth_strength import pinion_form
 from rps_exudyn.inference.uncertainty.band import Band
@@ -44,8 +50,9 @@ def test_default_gear_keeps_its_torque_and_not_the_papers_efficiency(
 
 
 def test_numbers_are_those_of_the_scenes(sheet: dict[str, RequirementRow]) -> None:
-    medians = GEAR.replace({"test.lift_torque": 30.0})
+    medians = GEAR.replace({"test.lift_torque": 30.0, "mesh.law": law_of_sheet(GEAR)})
     lift = rps.run("rack-lift", medians, fidelity=FOR_MEANS).summary["rack_lift"]
+    assert medians.mesh.law == "teeth"
     assert sheet["rated_lift"].value == pytest.approx(lift, rel=1e-9)
     assert sheet["gain"].value == pytest.approx(35.027e-3, rel=1e-4)
     assert sheet["travel"].value > 0.14
@@ -97,7 +104,7 @@ def test_command_prints_what_is_not_evaluated(command: Command, monkeypatch: pyt
     limit, nan = read_limits()["free_torque"], float("nan")
     made = [requirement_row("free_torque", limit, (nan,) * 3, 0.0, remark="Not evaluated: contact-lost")]
     monkeypatch.setattr("rps_exudyn.assessment.requirements.sheet.judge", lambda *_, **__: iter(made))
-    answer = command(["check", "--out", "sheet.json"])
+    answer = command(["check", "--all", "--out", "sheet.json"])
     assert answer.status == 1
     assert "not evaluated" in answer.out
     assert "nan" not in answer.out
@@ -145,8 +152,21 @@ def test_command_judges_and_says_so_by_its_status(command: Command, monkeypatch:
     monkeypatch.setattr("rps_exudyn.assessment.requirements.sheet.judge", lambda *_, **__: iter(made))
     answer = command(["check", "--out", "sheet.json"])
     assert answer.status == 1
-    assert "free_torque" in answer.out
-    assert "fail" in answer.out
+    assert answer.out.splitlines()[1:4] == [
+        "  1 of 2    requirements kept by 95 % of the gears",
+        "  not kept  gain 35 mm",
+        "  kept      free torque",
+    ]
+    table = command(["check", "--all"]).out
+    assert "free_torque" in table
+    assert "fail" in table
+    assert command(["report", "sheet.json"]).out == "written: sheet.html\n"
+    page = Path("sheet.html").read_text(encoding="utf-8")
+    assert page.count('class="row not-kept"') == 1
+    assert "not kept · at most" in page
+    assert command(["check", "--quiet", "--out", "direct.html"]).out == ""
+    direct = Path("direct.html").read_text(encoding="utf-8")
+    assert direct.count('class="row kept"') == page.count('class="row kept"') == 1
     kept = json.loads(Path("sheet.json").read_text())
     assert kept["all_kept"] is False
     assert kept["requirements"]["free_torque"]["verdict"] == "pass"

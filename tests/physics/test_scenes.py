@@ -7,6 +7,7 @@ import rps_exudyn as rps
 from rps_exudyn.analysis.efficiency import measured_load_test
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.bush import bush_chain, housing_station
+from rps_exudyn.forces.yoke import seat_wedge_factor
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import rack_masses
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -107,7 +108,7 @@ def test_a_heavy_weight_lifts_one_flank() -> None:
     """Above the unloading force said, below not. A stiff spring keeps the rack in mesh then; the preset's own
     yields until the teeth leave it."""
     limit = unloading_force(GEAR) / GRAVITY
-    stiff = {"yoke.spring_rate": "5 kN/mm"}
+    stiff = {"yoke.spring_rate": "5 kN/mm", "mesh.law": "line"}  # whose ripple is the formula's: none
     both = ran("load-test", {"test.load_mass": 0.9 * limit, **stiff})
     one = ran("load-test", {"test.load_mass": 1.1 * limit, **stiff})
     assert both["mesh_normal_force_coast"].min() > 0
@@ -147,9 +148,9 @@ def test_pushed_rack_needs_the_force_of_the_formula(fidelity: str) -> None:
 
 
 def test_pushing_the_rack_is_lowering_the_weight_that_just_drives_the_gear() -> None:
-    """Two scenes, one state: under a weight of the pushing force the pinion needs no torque; 0.3 % of T_0."""
+    """Two scenes, one state, one law: a weight of the pushing force needs no torque; 0.3 % of T_0."""
     force = ran("rack-push", fidelity=FINE).summary["push_force_mean"]
-    lowered = ran("load-test", {"test.load_mass": force / GRAVITY}, FINE).summary
+    lowered = ran("load-test", {"test.load_mass": force / GRAVITY, "mesh.law": "line"}, FINE).summary
     assert lowered["torque_reverse"] == pytest.approx(0, abs=3e-3 * lowered["free_torque"])
 
 
@@ -159,6 +160,16 @@ def test_pushed_pinion_follows_with_the_gears_gain() -> None:
     assert "pinion_torque" not in result.signals
     half = len(result["rack_force"]) // 2
     assert result["rack_force"][1:half].min() > 0 > result["rack_force"][half:].max()
+
+
+# --- rack on rollers -------------------------------------------------------------------------------
+@pytest.mark.parametrize("fidelity", ["flank", "quasi-static", "closed-form"])
+def test_rollers_leave_the_forces_of_bush_and_plunger(fidelity: str) -> None:
+    """D + kappa mu_yoke P, whatever the friction, runout and bearings of the pinion; 1e-4."""
+    seat = seat_wedge_factor(GEAR.yoke.seat_angle) * GEAR.yoke.friction * GEAR.yoke.preload
+    for changed in ({}, {"mesh.friction": 0.2, "pinion.runout": "20 um", "bearing.friction_torque": 0.1}):
+        found = ran("rack-on-rollers", changed, fidelity).summary["roller_force_mean"]
+        assert found == pytest.approx(GEAR.bush.drag + seat, rel=1e-4)
 
 
 # --- there and back --------------------------------------------------------------------------------

@@ -3,7 +3,9 @@
 import base64
 import dataclasses
 import hashlib
+import json
 import re
+from collections.abc import Callable
 from html.parser import HTMLParser
 from importlib.resources import files
 from pathlib import Path
@@ -61,6 +63,7 @@ def test_half_finished_study(made_up_result: Result, tmp_path: Path, command: Co
     page = Page(folder / "report.html")
     assert list(page.sections) == [
         "",
+        "Effects on mean torque",
         "What was run",
         "Outcome",
         "Main effects and response surfaces",
@@ -69,6 +72,7 @@ def test_half_finished_study(made_up_result: Result, tmp_path: Path, command: Co
         "All cases",
         "Provenance",
     ]
+    assert "mean torque over 3 cases" in page.sections[""]
     assert "2 of 6 cases are still to run" in page.sections["What was run"]
     assert "100 N, 200 N, 400 N" in page.sections["What was run"]
     assert "mesh.friction, yoke.friction" in page.sections["What was run"]
@@ -182,13 +186,16 @@ def test_nothing_of_a_file_becomes_markup(made_up_result: Result, tmp_path: Path
     ).save(tmp_path / "r.h5")
     assert command(["report", "s", "r.h5"]).status == 0
     page = Page(tmp_path / "report.html")
-    assert page.tags.isdisjoint({"img", "iframe", "object", "form"})
+    assert page.tags.isdisjoint({"iframe", "object", "form"})
     assert [tag for tag, _ in page.elements].count("script") == 1  # the page's own, told by its hash
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
     script = (files("rps_exudyn") / "pages" / "report" / "page.js").read_text(encoding="utf-8")
     assert f"<script>{script}</script>" in text
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-    assert f"script-src 'sha256-{digest}';" in text
+    policy = re.search(r'content="([^"]*script-src[^"]*)"', text)[1]
+    allowed = policy.split("script-src ")[1].split(";")[0].split()
+    assert f"'sha256-{digest}'" in allowed
+    assert all(each.startswith("'sha256-") for each in allowed)
     assert not any(name.startswith("on") for _, attributes in page.elements for name in attributes)
     assert "<script>alert('torque')</script>" in page.sections["Failed cases"]
 
@@ -203,7 +210,9 @@ def test_page_asks_for_nothing(made_up_result: Result, tmp_path: Path, command: 
     page = Page(tmp_path / "r.html")
     for _, attributes in page.elements:
         links = [attributes.get(name) or "" for name in ("src", "href", "xlink:href", "srcset", "data")]
-        assert all(link.startswith("#") or link in ("", "data:,") for link in links)
+        assert all(
+            link.startswith(("#", "data:image/webp;base64,")) or link in ("", "data:,") for link in links
+        )
     assert set(re.findall(r"url\((.)", text)) <= {"#"}
     assert "@import" not in text
     ids = [attributes["id"] for _, attributes in page.elements if "id" in attributes]
@@ -219,8 +228,8 @@ def test_result_of_any_scene(scene: str, made_up_result: Result, tmp_path: Path,
     result.save(tmp_path / "r.h5")
     assert command(["report", "r.h5"]).out == "written: r.html\n"
     page = Page(tmp_path / "r.html")
-    assert re.search(r"torque_mean\s+0\.6 N m", page.sections["Quantities"])
-    assert re.search(r"yoke\.preload\s+310 N", page.sections["Parameters"])
+    assert re.search(r"torque_mean\s+0\.6 N m", page.sections["Details"])
+    assert re.search(r"yoke\.preload\s+310 N", page.sections["Details"])
 
 
 def test_failed_result_says_so(failed_result: Result, tmp_path: Path, command: Command) -> None:
@@ -229,6 +238,53 @@ def test_failed_result_says_so(failed_result: Result, tmp_path: Path, command: C
     outcome = Page(tmp_path / "r.html").sections["Outcome"]
     assert "NaN at t = 0.1 s." in outcome
     assert Status.DIVERGED.remedy in outcome
+
+
+def _sheet(text: str) -> dict[str, object]:
+    judgement = {
+        "mark": "kept", "name": text, "note": text, "value": text, "interval": text, "verdict": text,
+        "remark": text, "at": 3.0, "band": [1.0, 2.0], "limits": [1.0], "beyond": [[0.0, 1.0]],
+    }  # fmt: skip
+    blocks = [
+        {"kind": "text", "text": text},
+        {"kind": "judged", "heads": [text] * 4, "rows": [judgement]},
+        {"kind": "fold", "title": text, "blocks": [{"kind": "grid", "columns": [text], "rows": [[text]]}]},
+    ]
+    rows = [{"value": text, "words": text}]
+    return {"title": text, "lead": text, "rows": rows, "gear": None,
+            "sections": [{"title": text, "blocks": blocks}]}  # fmt: skip
+
+
+def test_nothing_of_a_sheet_file_becomes_markup(tmp_path: Path, command: Command) -> None:
+    (tmp_path / "s.json").write_text(json.dumps({"sheet": _sheet(HOSTILE)}))
+    assert command(["report", "s.json"]).status == 0
+    page = Page(tmp_path / "s.html")
+    assert "img" not in page.tags
+    assert len([tag for tag, _ in page.elements if tag == "script"]) == 1
+    assert page.sections[HOSTILE].count(HOSTILE) >= 8
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda sheet: sheet.pop("title"),
+        lambda sheet: sheet.update(rows=[{"value": 3}]),
+        lambda sheet: sheet.update(
+            sections=[{"title": "x", "blocks": [{"kind": "pictures", "pictures": []}]}]
+        ),
+        lambda sheet: sheet["sections"][0]["blocks"][1]["rows"][0].update(at="<b>"),
+        lambda sheet: sheet["sections"][0]["blocks"][1]["rows"][0].update(mark="x onload"),
+    ],
+)
+def test_json_that_is_no_sheet_is_refused(
+    damage: Callable[[dict[str, object]], object], tmp_path: Path, command: Command
+) -> None:
+    sheet = _sheet("x")
+    damage(sheet)
+    (tmp_path / "s.json").write_text(json.dumps({"sheet": sheet}))
+    answer = command(["report", "s.json"])
+    assert answer.status == 2
+    assert "s.json holds no sheet" in answer.err
 
 
 def test_several_results_stand_side_by_side(made_up_result: Result, tmp_path: Path, command: Command) -> None:

@@ -81,7 +81,7 @@ def test_chart_tells_values_of_its_curves(
     """By pointer and by keys, to a thousandth of the axes; the dot lies on the curve."""
     page = browser.new_page(viewport=viewport)
     page.goto(report.as_uri())
-    figure = page.locator("article").last.locator("figure[data-axes]").first
+    figure = page.locator("article").last.locator("figure[data-axes]:visible").first
     svg = figure.locator("svg")
     svg.scroll_into_view_if_needed()
     box = svg.bounding_box()
@@ -118,4 +118,46 @@ def test_case_leads_to_its_curve_and_back(browser: sync_api.Browser, report: Pat
     page.keyboard.press("Home")
     figure.locator("output a").first.click()
     assert page.locator("tr:target").count() == 1
+    page.close()
+
+
+def test_gear_turns_in_three_dimensions_on_a_click(browser: sync_api.Browser, report: Path) -> None:
+    """Without a request, with the script that the page's own policy names, and below 500 kB."""
+    page = browser.new_page(viewport=DESKTOP)
+    asked, said = watched(page)
+    page.goto(report.as_uri())
+    gear = page.locator(".gear").last
+    assert gear.locator("img").evaluate("one => one.naturalWidth") > 600
+    texts = gear.locator(".label").all_inner_texts()
+    assert [text.split()[0] for text in texts] == ["yoke", "teeth", "bearings", "bush"]
+    gear.get_by_role("button").click()
+    inner = page.frame_locator("iframe")
+    inner.locator("#reading").filter(has_text="pinion at").wait_for()
+    assert not inner.locator("body.still").count()
+    assert len(asked) == 1
+    assert [text for text in said if "GL Driver Message" not in text] == []
+    page.close()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_texts_stand_out_from_the_page(browser: sync_api.Browser, report: Path, scheme: str) -> None:
+    """WCAG's contrast of at least 4.5 for texts of the sheet, in both colour schemes."""
+    page = browser.new_page(viewport=DESKTOP, color_scheme=scheme)
+    page.goto(report.as_uri())
+    contrasts = page.evaluate(
+        r"""() => {
+          const light = (text) => {
+            const [r, g, b] = text.match(/[\d.]+/g).map((one) => one / 255).map(
+              (one) => one <= 0.04045 ? one / 12.92 : ((one + 0.055) / 1.055) ** 2.4);
+            return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+          };
+          const ground = light(getComputedStyle(document.body).backgroundColor);
+          const texts = document.querySelectorAll("h1, h2, p.lead, dt, dd, .label, .label b, small, summary");
+          return [...texts].map((one) => {
+            const ink = light(getComputedStyle(one).color);
+            return (Math.max(ink, ground) + 0.05) / (Math.min(ink, ground) + 0.05);
+          });
+        }"""
+    )
+    assert min(contrasts) > 4.5
     page.close()

@@ -88,7 +88,7 @@ def old(made_up_result: Result, tmp_path: Path, request: pytest.FixtureRequest) 
 
 def test_result_of_a_retired_choice_is_read_and_not_run_again(old: Path, command: Command) -> None:
     read = load(old)
-    assert old.stem in (read.fidelity["mesh"], read.gear.mesh.law)
+    assert old.stem in (read.fidelity["mesh"], read.gear.mesh.contact_law)
     for words in (["show", str(old)], ["diff", str(old), str(old)], ["report", str(old), "--out", "r.html"]):
         assert command(words).status == 0, words
     answer = command(["rerun", str(old)])
@@ -97,5 +97,5 @@ def test_result_of_a_retired_choice_is_read_and_not_run_again(old: Path, command
 
 
 def test_stored_nonsense_is_no_choice_of_an_earlier_version() -> None:
-    with pytest.raises(InputError, match=r"mesh\.law is 'gear'; it must be line or teeth"):
+    with pytest.raises(InputError, match=r"mesh\.law is 'gear'; it must be by-scene or line or teeth"):
         SteeringGear.from_tables({"mesh": {"law": "gear"}}, context=STORED)

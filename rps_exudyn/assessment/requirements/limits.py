@@ -28,6 +28,20 @@ REQUIRED = {
 }
 """Name of a requirement -> the number that is judged. The rated ones are under the rated torque."""
 
+LABELS = {
+    "free_torque": ("free torque", "mean, no load"),
+    "variation_on_centre": ("variation on centre", "free torque, one direction"),
+    "variation_off_centre": ("variation off centre", "free torque, one direction"),
+    "efficiency_ratio": ("reverse / forward efficiency", "with the test's weight"),
+    "rated_root_pinion": ("root stress, pinion", "at {torque}"),
+    "rated_root_rack": ("root stress, rack", "at {torque}"),
+    "rated_flank": ("flank pressure", "at {torque}"),
+    "rated_lift": ("rack lift", "at {torque}"),
+    "travel": ("travel", "stop to stop"),
+    "gain": ("gain", "rack travel per turn"),
+}
+"""Name of a requirement -> its label for readers, and under what it holds ({torque}: the rated one)."""
+
 
 @dataclass(frozen=True)
 class Limit:

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Sequence
+from math import inf, isfinite
 from typing import Any
 
 from matplotlib.figure import Figure
@@ -9,8 +10,23 @@ from matplotlib.figure import Figure
 from rps_exudyn.assessment.validation.compared_rows import COVERAGE, ComparedRow
 from rps_exudyn.assessment.validation.row import KINDS
 from rps_exudyn.pages.charts import style
-from rps_exudyn.pages.report.html import Article, Facts, Grid, Pictures, Section, Text, page, provenance_facts
+from rps_exudyn.pages.report.html import (
+    Article,
+    CodeText,
+    Facts,
+    Fold,
+    Grid,
+    Judged,
+    Judgement,
+    Mark,
+    Pictures,
+    Section,
+    Text,
+    provenance_facts,
+)
+from rps_exudyn.pages.report.judged import ORDER, judgement, limits_of, listed, mark_of
 from rps_exudyn.pages.report.pictures import picture
+from rps_exudyn.pages.report.sheet import Row, rounded
 from rps_exudyn.results.judged_row import ON_COMPARISONS, Verdict
 from rps_exudyn.results.provenance import provenance
 
@@ -25,38 +41,71 @@ UNKNOWN = (
     "band of any gear with the default teeth (inputs unknown). Half of that band is 44 % of the mean torque, "
     "wider than most rows; such a row excludes gross errors and validates no parameter."
 )
+HEADS = ("source", "simulated, with 90 % of the gears; grey is what was published", "simulated", "verdict")
+PICTURE = "(simulated - measured) / measured of every row, with 95 % uncertainty"
+HEADINGS = {
+    Verdict.DISAGREES: "disagree",
+    Verdict.WEAK: "weak",
+    Verdict.NOT_COMPARABLE: "not comparable",
+}
+"""Verdict -> its heading in the sheet; the others agree."""
 COLOURS = {
-    Verdict.AGREES: "#38761d",
-    Verdict.NOISE: "#0b5394",
-    Verdict.WEAK: "#6fa8dc",
-    Verdict.DISAGREES: "#b00020",
+    Verdict.AGREES: "#1B1F24",
+    Verdict.NOISE: "#0072B2",
+    Verdict.WEAK: "#8B939D",
+    Verdict.DISAGREES: "#B84A00",
 }
 TICKS = (-100.0, -10.0, -1.0, 0.0, 1.0, 10.0, 100.0)
 LINEAR = 1.0  # percent, below which the axis is linear
 
 
-def validation_page(comparisons: Sequence[ComparedRow]) -> str:
-    """Return the HTML page."""
+def validation_article(comparisons: Sequence[ComparedRow], command: str) -> Article:
+    """Return the sheet of all rows: verdicts, then each row with the published range in grey.
+
+    Args:
+        comparisons: judged rows.
+        command: that makes it again.
+    """
     counts = Counter(each.verdict for each in comparisons)
-    lead = ", ".join(f"{counts[verdict]} {verdict.value}" for verdict in ON_COMPARISONS if counts[verdict])
-    sections = [
-        Section(
-            "What may be concluded",
-            [Facts([(each.value, each.meaning) for each in ON_COMPARISONS]), Text(UNKNOWN)],
-        ),
-        Section(
-            "All rows",
-            [Pictures([picture(validation_figure(comparisons), "E over D of every row, with 2 u_val")])],
-        ),
-    ]
+    agree = counts[Verdict.AGREES] + counts[Verdict.NOISE]
+    rows = [Row(f"{agree} of {len(comparisons)}", "comparisons with data from outside agree")]
+    for verdict, heading in HEADINGS.items():
+        titles = [each.row.title.partition(":")[0] for each in comparisons if each.verdict is verdict]
+        if titles:
+            rows.append(Row(heading, f"{len(titles)}: {listed(list(dict.fromkeys(titles)))}"))
+    sections = []
     for kind in KINDS:
-        rows = [each for each in comparisons if each.row.kind == kind]
-        if rows:
-            table = Grid(COLUMNS, [row_cells(each) for each in rows])
-            notes = Grid(("row", "source", "note"), [_note(each) for each in rows], "Sources and notes")
-            sections.append(Section(TITLES[kind], [table, notes]))
-    sections.append(Section("Provenance", [provenance_facts(provenance())]))
-    return page("Validation", [Article("Validation", f"{len(comparisons)} rows: {lead}", sections)])
+        some = [each for each in comparisons if each.row.kind == kind]
+        if some:
+            some.sort(key=lambda each: (ORDER.index(mark_of(each)), each.row.title))
+            notes = Grid(("row", "source", "note"), [_note(each) for each in some])
+            numbers = Grid(COLUMNS, [row_cells(each) for each in some])
+            folds = [Fold("Sources and notes", [notes]), Fold("Errors and uncertainties", [numbers])]
+            sections.append(Section(TITLES[kind], [Judged(HEADS, [_judged(each) for each in some]), *folds]))
+    verdicts = Facts([(each.value, each.meaning) for each in ON_COMPARISONS])
+    details = [
+        Fold("Meaning of the verdicts", [verdicts, Text(UNKNOWN)]),
+        Fold("All errors in one picture", [Pictures([picture(validation_figure(comparisons), PICTURE)])]),
+        Fold("Make it again", [provenance_facts(provenance()), CodeText(command)]),
+    ]
+    lead = "manuals, standards, other programs, closed forms"
+    return Article("Validation", lead, [*sections, Section("Details", details)], rows=rows)
+
+
+def _judged(each: ComparedRow) -> Judgement:
+    data = each.row.data
+
+    def show(value: float) -> str:
+        return rounded(data.shown_as, value)
+
+    ends = limits_of(data.side, data.value, data.ends)
+    if not any(map(isfinite, ends)):
+        ends = (-inf, inf)
+    published = row_cells(each)[1]
+    title, _, what = each.row.title.partition(":")
+    remark = each.remark if mark_of(each) is not Mark.KEPT else ""
+    verdict = f"{each.verdict.value} · {published}"
+    return judgement(each, title, what.strip(), show, ends, verdict, remark, is_published=True)
 
 
 def row_cells(each: ComparedRow) -> list[str]:
@@ -110,7 +159,8 @@ def validation_figure(comparisons: Sequence[ComparedRow]) -> Figure:
     axes.set_ylim(len(shown) - 0.3, -0.7)
     axes.axvline(0, **style.REFERENCE_LINE)
     axes.set_xlabel(
-        "E over D [%] with 2 u_val, linear within 1 %; triangles point to where a limit is kept", loc="right"
+        "(simulated - measured) / measured [%] with 95 % uncertainty; triangles: the side of a kept limit",
+        loc="right",
     )
     for verdict, colour in COLOURS.items():
         axes.plot([], [], "o", color=colour, label=verdict.value)

@@ -1,11 +1,12 @@
 """The tests of a bench whose curves can be fitted, and the files that hold them.
 
-free           the pinion is turned, the rack carries nothing (the scene free-pinion-torque)
-reversal       the same to and fro over some ten degrees
-load-test@80kg the pinion raises a weight at the rack's end, and lowers it
-rack-push      the rack is pushed, the pinion follows
-yoke-out       the pinion is turned without the yoke: nothing presses the teeth together
-bearing        the pinion alone in its bearings
+free             the pinion is turned, the rack carries nothing (the scene free-pinion-torque)
+reversal         the same to and fro over some ten degrees
+load-test@80kg   the pinion raises a weight at the rack's end, and lowers it
+rack-push        the rack is pushed, the pinion follows
+rack-on-rollers  the rack is pushed between the yoke and rollers, which stand where the pinion was
+yoke-out         the pinion is turned without the yoke: nothing presses the teeth together
+bearing          the pinion alone in its bearings
 """
 
 import re
@@ -25,6 +26,7 @@ from rps_exudyn.inference.measured.turning import speeds
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
+from rps_exudyn.scenes.rack_on_rollers import SCENE as RACK_ON_ROLLERS
 from rps_exudyn.scenes.rack_push import SCENE as RACK_PUSH
 from rps_exudyn.scenes.reversal import SCENE as REVERSAL
 from rps_exudyn.solvers.closed_form import GRAVITY
@@ -52,6 +54,7 @@ KINDS = {
     REVERSAL.name: BenchKind(by_angle=True, turns_about=True),
     LOAD_TEST.name: BenchKind(weighted=True),
     RACK_PUSH.name: BenchKind(quantities=PUSH),
+    RACK_ON_ROLLERS.name: BenchKind(quantities=PUSH),
     "yoke-out": BenchKind(),
     "bearing": BenchKind(),
 }

@@ -13,11 +13,13 @@ from rps_exudyn.inference.fitting.identifiability import MOST_RUNS, NARROWED, SE
 from rps_exudyn.inference.fitting.level import LevelEstimate
 from rps_exudyn.inference.fitting.unknowns import LEVEL, declared
 from rps_exudyn.results.judged_row import Verdict
+from rps_exudyn.scenes.rack_on_rollers import SCENE as RACK_ON_ROLLERS
 from rps_exudyn.solvers.closed_form import mesh_torque_per_force, torque_per_preload
 
 TESTS = {
     "yoke-out": "turn the pinion without the yoke",
     "bearing": "turn the pinion alone in its bearings",
+    RACK_ON_ROLLERS.name: "push the rack between the yoke and rollers in the pinion's place",
 }
 
 

@@ -93,7 +93,7 @@ def fit(
     free, warnings = _tellable(measurement, gear, list(free))
     problem = _problem(measurement, gear, free, priors or {})
     before = like.series if isinstance(like, Fit) else like
-    if before is not None and (why := before.misfit(problem, gear.mesh.law)):
+    if before is not None and (why := before.misfit(problem, gear.mesh.contact_law)):
         warnings.append(f"the fit of the series is not taken over: {why}")
         before = None
     with CaseRunner(jobs, time_limit) as problem.prediction.runner:
@@ -264,7 +264,7 @@ def _runout_in(problem: Problem, u: np.ndarray, gear: SteeringGear) -> np.ndarra
 
 def _by_other_law(ended: Ended, gear: SteeringGear) -> tuple[np.ndarray, list[str]]:
     """How far another contact law moves the unknowns, and a remark if that is unknown."""
-    law, problem, shape = OTHER_LAW[gear.mesh.law], ended.problem, ended.shape
+    law, problem, shape = OTHER_LAW[gear.mesh.contact_law], ended.problem, ended.shape
     other, by_law, said = gear.replace({"mesh.law": law}), np.zeros(len(ended.problem.unknowns)), []
     own = [j for j, each in enumerate(problem.unknowns) if each.is_level]
     try:

@@ -406,7 +406,7 @@ def outcome_of(ended: Ended, gear: SteeringGear, warnings: list[str], began: flo
         cpu_s=process_time() - began,
         problem=problem,
         series=Series(
-            gear.mesh.law,
+            gear.mesh.contact_law,
             tuple(each.path for each in problem.unknowns),
             titles(problem),
             _all_unknowns(ended),

@@ -19,6 +19,7 @@ from rps_exudyn.inference.fitting.problem import MODEL
 from rps_exudyn.inference.fitting.unknowns import LEVEL, NUISANCES
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
+from rps_exudyn.scenes.rack_on_rollers import SCENE as RACK_ON_ROLLERS
 from rps_exudyn.solvers.closed_form import GRAVITY, unloading_force
 
 NARROWED = 0.5  # of the declared deviation
@@ -113,11 +114,11 @@ class Advice:
 
 
 def candidates(gear: SteeringGear) -> list[BenchTest]:
-    """Return tests that a bench may add: without yoke, without rack, and weights."""
+    """Return tests that a bench may add: without yoke, without rack, on rollers, and weights."""
     lifting = unloading_force(gear) / GRAVITY
     masses = [max(10.0, 10.0 * ceil(part * lifting / 10)) for part in (0.3, 0.6, 1.15)]
     weights = [BenchTest(LOAD_TEST.name, mass * GRAVITY) for mass in dict.fromkeys(masses)]
-    return [BenchTest("yoke-out"), BenchTest("bearing"), *weights]
+    return [BenchTest("yoke-out"), BenchTest("bearing"), BenchTest(RACK_ON_ROLLERS.name), *weights]
 
 
 def advice_of(gear: SteeringGear, data: LevelData, done: Sequence[BenchTest]) -> Advice | None:

@@ -3,8 +3,8 @@
 A curve of free turning is simulated over a turn in both directions, and repeated; of the other tests the mean
 of each direction is predicted, from a turn, or from a tooth pitch where the runout is too small to matter.
 Under a weight that lifts a flank now and then over the turn, 20 um change the friction by 0.4 %, and so the
-preload that is fitted. Without its yoke, and without its rack, what is left of a gear is drag and bearing
-friction.
+preload that is fitted. Without its yoke, without its rack, or with rollers
+for its pinion, what is left of a gear are formulas of drag, bearing and plunger friction.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,6 +22,8 @@ from rps_exudyn.parameters.fidelity import FOR_MEANS, MEAN_STEP, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.checks.before_run import largest_angle
 from rps_exudyn.scenes.maneuver import steady_maneuver
+from rps_exudyn.scenes.rack_on_rollers import SCENE as RACK_ON_ROLLERS
+from rps_exudyn.scenes.rack_on_rollers import on_rollers
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.simulate.cases.run_cases import CaseRunner, Task
 from rps_exudyn.solvers.closed_form import GRAVITY, mean_state, pushing_force
@@ -121,7 +123,7 @@ def pass_values(block: CurveBlock, gear: SteeringGear, fidelity: Fidelity, sense
         NoPredictionError: there is no equilibrium.
     """
     test = block.test
-    if test.kind in ("yoke-out", "bearing"):
+    if test.kind in ("yoke-out", "bearing", RACK_ON_ROLLERS.name):
         return np.array([formula_means(gear, test)[0 if sense > 0 else 1]])
     if test.of_kind.by_angle:
         first, last = (float(angle) for angle in block.grid[[0, -1]][::sense])
@@ -163,6 +165,8 @@ def formula_means(gear: SteeringGear, test: BenchTest) -> tuple[float, float]:
     if test.kind == "yoke-out":
         torque = float(GearPair.of(gear).gain) * gear.bush.drag + gear.bearing.friction_torque
         return torque, -torque
+    if test.kind == RACK_ON_ROLLERS.name:
+        gear = on_rollers(gear)
     if test.pushed:
         return pushing_force(gear, +1), pushing_force(gear, -1)
     return mean_state(gear, +1, test.load).torque, mean_state(gear, -1, test.load).torque

@@ -33,6 +33,7 @@ from rps_exudyn.results.law_error import LawError, law_error
 from rps_exudyn.results.outcome import Interrupted, Status, alike
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.law_by_scene import SERIES, with_law
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.simulate.batch import Batch
 from rps_exudyn.simulate.run import simulate
@@ -174,6 +175,7 @@ def nominal_result(
     Raises:
         InputError: that run fails.
     """
+    gear = with_law(gear, fidelity, SERIES, inputs)
     medians = gear.replace({path: each.nominal for path, each in inputs.items()})
     result = simulate(scene, medians, fidelity)
     if result.status is not Status.OK:

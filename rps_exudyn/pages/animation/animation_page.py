@@ -45,10 +45,15 @@ def page(result: Result) -> str:
         InputError: the result has no motion.
     """
     motion = Motion.of(result)
-    parts, lines = picture_parts(result.gear), contact_lines(motion)
+    return rendered(result, motion, contact_lines(motion))
+
+
+def rendered(result: Result, motion: Motion, lines: ContactLines | None) -> str:
+    """The page of a result's motion as HTML, with lines of contact or without."""
+    parts = picture_parts(result.gear)
     data = page_data(motion, parts, lines)
     picture = image_bytes(still(motion, parts, lines, FALLBACK), "webp")
-    style, script = _style_and_script()
+    style, code = _style_and_script()
     environment = Environment(
         loader=FileSystemLoader(_FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True
     )
@@ -64,11 +69,16 @@ def page(result: Result) -> str:
         densest=None if lines is None else _LINE_LOAD.show(float(lines.load.max())),
         remarks=list(_remarks(result, motion, lines)),
         data=json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"),
-        script=script,
+        script=code,
         style=style,
-        script_hash=_hash(script),
+        script_hash=_hash(code),
         style_hash=_hash(style),
     )
+
+
+def script() -> str:
+    """The script of the page, for the policy of a page that holds this one."""
+    return _style_and_script()[1]
 
 
 @cache
@@ -119,9 +129,9 @@ def _remarks(result: Result, motion: Motion, lines: ContactLines | None) -> Any:
             "Lines of contact have the places and loads of the contact law, and each flank side's sum is the "
             "recorded normal force."
         )
-        if result.gear.mesh.law == "area":
+        if result.gear.mesh.contact_law == "area":
             yield 'Law "area" has no lines; their places and shares are those of law "line".'
-        if result.gear.mesh.law != "teeth":
+        if result.gear.mesh.contact_law != "teeth":
             yield "Along a line the load is in proportion to the depth: right in sum, not in its course."
     yield (
         "Arrows end where a force acts and are as long as it is large. The bent arrow is the torque that "

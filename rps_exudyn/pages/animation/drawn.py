@@ -32,14 +32,23 @@ class Drawing:
 
     def draw(self, image: np.ndarray, camera: Camera, frame: int) -> None:
         """Draw one instant, deflections magnified, over an image (height, width, 3) in 0..1."""
-        poses = self.motion.poses(frame, self.motion.largest_factors)
-        away = {name: self.explode * step for name, step in exploded(self.motion.gear).items()}
-        bodies = [self._body(part, poses[part.name], away[part.name]) for part in self.parts]
-        _paint(image, camera, *(np.concatenate(each) for each in zip(*bodies, strict=True)))
+        poses, away = self._places(frame)
+        self.draw_bodies(image, np.full(image.shape[:2], np.inf), camera, frame)
         if over := [mesh for arrow in self.arrows for mesh in self._arrow(arrow, frame, poses, away)]:
-            _paint(image, camera, *(np.concatenate(each) for each in zip(*over, strict=True)))
+            _paint(image, None, camera, *(np.concatenate(each) for each in zip(*over, strict=True)))
         if self.lines is not None and not self.explode:
-            _paint(image, camera, *self._ribbons(self.lines, frame, poses["pinion"], camera))
+            _paint(image, None, camera, *self._ribbons(self.lines, frame, poses["pinion"], camera))
+
+    def draw_bodies(self, image: np.ndarray, depth: np.ndarray, camera: Camera, frame: int = 0) -> None:
+        """Draw the bodies of one instant where `depth` (height, width) is larger than theirs; change both."""
+        poses, away = self._places(frame)
+        bodies = [self._body(part, poses[part.name], away[part.name]) for part in self.parts]
+        _paint(image, depth, camera, *(np.concatenate(each) for each in zip(*bodies, strict=True)))
+
+    def _places(self, frame: int) -> tuple[dict[str, Pose], dict[str, np.ndarray]]:
+        """Pose of each part, and how far it stands from its place."""
+        away = {name: self.explode * step for name, step in exploded(self.motion.gear).items()}
+        return self.motion.poses(frame, self.motion.largest_factors), away
 
     @cached_property
     def arrows(self) -> list[Arrow]:
@@ -118,15 +127,16 @@ class Drawing:
 
 def _paint(
     image: np.ndarray,
+    depth: np.ndarray | None,
     camera: Camera,
     world: np.ndarray,
     normals: np.ndarray,
     colours: np.ndarray,
     cuts: np.ndarray,
 ) -> None:
-    """Draw triangles over the image, with a depth buffer of their own."""
+    """Draw triangles over the image, with a depth buffer of their own unless there is one."""
     height, width = image.shape[:2]
-    depth = np.full((height, width), np.inf)
+    depth = np.full((height, width), np.inf) if depth is None else depth
     weights, of, world = in_front(camera, world)
     lit = weights @ normals[of]
     seen = camera.seen(world, width, height)

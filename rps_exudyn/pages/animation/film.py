@@ -26,6 +26,7 @@ SECONDS = 4.0  # that a film lasts
 STILLS, FILMS = (".png", ".webp"), (".gif", ".mp4")
 TOP, BOTTOM = np.array([0.81, 0.84, 0.87]), np.array([0.97, 0.975, 0.98])  # of the background
 INK = (20, 20, 25)
+OUTLINE_GAP, OUTLINE = 0.006, 0.45  # step in depth, over the eye's distance, that is an edge; its brightness
 Size = tuple[int, int]
 
 
@@ -72,6 +73,24 @@ def still(
     """The first instant as a picture, edges smoothed."""
     drawing = Drawing(motion, parts, lines, explode)
     return _picture(drawing, camera_of(view, motion.gear, explode), 0, size, 2, written=False)
+
+
+def cutout(drawing: Drawing, camera: Camera, size: Size) -> Image.Image:
+    """The bodies of the first instant alone, with their outlines, on a transparent ground."""
+    width, height = (2 * each for each in size)
+    image, depth = np.ones((height, width, 3)), np.full((height, width), np.inf)
+    drawing.draw_bodies(image, depth, camera)
+    seen = np.isfinite(depth)
+    near = np.where(seen, depth, OUTLINE_GAP * camera.distance + depth[seen].max(initial=0.0))
+    edge = np.zeros_like(seen)
+    for axis in (0, 1):
+        step = np.abs(np.diff(near, axis=axis)) > OUTLINE_GAP * camera.distance
+        edge |= np.insert(step, 0, False, axis) | np.insert(step, step.shape[axis], False, axis)
+    image[edge & seen] *= OUTLINE
+    solid = np.concatenate([image * seen[..., None], seen[..., None]], axis=2)
+    mean = solid.reshape(size[1], 2, size[0], 2, 4).mean(axis=(1, 3))
+    mean[..., :3] /= np.maximum(mean[..., 3:], 1e-9)
+    return Image.fromarray((255 * np.clip(mean, 0, 1)).astype(np.uint8), "RGBA")
 
 
 def image_bytes(picture: Image.Image, kind: str) -> bytes:

@@ -87,7 +87,7 @@ def contact_lines(motion: Motion) -> ContactLines | None:
     gear = motion.gear
     if motion.rigid:
         return None
-    known = gear if gear.mesh.law != "area" else gear.replace({"mesh.law": "line"})
+    known = gear if gear.mesh.contact_law != "area" else gear.replace({"mesh.law": "line"})
     loads = load_distribution(known, motion.signals)
     rows = np.arange(loads.load.size).reshape(-1, STATIONS)
     rows = rows[(loads.load[rows] > 0).any(axis=1)]

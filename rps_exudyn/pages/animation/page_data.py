@@ -29,7 +29,7 @@ CURVES = (
 )
 """Signals that the page can draw, as far as the record has them; the first is drawn at once."""
 MOVING = ("pinion_angle", "rack_displacement", *DISPLACEMENTS, *TILTS)
-SECTIONED = ("rack", "plunger", "yokenut", "bush")  # the spring and the pinion stay whole
+SECTIONED = ("plunger", "yokenut")  # the round bar stays round
 
 
 def page_data(motion: Motion, parts: list[PicturePart], lines: ContactLines | None) -> dict[str, Any]:

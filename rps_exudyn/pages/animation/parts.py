@@ -17,14 +17,14 @@ from rps_exudyn.parameters.gear import SteeringGear
 CHORD_ERROR = 20e-6  # finer meshes look the same [m]
 CREASE = np.cos(np.radians(35))  # faces that meet at a larger angle have an edge
 COLOURS = {
-    "pinion": (0.80, 0.58, 0.24),
-    "rack": (0.66, 0.69, 0.73),
-    "plunger": (0.23, 0.48, 0.72),
-    "spring": (0.82, 0.84, 0.86),
-    "yokenut": (0.45, 0.48, 0.53),
-    "bush": (0.87, 0.85, 0.80),
+    "pinion": (0.902, 0.624, 0.0),
+    "rack": (0.682, 0.714, 0.749),
+    "plunger": (0.184, 0.561, 0.796),
+    "spring": (0.549, 0.769, 0.910),
+    "yokenut": (0.043, 0.373, 0.580),
+    "bush": (0.0, 0.620, 0.451),
 }
-"""PicturePart -> red, green, blue in 0..1."""
+"""PicturePart -> red, green, blue in 0..1: as in `pages.charts.style`, the yoke in three blues."""
 BORE = 0.52  # of the plunger, over its diameter
 BORE_DEPTH = 0.62  # over the plunger's length
 COILS, ALONG_COIL, AROUND_WIRE = 5, 20, 8

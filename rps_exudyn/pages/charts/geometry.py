@@ -6,6 +6,7 @@ import matplotlib as mpl
 import numpy as np
 from manifold3d import Manifold
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from rps_exudyn.gears.export import assembled
@@ -18,9 +19,8 @@ from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
 
 PART_COLOURS = {
-    "pinion": (0.36, 0.55, 0.78),
-    "rack": (0.72, 0.72, 0.74),
-    "plunger": (0.86, 0.66, 0.36),
+    name: to_rgb(style.PART_COLOURS[part])
+    for name, part in {"pinion": "mesh", "rack": "rack", "plunger": "seat"}.items()
 }
 VIEW = np.array([-0.5, -0.22, 1.0])  # from the parts to the eye, housing frame: from below, into the teeth
 SHOWN = np.array([0.034, 0.026, 0.022])  # half the box around the mesh that the 3-D view shows [m]
@@ -76,11 +76,11 @@ def _draw_section(axes: Axes, pair: GearPair, report: GeometryReport) -> None:
     axes.fill(*profile.T, facecolor=PART_COLOURS["pinion"], alpha=0.45, edgecolor="black", linewidth=1)
     angle = np.linspace(0, 2 * np.pi, 361)
     circles = {
-        "tip": (report.tip_diameter, "#0b5394", "-"),
+        "tip": (report.tip_diameter, "#0072B2", "-"),
         "root": (report.root_diameter, "#555555", "-"),
-        "base": (report.base_diameter, "#b00020", (0, (6, 6))),  # over the root circle, often hardly larger
-        "reference": (report.reference_diameter, "#b45f06", "-"),
-        "form": (report.form_diameter, "#38761d", (0, (6, 6))),  # over the reference circle, likewise
+        "base": (report.base_diameter, "#B84A00", (0, (6, 6))),  # over the root circle, often hardly larger
+        "reference": (report.reference_diameter, "#59616B", "-"),
+        "form": (report.form_diameter, "#009E73", (0, (6, 6))),  # over the reference circle, likewise
     }
     for name, (diameter, colour, dashes) in circles.items():
         x, y, label = np.cos(angle), np.sin(angle), f"{name} circle, {diameter * 1e3:.3f} mm"
@@ -101,10 +101,10 @@ def _draw_mesh(axes: Axes, pair: GearPair, solids: dict[str, Solid]) -> None:
             )
     pitch = 1e3 * pair.reference_radius
     angle = np.linspace(0, 2 * np.pi, 361)
-    axes.plot(pitch * np.cos(angle), pitch * np.sin(angle), color="#b45f06", linewidth=0.8, linestyle="-.")
-    axes.axhline(pitch, color="#b45f06", linewidth=0.8, linestyle="-.", label="pitch circle and pitch line")
+    axes.plot(pitch * np.cos(angle), pitch * np.sin(angle), color="#59616B", linewidth=0.8, linestyle="-.")
+    axes.axhline(pitch, color="#59616B", linewidth=0.8, linestyle="-.", label="pitch circle and pitch line")
     ends = np.array(path_on_involute(pair))
-    for side, name, colour in ((-1, "drive", "#b00020"), (1, "coast", "#0b5394")):
+    for side, name, colour in ((-1, "drive", "#B84A00"), (1, "coast", "#0072B2")):
         direction = np.array([-side * np.cos(pair.alpha_t), np.sin(pair.alpha_t)])
         line = 1e3 * (np.array([0, pair.reference_radius]) + ends[:, None] * direction)
         axes.plot(*line.T, color=colour, linewidth=1.8, label=f"path of contact, {name} flanks")

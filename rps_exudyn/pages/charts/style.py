@@ -22,24 +22,34 @@ from rps_exudyn.results.quantities import SIGNALS, SUMMARY, Quantity
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import is_scene, scene_named
 
-COLOURS = {
-    "torque": "#0b5394",
-    "other": "#e69138",
-    "lift": "#38761d",
-    "roll": "#b45f06",
-    "reference": "#777777",
-    "failure": "#b00020",
-    "forward": "#0b5394",
-    "backward": "#e69138",
-    "measured": "#000000",
-    "mesh": "#0b5394",
-    "seat": "#e69138",
-    "bush": "#6aa84f",
-    "bearing": "#999999",
+PART_COLOURS = {
+    "mesh": "#E69F00",
+    "seat": "#0072B2",
+    "bush": "#009E73",
+    "bearing": "#CC79A7",
+    "column": "#56B4E9",
+    "rack": "#AEB6BF",
 }
-"""Colours by meaning: signals, directions, places where work is lost."""
+"""Part where work is lost -> its colour in every picture and page (Okabe and Ito's; the rack's is grey)."""
 
-SEVERAL = ("#0b5394", "#e69138", "#38761d", "#b00020", "#674ea7", "#777777")
+COLOURS = {
+    "torque": "#1B1F24",
+    "other": "#0072B2",
+    "lift": "#59616B",
+    "roll": "#59616B",
+    "reference": "#747D88",
+    "failure": "#B84A00",
+    "forward": "#1B1F24",
+    "backward": "#0072B2",
+    "measured": "#59616B",
+    **PART_COLOURS,
+}
+"""Colours by meaning: ink is the simulation, vermilion a limit that is not kept, the others are parts'."""
+
+DASHES = {"backward": (0, (4, 1.5))}
+"""Colour of a direction -> its dashes, which survive grey print."""
+
+SEVERAL = ("#1B1F24", "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9")
 """Colours of curves that only the legend distinguishes."""
 
 _LOOK: Any = {
@@ -98,7 +108,8 @@ def line(
     `name` is for the axis, `label` for the legend.
     """
     width = _LOOK["lines.linewidth"]
-    axes.plot(x, quantity.displayed(y), color=COLOURS[colour], linewidth=width, label=label)
+    look: Any = {"color": COLOURS[colour], "linestyle": DASHES.get(colour, "-"), "linewidth": width}
+    axes.plot(x, quantity.displayed(y), label=label, **look)
     axes.set_ylabel(quantity.axis_label(name))
 
 

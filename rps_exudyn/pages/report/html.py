@@ -1,17 +1,20 @@
-"""From articles to one HTML page without fonts or requests; the only script that it lets run is page.js."""
+"""From articles to one HTML page without fonts or requests; its policy names the scripts that run."""
 
 import base64
 import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from rps_exudyn.base.units import words
-from rps_exudyn.pages.report.sheet import Row
+from rps_exudyn.base.units import short, words
+from rps_exudyn.pages.animation.animation_page import script as inner_script
+from rps_exudyn.pages.charts.style import PART_COLOURS
+from rps_exudyn.pages.report.sheet import Row, Sheet
 from rps_exudyn.parameters.gear import Setup
 
 
@@ -75,11 +78,78 @@ class Grid(PageBlock):
     ids: Sequence[str] = ()  # of the rows, each on one row of the page; () without
 
 
-@dataclass(frozen=True)
-class SheetRows(PageBlock):
-    """The rows of a sheet, the first one large."""
+class Mark(StrEnum):
+    """Mark of a judged row: its shape differs, too."""
 
-    rows: Sequence[Row]
+    KEPT = "kept"
+    NOT_KEPT = "not-kept"
+    OPEN = "open"
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A judged number: words, and places on a scale from 0 to 100."""
+
+    mark: Mark
+    name: str
+    note: str  # below the name
+    value: str
+    interval: str
+    verdict: str
+    remark: str
+    at: float | None = None  # of the value
+    band: tuple[float, float] | None = None
+    limits: Sequence[float] = ()
+    beyond: Sequence[tuple[float, float]] = ()  # ranges in grey
+
+
+@dataclass(frozen=True)
+class Judged(PageBlock):
+    """Judged rows, each with its scale."""
+
+    heads: Sequence[str]  # over name, scale, value and verdict
+    rows: Sequence[Judgement]
+
+
+@dataclass(frozen=True)
+class Share:
+    """Part of a whole, by the key of its colour."""
+
+    part: str
+    name: str
+    percent: float
+    text: str
+
+
+@dataclass(frozen=True)
+class Shares(PageBlock):
+    """One bar of shares, or a bar each."""
+
+    shares: Sequence[Share]
+    apart: bool = False
+
+
+@dataclass(frozen=True)
+class Label:
+    """A label of a part in the gear's picture, at a place [%]."""
+
+    name: str
+    value: str
+    part: str
+    side: str
+    left: float
+    top: float
+
+
+@dataclass(frozen=True)
+class GearPicture:
+    """The gear as a still with labels, and as a page in three dimensions (gzip in base 64)."""
+
+    image: str
+    size: tuple[int, int]  # [pixels]
+    alt: str
+    labels: Sequence[Label]
+    page: str
 
 
 @dataclass(frozen=True)
@@ -89,6 +159,7 @@ class Picture:
     svg: str
     caption: str
     width: float  # at most [in]
+    place: str = ""  # "wide-only" or "narrow": the screens on which it is shown; on all without
     axes: str = ""  # JSON of places and scales of the axes with curves, see `axes_of`; page.js reads it
 
 
@@ -110,7 +181,7 @@ class Fold(PageBlock):
 
 @dataclass(frozen=True)
 class Section:
-    """A heading with blocks."""
+    """A heading with blocks; without a title the blocks alone."""
 
     title: str
     blocks: Sequence[PageBlock]
@@ -118,14 +189,29 @@ class Section:
 
 @dataclass(frozen=True)
 class Article:
-    """One study or one result."""
+    """The sheet of one result, study, check, fit or validation.
+
+    Attributes:
+        title, lead: what was done; with which gear, how and when.
+        sections: curves, parts, rows, tables.
+        rows: the numbers at the head, the first one large.
+        gear: its picture beside them.
+    """
 
     title: str
     lead: str
     sections: Sequence[Section]
+    rows: Sequence[Row] = ()
+    gear: GearPicture | None = None
+
+    @property
+    def sheet(self) -> Sheet:
+        """What the terminal prints of it."""
+        return Sheet(short(f"{self.title}: {self.lead}", LONGEST_TITLE), tuple(self.rows))
 
 
 _FOLDER = Path(__file__).parent
+LONGEST_TITLE = 78  # letters, of a sheet in a terminal
 
 
 def page(title: str, articles: Sequence[Article]) -> str:
@@ -139,13 +225,15 @@ def page(title: str, articles: Sequence[Article]) -> str:
     )
     css = (_FOLDER / "page.css").read_text(encoding="utf-8")
     script = (_FOLDER / "page.js").read_text(encoding="utf-8")
-    digest = hashlib.sha256(script.encode()).digest()
+    scripts = [script, *([inner_script()] if any(article.gear for article in articles) else [])]
+    hashes = [base64.b64encode(hashlib.sha256(each.encode()).digest()).decode() for each in scripts]
     return environment.get_template("page.html").render(
         title=title,
         articles=articles,
         css=css,
         script=script,
-        script_hash=f"sha256-{base64.b64encode(digest).decode()}",
+        part_colours=PART_COLOURS,
+        script_hashes=" ".join(f"'sha256-{each}'" for each in hashes),
     )
 
 
@@ -166,10 +254,10 @@ GEAR_FACTS = {
     "pinion.pressure_angle": "pressure angle",
     "pinion.helix_angle": "helix angle",
     "pinion.profile_shift": "profile shift",
-    "rack.tooth_angle": "angle of the rack's teeth",
-    "rack.bar_diameter": "bar's diameter",
-    "yoke.preload": "yoke's preload",
-    "yoke.clearance": "yoke's clearance",
+    "rack.tooth_angle": "angle of the rack teeth",
+    "rack.bar_diameter": "bar diameter",
+    "yoke.preload": "yoke preload",
+    "yoke.clearance": "yoke clearance",
     "mesh.friction": "friction of the teeth",
     "yoke.friction": "friction of the plunger",
     "pinion.runout": "runout",

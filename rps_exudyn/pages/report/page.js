@@ -5,7 +5,24 @@ const SVG = "http://www.w3.org/2000/svg";
 const ROUNDING = 0.02; // of places in the SVG
 const FEW = 6; // curves of a panel that are all told; of more only the nearest to the pointer
 
+for (const gear of document.querySelectorAll(".gear")) turnable(gear);
 for (const figure of document.querySelectorAll("figure[data-axes]")) follow(figure);
+
+// The still becomes the page in three dimensions, which stands packed in the same file
+function turnable(gear) {
+  const button = gear.querySelector("button");
+  if (!("DecompressionStream" in window)) return;
+  button.hidden = false;
+  button.addEventListener("click", async () => {
+    const packed = Uint8Array.from(atob(gear.dataset.page), (letter) => letter.charCodeAt(0));
+    const text = await new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+    const frame = document.createElement("iframe");
+    frame.title = "The gear in three dimensions";
+    frame.srcdoc = text;
+    gear.closest(".top").classList.add("turned");
+    gear.replaceChildren(frame);
+  });
+}
 
 function follow(figure) {
   const svg = figure.querySelector("svg");

@@ -31,6 +31,8 @@ def picture(figure: Figure, caption: str, links: Mapping[str, tuple[str, str]] |
 
     `links` are label of a curve -> id that the curve gets, id of the row to which it leads.
     """
+    for ground in (figure.patch, *(axes.patch for axes in figure.axes)):
+        ground.set_alpha(0.0)  # the page's own, light or dark
     for words in figure.findobj(Words):
         words.set_parse_math(False)  # a dollar in a name is a dollar
     curves = {axes: curves_of(axes) for axes in figure.axes}
@@ -50,7 +52,7 @@ def picture(figure: Figure, caption: str, links: Mapping[str, tuple[str, str]] |
         if lines
     ]
     svg, width = _for_a_page(text.getvalue(), ids), figure.get_size_inches()[0]
-    return Picture(svg, caption, width, json.dumps(places) if places else "")
+    return Picture(svg, caption, width, axes=json.dumps(places) if places else "")
 
 
 def curves_of(axes: Axes) -> list[Line2D]:

@@ -1,6 +1,7 @@
 """The article about one result of any scene, and the comparison of several side by side."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +14,9 @@ from rps_exudyn.base.errors import InputError, as_sentence
 from rps_exudyn.base.units import words
 from rps_exudyn.pages.charts import style
 from rps_exudyn.pages.charts.scene_figures import scene_figure
-from rps_exudyn.pages.charts.signals import WIDTH, signals_figure
+from rps_exudyn.pages.charts.signals import signals_figure
+from rps_exudyn.pages.charts.style import about, scene_of
+from rps_exudyn.pages.report.gear_picture import gear_picture
 from rps_exudyn.pages.report.html import (
     GEAR_FACTS,
     Article,
@@ -24,7 +27,8 @@ from rps_exudyn.pages.report.html import (
     PageBlock,
     Pictures,
     Section,
-    SheetRows,
+    Share,
+    Shares,
     Text,
     Warning,
     as_text,
@@ -34,34 +38,36 @@ from rps_exudyn.pages.report.html import (
     provenance_facts,
 )
 from rps_exudyn.pages.report.pictures import picture
-from rps_exudyn.pages.report.sheet import REMARK, sheet_of
+from rps_exudyn.pages.report.sheet import REMARK, WORK_LOST, loss_shares, rounded, sheet_of
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, SUMMARY, Quantity
+from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, PARTS, SUMMARY, Quantity
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import is_scene
+from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_TURNING_SCENE
 
 if TYPE_CHECKING:
     from rps_exudyn.analysis.load_distribution import LoadDistribution
 
 
 def result_article(result: Result, path: Path, more: Sequence[Section] = ()) -> Article:
-    """Sheet, curves, what else was asked for, tables and provenance of a result in the file `path`."""
+    """The sheet of a result in the file `path`: number, curve, losses; folded below, everything else."""
     compared = None
     if result.measured is not None:
         compared = compare_with_measured(result.measured, result.signals, result.gear.pinion.teeth)
+    sheet = sheet_of(result, compared)
     return Article(
-        title=f"{result.scene} · {path.name}",
-        lead=f"fidelity {result.fidelity['name']} · status {result.status} · {result.provenance['date']}",
+        title=scene_of(result),
+        lead=f"{path.name} · {about(result)} · {result.provenance['date'][:10]}",
+        rows=[row for row in sheet.rows if row.value not in (REMARK, WORK_LOST)],
+        gear=gear_picture(result.gear, result),
         sections=[
-            Section("Outcome", list(_outcome(result, compared))),
+            *([Section("Outcome", notices)] if (notices := list(_notices(result))) else []),
             Section("Curves", list(_curves(result))),
-            *_measured_section(result, compared),
+            *_losses(result),
             *more,
-            Section("Quantities", list(_numbers(result))),
-            Section("Parameters", list(_parameters(result))),
-            Section("Provenance", [provenance_facts(result.provenance), CodeText(_commands(path))]),
+            Section("Details", list(_details(result, compared, path))),
         ],
     )
 
@@ -92,9 +98,11 @@ def side_by_side(results: Mapping[Path, Result]) -> Article:
 
 
 Compared = Sequence[AgainstMeasured] | None
+WIDTHS = {"wide-only": 9.5, "narrow": 4.7}  # of the curve, on wide and narrow screens [in]
 
 
-def _outcome(result: Result, compared: Compared) -> Iterable[PageBlock]:
+def _notices(result: Result) -> Iterable[PageBlock]:
+    """What must not be missed."""
     if result.status is not Status.OK:
         yield Warning(
             f"The simulation failed ({result.status}): {result.message or 'no message'} "
@@ -102,9 +110,35 @@ def _outcome(result: Result, compared: Compared) -> Iterable[PageBlock]:
         )
     elif result.message:
         yield Grid(("remarks",), [[sentence] for sentence in result.message.split("; ")])
-    yield SheetRows([row for row in sheet_of(result, compared).rows if row.value != REMARK])
+
+
+def _losses(result: Result) -> Iterable[Section]:
+    """Where the work goes; none where a result has no losses."""
+    if shares := loss_shares(result):
+        mean = result.summary.get("torque_mean", 0.0) if result.scene == FREE_TURNING_SCENE.name else 0.0
+        torque = SUMMARY["torque_mean"]
+        parts = [
+            Share(
+                part,
+                PARTS[part],
+                100 * share,
+                f"{100 * share:.0f} %" + (f"\n{rounded(torque, share * mean)}" if mean else ""),
+            )
+            for part, share in shares.items()
+        ]
+        yield Section("Where the work goes", [Shares(parts)])
+
+
+def _details(result: Result, compared: Compared, path: Path) -> Iterable[PageBlock]:
+    """Everything else, folded."""
+    if result.signals and (every := signals_figure(result)) is not None:
+        yield Fold("All signals that move", [Pictures([picture(every, "All signals that move")])])
+    yield from _measured_fold(result, compared)
+    yield from _numbers(result)
+    yield Fold("Parameters", list(_parameters(result)))
     if result.status is Status.OK and (error := law_error(result.gear, result.fidelity)):
-        yield Text(error.sentence)
+        yield Fold("Error of the contact law", [Text(error.sentence)])
+    yield Fold("Make it again", [provenance_facts(result.provenance), CodeText(_commands(path))])
 
 
 def _numbers(result: Result) -> Iterable[PageBlock]:
@@ -119,13 +153,16 @@ def _curves(result: Result) -> Iterable[PageBlock]:
     if not result.signals:
         yield Text("No signals were kept.")
         return
-    first, every = _scene_figure(result), signals_figure(result)
-    named = {result.scene: first, "All signals that move": every}
-    pictures = [picture(figure, caption) for caption, figure in named.items() if figure is not None]
-    yield Pictures(pictures) if pictures else Text("No signal moves.")
+    drawn = {place: _scene_figure(result, width) for place, width in WIDTHS.items()}
+    pictures = [
+        replace(picture(figure, scene_of(result)), place=place)
+        for place, figure in drawn.items()
+        if figure is not None
+    ]
+    yield Pictures(pictures) if pictures else Text("No curve to draw.")
 
 
-def _measured_section(result: Result, compared: Compared) -> Iterable[Section]:
+def _measured_fold(result: Result, compared: Compared) -> Iterable[PageBlock]:
     """How the simulated torque differs from the measured one that the result keeps, if it keeps one."""
     if result.measured is None:
         return
@@ -133,10 +170,10 @@ def _measured_section(result: Result, compared: Compared) -> Iterable[Section]:
     for each in compared or ():
         blocks.append(Grid(("quantity", "measured", "simulated"), each.rows, each.heading))
         blocks.append(Text(as_sentence(each.difference)))
-    yield Section(f"Measured: {result.measured.name}", blocks or [Text(NOTHING_TO_COMPARE)])
+    yield Fold(f"Comparison with {result.measured.name}", blocks or [Text(NOTHING_TO_COMPARE)])
 
 
-def _scene_figure(result: Result) -> Figure | None:
+def _scene_figure(result: Result, width: float) -> Figure | None:
     """The scene's own picture without its headline, which the page has; None if signals are missing."""
     if result.status is not Status.OK or not is_scene(result.scene):
         return None
@@ -145,7 +182,7 @@ def _scene_figure(result: Result) -> Figure | None:
     except (KeyError, IndexError):  # signals that were not kept
         return None
     figure.suptitle("")
-    figure.set_size_inches(WIDTH, figure.get_size_inches()[1])
+    figure.set_size_inches(width, figure.get_size_inches()[1])
     for axes in figure.axes:
         if axes.get_legend() is not None:
             style.legend_above(axes)  # in fewer columns

@@ -10,6 +10,7 @@ from math import floor, isfinite, log10
 from typing import TYPE_CHECKING
 
 from rps_exudyn.base.units import pretty, short
+from rps_exudyn.parameters.gear import BY_SCENE
 from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import LABELS, PARTS, SUMMARY, Quantity
@@ -27,12 +28,15 @@ MEANS = (
     "torque_mean_forward",
     "torque_mean_backward",
 )  # with the law's error
-REMARK = "remark"
+REMARK, WORK_LOST = "remark", "work lost"
 LONGEST = 110  # letters of a remark
 LEAST_SHARE = 0.005  # of the work lost, below which a part is not named
 NEGLIGIBLE = 1e-5  # of the unit that is shown: rounding errors of the solver
 SMALLER = {"N*m": ("N*mm", 1e3), "J": ("mJ", 1e3), "N*s": ("mN*s", 1e3), "mm": ("um", 1e3)}
 """Display unit -> a smaller one, and how many of it are one of the other."""
+LARGER = {"N/m": ("N/um", 1e-6), "N/m^2": ("N/mm/um", 1e-9)}
+"""The same for large numbers."""
+MOST_SHOWN = 1e5  # in a unit that has a larger one
 
 
 @dataclass(frozen=True)
@@ -67,11 +71,13 @@ def sheet_of(
         band: of uncertain inputs, of which `result` is the nominal run.
     """
     title = scene_named(result.scene).title if is_scene(result.scene) else result.scene
-    gear = repr(result.gear).strip("<>").removeprefix("SteeringGear: ")
+    shown = repr(result.gear.replace({"mesh.law": BY_SCENE})).strip("<>").removeprefix("SteeringGear: ")
+    law = law_error(result.gear, result.fidelity)
+    model = f"{result.fidelity['name']}; law {law.law}" if law else result.fidelity["name"]
     state = "" if result.status is Status.OK else f" ({result.status})"
     rows = (*_measured(result, compared), *_band(band), *_losses(result), *_remark(result))
     metrics = tuple(_metrics(result, band))[: max(1, MOST_ROWS - len(rows))]
-    return Sheet(short(f"{title}{state}: {gear}; {result.fidelity['name']}", 160), (*metrics, *rows))
+    return Sheet(short(f"{title}{state}: {shown}; {model}", 160), (*metrics, *rows))
 
 
 def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
@@ -94,11 +100,16 @@ def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
         yield Row(rounded(quantity, value, error), words)
 
 
-def _losses(result: Result) -> Iterable[Row]:
+def loss_shares(result: Result) -> dict[str, float]:
+    """Parts where work is lost -> share of all work lost, as far as it is not negligible."""
     shares = {part: result.summary.get(f"loss_share_{part}", 0.0) for part in PARTS}
-    known = {PARTS[part]: share for part, share in shares.items() if share >= LEAST_SHARE}
-    if known:
-        yield Row("work lost", ", ".join(f"{name} {100 * share:.0f} %" for name, share in known.items()))
+    return {part: share for part, share in shares.items() if share >= LEAST_SHARE}
+
+
+def _losses(result: Result) -> Iterable[Row]:
+    if shares := loss_shares(result):
+        text = ", ".join(f"{PARTS[part]} {100 * share:.0f} %" for part, share in shares.items())
+        yield Row(WORK_LOST, text)
 
 
 def _measured(result: Result, compared: "Sequence[AgainstMeasured] | None") -> Iterable[Row]:
@@ -156,6 +167,8 @@ def rounded(quantity: Quantity, value: float, error: float | None = None) -> str
         return f"{size:.{digits}f} ± {either:.{digits}f} {pretty(unit)}".replace("-", "−").strip()
     if 0 < abs(size) < 1e-2 and unit in SMALLER:
         unit, size = SMALLER[unit][0], size * SMALLER[unit][1]
+    if abs(size) > MOST_SHOWN and unit in LARGER:
+        unit, size = LARGER[unit][0], size * LARGER[unit][1]
     digits = 3 if abs(size) >= 100 else 2
     places = max(0, digits - 1 - floor(log10(abs(size)))) if size else 0
     return f"{float(f'{size:.{digits}g}'):.{places}f} {pretty(unit)}".replace("-", "−").strip()

@@ -1,31 +1,47 @@
 """From paths of studies and results to one HTML file."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import replacing
 from rps_exudyn.pages.report.html import Article, page
 from rps_exudyn.pages.report.result_page import contact_section, result_article, side_by_side
+from rps_exudyn.pages.report.sheet_file import read_sheet
 from rps_exudyn.pages.report.study_page import study_article
+from rps_exudyn.results.result import Result
 from rps_exudyn.study.case_blocks import beside, load
 from rps_exudyn.study.store import Store
 
 SUFFIXES = (".html", ".htm")
 
 
-def write_report(paths: Sequence[str | Path], out: str | Path, contact: bool = False) -> None:
-    """Write the page about studies (folders) and results (files).
+def write_report(
+    paths: Sequence[str | Path],
+    out: str | Path,
+    contact: bool = False,
+    on_progress: Callable[[int, int], None] = lambda done, of: None,
+) -> None:
+    """Write the page about studies (folders), results (.h5) and sheets of check, fit and validate (.json).
 
     Args:
         paths: folders and files.
         out: the page.
         contact: adds loads and pattern of the contact to each result.
+        on_progress: called with the number of paths that are drawn, and of all.
 
     Raises:
         InputError: a path that is neither, damaged, or of another format; or `out` cannot be written.
     """
-    articles = _articles([Path(path) for path in paths], contact)
+    write_pages(_articles([Path(path) for path in paths], contact, on_progress), out)
+
+
+def write_pages(articles: Sequence[Article], out: str | Path) -> None:
+    """Write the page of these articles.
+
+    Raises:
+        InputError: `out` cannot be written.
+    """
     text = page(" · ".join(article.title for article in articles), articles)
     with replacing(out) as partial:
         partial.write_text(text, encoding="utf-8", errors="replace")
@@ -39,22 +55,27 @@ def default_name(paths: Sequence[Path]) -> Path:
     return path / "report.html" if path.is_dir() else beside(path, f"{path.stem}.html")
 
 
-def _articles(paths: Sequence[Path], contact: bool) -> list[Article]:
+def _articles(paths: Sequence[Path], contact: bool, on_progress: Callable[[int, int], None]) -> list[Article]:
     """The articles; all paths are opened before anything is drawn, so that all mistakes are reported."""
     problems: list[str] = []
-    opened = {}
+    opened: dict[Path, Store | Result | Article] = {}
     for path in paths:
         try:
-            opened[path] = Store.open(path) if path.is_dir() else load(path)
+            if path.suffix.lower() == ".json":
+                opened[path] = read_sheet(path)
+            else:
+                opened[path] = Store.open(path) if path.is_dir() else load(path)
         except InputError as error:
             problems += error.problems
     if problems:
         raise InputError(problems)
-    results = {path: content for path, content in opened.items() if not isinstance(content, Store)}
+    results = {path: content for path, content in opened.items() if isinstance(content, Result)}
     articles = [side_by_side(results)] if len(results) > 1 else []
-    return articles + [
-        study_article(content)
-        if isinstance(content, Store)
-        else result_article(content, path, [contact_section(content)] if contact else [])
-        for path, content in opened.items()
-    ]
+    for done, (path, content) in enumerate(opened.items()):
+        on_progress(done, len(opened))
+        if isinstance(content, Store):
+            content = study_article(content)
+        elif isinstance(content, Result):
+            content = result_article(content, path, [contact_section(content)] if contact else [])
+        articles.append(content)
+    return articles

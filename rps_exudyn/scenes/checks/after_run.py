@@ -314,7 +314,9 @@ def edge_bound(gear: SteeringGear) -> float:
 
     By law "line" 5 % of random gears exceed 2 %, and one of 200 reaches 5 %, in the smallest steps as well.
     """
-    return EDGE_BOUND[gear.mesh.law] + EDGE_FRACTION * float(np.degrees(abs(gear.installation.angle_error)))
+    return EDGE_BOUND[gear.mesh.contact_law] + EDGE_FRACTION * float(
+        np.degrees(abs(gear.installation.angle_error))
+    )
 
 
 def edges_spared(signals: dict[str, np.ndarray], bound: float) -> Failure:

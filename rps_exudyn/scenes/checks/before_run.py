@@ -94,7 +94,7 @@ def _contact_integrated(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Brea
     """Enough lines or spheres that the teeth's contact is an integral and not a few points."""
     limits: dict[str, int] = {}
     if fidelity.mesh == "flank":
-        limits = {"strip_points": 2, "strip_stations": LEAST_STATIONS[gear.mesh.law]}
+        limits = {"strip_points": 2, "strip_stations": LEAST_STATIONS[gear.mesh.contact_law]}
     elif fidelity.mesh == "general-contact":
         limits = {"profile_samples": least_profile_samples(gear), "axial_samples": LEAST_ROWS}
     for choice, limit in limits.items():

@@ -68,7 +68,7 @@ def yoke_stops(signals: dict[str, np.ndarray]) -> bool:
 def finer_strips(fidelity: Fidelity, gear: SteeringGear) -> Fidelity | None:
     """Return the model with strips of twice the stations; None where nothing finer is known, or the law loads
     each place of a strip by itself, which few stations integrate."""
-    if gear.mesh.law != "teeth" or fidelity.mesh != "flank" or fidelity.strip_stations >= FINEST:
+    if gear.mesh.contact_law != "teeth" or fidelity.mesh != "flank" or fidelity.strip_stations >= FINEST:
         return None
     return fidelity.replace({"strip_stations": min(FINEST, 2 * fidelity.strip_stations)})
 

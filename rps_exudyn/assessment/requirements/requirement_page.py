@@ -1,0 +1,94 @@
+"""The sheet of a gear's requirements: how many are kept, and each on its scale."""
+
+from collections.abc import Sequence
+
+from rps_exudyn.assessment.requirements.limits import LABELS, REQUIRED
+from rps_exudyn.assessment.requirements.sheet import ASSURED, RequirementRow, law_of_sheet
+from rps_exudyn.pages.report.html import (
+    Article,
+    CodeText,
+    Fold,
+    Grid,
+    Judged,
+    Judgement,
+    Mark,
+    Section,
+    parameter_grid,
+    provenance_facts,
+)
+from rps_exudyn.pages.report.judged import ORDER, judgement, listed, mark_of
+from rps_exudyn.pages.report.sheet import Row, rounded
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.provenance import provenance
+
+HEADS = ("requirement", "value and 90 % of the gears; grey is beyond the limit", "value", "limit")
+WORDS = {Mark.NOT_KEPT: "not kept", Mark.OPEN: "open", Mark.KEPT: "kept"}
+
+
+def requirement_article(
+    sheet: Sequence[RequirementRow], gear: SteeringGear, torque: float, command: str
+) -> Article:
+    """Return the sheet of all requirements, without the gear's picture.
+
+    Args:
+        sheet: judged requirements.
+        gear: that was judged.
+        torque: rated one, on the pinion [N m].
+        command: that makes it again.
+    """
+    of = {mark: [each for each in sheet if mark_of(each) is mark] for mark in ORDER}
+    rows = [
+        Row(
+            f"{len(of[Mark.KEPT])} of {len(sheet)}",
+            f"requirements kept by {100 * ASSURED:.0f} % of the gears",
+        )
+    ]
+    rows += [Row(WORDS[mark], listed([_named(each) for each in of[mark]])) for mark in ORDER if of[mark]]
+    shown, changed = repr(gear).strip("<>").removeprefix("SteeringGear: "), gear.changes()
+    sources = [[LABELS[each.name][0], each.limit.source, each.name] for each in sheet]
+    return Article(
+        title="Requirements",
+        lead=f"{shown} · rated torque {torque:g} N m · contact law {law_of_sheet(gear)}",
+        rows=rows,
+        sections=[
+            Section(
+                "All requirements", [Judged(HEADS, [_judged(each, torque) for m in ORDER for each in of[m]])]
+            ),
+            Section(
+                "Details",
+                [
+                    Fold(
+                        "Sources of the limits",
+                        [Grid(("requirement", "source", "name in the file"), sources)],
+                    ),
+                    *([Fold("Parameters", [parameter_grid(changed)])] if changed else []),
+                    Fold("Make it again", [provenance_facts(provenance()), CodeText(command)]),
+                ],
+            ),
+        ],
+    )
+
+
+def _named(each: RequirementRow) -> str:
+    """Label, and the number of a requirement that is not kept."""
+    label = LABELS[each.name][0]
+    return f"{label} {rounded(REQUIRED[each.name], each.value)}" if mark_of(each) is Mark.NOT_KEPT else label
+
+
+def _judged(each: RequirementRow, torque: float) -> Judgement:
+    label, note = LABELS[each.name]
+    quantity = REQUIRED[each.name]
+    mark = mark_of(each)
+
+    def show(value: float) -> str:
+        return rounded(quantity, value)
+
+    return judgement(
+        each,
+        label,
+        note.format(torque=f"{torque:g} N m"),
+        show,
+        (each.limit.least, each.limit.most),
+        f"{WORDS[mark]} · {each.limit.show(quantity)}",
+        f"{each.remark}." if each.remark and mark is not Mark.KEPT else "",
+    )

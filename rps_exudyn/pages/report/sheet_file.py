@@ -1,0 +1,105 @@
+"""Sheets in JSON files, so that `report` makes their pages again.
+
+The key "sheet" holds what the page shows, without pictures: these are drawn from the gear's parameters.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import content_of
+from rps_exudyn.pages.report.gear_picture import gear_picture
+from rps_exudyn.pages.report.html import (
+    Article,
+    CodeText,
+    Facts,
+    Fold,
+    Grid,
+    Judged,
+    PageBlock,
+    Section,
+    Shares,
+    Text,
+    Warning,
+)
+from rps_exudyn.pages.report.sheet import Row
+from rps_exudyn.parameters.gear import SteeringGear
+
+KEY = "sheet"
+DEEPEST = 4  # folds in folds
+_ADAPTERS: dict[str, TypeAdapter[Any]] = {
+    each.__name__.lower(): TypeAdapter(each)
+    for each in (Text, Warning, CodeText, Facts, Grid, Judged, Shares)
+}
+_ROWS = TypeAdapter(list[Row])
+
+
+def sheet_as_dict(article: Article, gear: SteeringGear | None = None) -> dict[str, Any]:
+    """Return an article as a table for JSON; its pictures are left out."""
+    return {
+        "title": article.title,
+        "lead": article.lead,
+        "rows": [asdict(row) for row in article.rows],
+        "gear": gear.model_dump() if gear else None,
+        "sections": [
+            {"title": each.title, "blocks": _blocks_as_dicts(each.blocks)} for each in article.sections
+        ],
+    }
+
+
+def _blocks_as_dicts(blocks: Sequence[PageBlock]) -> list[dict[str, Any]]:
+    found = []
+    for block in blocks:
+        if isinstance(block, Fold):
+            inner = _blocks_as_dicts(block.blocks)
+            found.append({"kind": block.kind, "title": block.title, "blocks": inner})
+        elif block.kind in _ADAPTERS:
+            found.append({"kind": block.kind, **asdict(block)})
+    return found
+
+
+def read_sheet(path: Path) -> Article:
+    """Return the sheet that a command has written to a JSON file.
+
+    Raises:
+        InputError: no such file, no JSON, or no sheet in it.
+    """
+    try:
+        content = json.loads(content_of(path))[KEY]
+        gear = SteeringGear.from_tables(content["gear"], where=str(path)) if content["gear"] else None
+        article = Article(
+            title=str(content["title"]),
+            lead=str(content["lead"]),
+            rows=_ROWS.validate_python(content["rows"]),
+            sections=[
+                Section(str(each["title"]), _blocks(each["blocks"], 0)) for each in content["sections"]
+            ],
+        )
+    except (ValueError, KeyError, TypeError, RecursionError, ValidationError):
+        raise InputError(
+            f"{path} holds no sheet; check --out, validate and fit write JSON files that do."
+        ) from None
+    return article if gear is None else with_gear(article, gear)
+
+
+def _blocks(stored: Sequence[Mapping[str, Any]], depth: int) -> list[PageBlock]:
+    if depth > DEEPEST:
+        raise ValueError
+    found: list[PageBlock] = []
+    for each in stored:
+        content = {name: value for name, value in each.items() if name != "kind"}
+        if each["kind"] == "fold":
+            found.append(Fold(str(each["title"]), _blocks(each["blocks"], depth + 1)))
+        else:
+            found.append(_ADAPTERS[each["kind"]].validate_python(content))
+    return found
+
+
+def with_gear(article: Article, gear: SteeringGear) -> Article:
+    """Return the article with the gear's picture."""
+    return replace(article, gear=gear_picture(gear))

@@ -1,0 +1,45 @@
+"""The contact law of a gear whose `mesh.law` is by-scene: what its task needs.
+
+    line     means of free motion, on flanks without deviations
+    teeth    loads, impacts and ripple: scenes that declare it (`Scene.law`), the scatter of a series
+             (`SERIES`), and every gear whose flanks have deviations
+
+A model without teeth that bend, of formulas or of spheres, has `line`. A result names the law that it was
+made with in the parameters of its gear.
+"""
+
+from collections.abc import Collection
+from typing import Literal, TypeVar
+
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import BY_SCENE, SteeringGear
+
+Gear = TypeVar("Gear", bound=SteeringGear)
+NeededLaw = Literal["line", "teeth"]
+SERIES: NeededLaw = "teeth"
+"""Law of bands, requirement sheets and studies of uncertain inputs: by `line` the quantiles of the torque's
+variation over a series are a fifth too small."""
+FLANK_DEVIATIONS = (
+    "pinion.tip_relief",
+    "pinion.crowning",
+    "pinion.profile_slope",
+    "pinion.lead_error",
+    "pinion.pitch_error",
+)
+"""Parameters that shift load along a flank or from tooth to tooth, which takes the right stiffness."""
+
+
+def with_law(gear: Gear, fidelity: Fidelity, needed: NeededLaw, varied: Collection[str] = ()) -> Gear:
+    """Return the gear with the contact law that is modelled in place of by-scene.
+
+    Args:
+        gear: one with another law is returned as it is.
+        fidelity: how it is modelled.
+        needed: law that the task needs.
+        varied: paths that vary from gear to gear of a task, which has one law.
+    """
+    if gear.mesh.law != BY_SCENE:
+        return gear
+    deviates = any(path in varied or gear.value_at(path) for path in FLANK_DEVIATIONS)
+    teeth = fidelity.bends_teeth and (needed == "teeth" or deviates)
+    return gear.replace({"mesh.law": "teeth" if teeth else "line"})
