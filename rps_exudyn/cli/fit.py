@@ -67,6 +67,8 @@ def fit(
     report: Path | None = None,
     series: Path | None = None,
     like: Path | None = None,
+    plan: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    minutes: Path | None = None,
     jobs: Jobs = None,
     time_limit: str | None = None,
     every: All = False,
@@ -86,6 +88,9 @@ def fit(
             data (.json) of which `report` makes the page without its curves.
         series: file (.json) with what this fit leaves for the next gear of the series.
         like: such a file of another gear, with the same tests: this fit begins there.
+        plan: instead of a fit, plan the tests that bring parameters to wanted intervals in the least time:
+            PATH=HALF, half of the 95 % interval of the value, such as yoke.preload=15% mesh.friction=25%.
+        minutes: TOML table of the bench's times for --plan: [free], setup = 5, run = 5, in minutes.
         time_limit: of each simulation, for instance "20 s": one that takes longer is left out.
         quiet: print nothing but errors.
     """
@@ -98,6 +103,12 @@ def fit(
     from rps_exudyn.simulate.cases.run_cases import checked_jobs
     from rps_exudyn.simulate.cases.time_limit import TimeLimit
 
+    if plan is not None:
+        if files:
+            raise InputError("--plan plans tests before anything is measured; leave out the measured files.")
+        return print_plan(plan, gear, minutes, json)
+    if minutes is not None:
+        raise InputError("--minutes is the table of times of a plan; add --plan.")
     if not files:
         raise InputError("fit needs at least one measured file, for instance rps-exudyn fit measured.csv.")
     check_writable(out, (".toml",))
@@ -198,6 +209,50 @@ def print_fit(fit: "Fit", files: Iterable[Path]) -> None:
         put(f"note: {sentence}")
     put(f"{fit.simulations} simulations, {fit.cpu_s:.2g} s of CPU time")
     print_files(files)
+
+
+def print_plan(targets: list[str], gear: GearOptions, minutes: Path | None, as_json: bool) -> int:
+    """Print which tests, how often and in which order reach the wanted intervals.
+
+    Raises:
+        InputError: a target, a table or a gear that cannot be.
+    """
+    from rps_exudyn.inference.fitting.plan import MINUTES, parse_targets, plan, read_minutes
+
+    wanted = parse_targets(targets)
+    times = read_minutes(minutes) if minutes else MINUTES
+    with shown_progress(asked=False):
+        found = plan(wanted, gear.load(), times)
+    status = FAILED if found.missed else DONE
+    if as_json:
+        tests = [
+            {"test": each.test.title, "runs": each.runs, "minutes": each.minutes, "halves": dict(each.halves)}
+            for each in found.tests
+        ]
+        print_json(
+            {"targets": dict(wanted), "minutes": found.minutes, "tests": tests, "missed": found.missed}
+        )
+        return status
+    goals = ", ".join(f"{path} +-{100 * half:.3g} %" for path, half in wanted.items())
+    put(f"plan · wanted: {goals} · {found.minutes:.0f} minutes", "bold")
+    heads = ("test", "runs", "minutes", *(f"{path} after it" for path in wanted))
+    rows = [
+        (
+            each.test.title,
+            f"{each.runs}",
+            f"{each.minutes:.0f}",
+            *(f"+-{100 * each.halves[path]:.3g} %" for path in wanted),
+        )
+        for each in found.tests
+    ]
+    put_table(heads, rows)
+    for path, half in found.missed.items():
+        put(
+            f"note: no number of runs brings {path} below +-{100 * half:.3g} % (wanted "
+            f"{100 * wanted[path]:.3g} %): "
+            "what tests compare although nobody measured it is known no better"
+        )
+    return status
 
 
 def _written_files(
