@@ -55,6 +55,12 @@ CHANGES = {
     "teeth: contact damping 0.1 ms": Change(gear={"mesh.damping": "0.1 ms"}),
     "lead error 0.2 mrad": Change(gear={"pinion.lead_error": LEAD_ERROR}),
     "lead error -0.2 mrad": Change(gear={"pinion.lead_error": -LEAD_ERROR}),
+    "pitch errors of the pinion: ISO 1328 class 8": Change(
+        gear={"pinion.pitch_errors": "ISO 1328 class 8, seed 3"}
+    ),
+    "pitch errors of the rack: ISO 1328 class 8": Change(
+        gear={"rack.pitch_errors": "ISO 1328 class 8, seed 3"}
+    ),
     "friction zone half as wide": Change({"zone_ratio": Fidelity().zone_ratio / 2}),
     "step half as long": Change({"step_angle": Fidelity().step_angle / 2}),
     "friction: bristles of 5 um": Change(gear=BRISTLES),
@@ -67,6 +73,17 @@ CHANGES = {
         gear={"conditions.temperature": "-30 degC", "grease.base_oil": "PAO 32"}
     ),
     "wear of 1e6 cycles": Change(gear={"conditions.steering_cycles": 1e6}),
+    "pinion: on bearings": Change({"pinion": "supported"}),
+    "pinion: bearing clearances of 20 um": Change(
+        {"pinion": "supported"}, {"bearing.upper_clearance": "20 um", "bearing.lower_clearance": "20 um"}
+    ),
+    "pinion: axial float of 0.1 mm": Change({"pinion": "supported"}, {"pinion.axial_float": "0.1 mm"}),
+    "pinion: axial float of 0.1 mm under 40 N of friction": Change(
+        {"pinion": "supported"}, {"pinion.axial_float": "0.1 mm", "pinion.axial_friction": "40 N"}
+    ),
+    "pinion: seat of the housing 200 N/um": Change(
+        {"pinion": "supported"}, {"housing.seat_stiffness": "2e8, 2e8, 2e8, 1e5, 1e5, 1e5"}
+    ),
     "gravity, pinion below the rack": Change(gear={"installation.gravity": "9.81 m/s^2"}),
     "gravity, pinion above the rack": Change(gear={"installation.gravity": "-9.81 m/s^2"}),
 }
@@ -143,6 +160,7 @@ NEEDS = {
             Metric("torque_jump", fraction=0.01),
             Metric("hysteresis_area", fraction=0.01),
             Metric("lost_motion", absolute=0.5e-6),
+            Metric("lost_motion_angle", absolute=0.1e-3),
             Metric("reversal_angle", fraction=0.1),
         ],
     ),
@@ -181,6 +199,10 @@ NEEDS = {
     ),
     "rack-lift": Need(
         "rack-lift", [Metric("rack_lift", fraction=0.02), Metric("rack_lift_end", fraction=0.02)]
+    ),
+    "input-shaft-play": Need(
+        "input-shaft-play",
+        [Metric("input_shaft_play_radial", fraction=0.02), Metric("input_shaft_play_axial", fraction=0.02)],
     ),
     "yoke-setting": Need(
         "yoke-setting",

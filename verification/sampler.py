@@ -53,7 +53,8 @@ SCENE_WEIGHTS = {
     "stick-slip": 0.08,
     "yoke-impact": 0.03,
     "radial-play": 0.03,
-    "rack-lift": 0.03,
+    "rack-lift": 0.02,
+    "input-shaft-play": 0.01,
     "rattle": 0.03,
     "yoke-setting": 0.05,
 }
@@ -71,7 +72,7 @@ COARSE = np.deg2rad(10)  # steps by which a test is tried
 MOST_STEPS = 1200  # of a plan
 UNEVEN = (
     "reversal", "steering-feel", "steering-torque", "stick-slip", "yoke-impact", "radial-play", "rack-lift",
-    "rattle",
+    "input-shaft-play", "rattle",
 )  # fmt: skip
 """Scenes whose steps do not follow from the angle turned."""
 PART_OF_PITCH = 0.2  # that a plan with general contact turns
@@ -261,6 +262,7 @@ REACHES: dict[str, Callable[[SteeringGear], None]] = {
     "yoke-impact": _shaking,
     "radial-play": _resting,
     "rack-lift": _resting,
+    "input-shaft-play": _resting,
     "rattle": _resting,
     "yoke-setting": _turning,
 }

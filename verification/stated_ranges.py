@@ -37,6 +37,8 @@ ERRORS: dict[str, Range] = {
     "pinion.tip_relief": Seldom(0.25, Even(0, 30e-6)),
     "pinion.tip_relief_length": Even(0.2e-3, 1.2e-3),
     "pinion.crowning": Seldom(0.25, Even(0, 15e-6)),
+    "pinion.pitch_errors": Choice({"none": 6, "ISO 1328 class 7, seed 3": 1}),
+    "rack.pitch_errors": Choice({"none": 6, "ISO 1328 class 7, seed 3": 1}),
     "pinion.pitch_error": Seldom(0.25, Even(-15e-6, 15e-6)),
     "pinion.lead_error": Seldom(0.25, Even(-20e-6, 20e-6)),
     "pinion.profile_slope": Seldom(0.25, Even(-15e-6, 15e-6)),
@@ -85,6 +87,15 @@ PARTS: dict[str, Range] = {
     "bush.end_overhang": Share(Even(0.2, 2.0), lambda drawn: drawn["rack.bar_diameter"]),
     "bush.distance": Share(Even(0.5, 1.0), lambda drawn: _farthest_bush(drawn)),
     "bearing.friction_torque": Even(0, 0.1),
+    "bearing.upper_position": Share(Even(0.8, 2.5), lambda drawn: drawn["pinion.face_width"]),
+    "bearing.lower_position": Share(Even(-2.5, -0.8), lambda drawn: drawn["pinion.face_width"]),
+    "bearing.upper_clearance": Seldom(0.1, Even(0, 30e-6)),
+    "bearing.lower_clearance": Seldom(0.1, Even(0, 30e-6)),
+    "pinion.axial_float": Seldom(0.1, Even(0, 0.1e-3)),
+    "pinion.axial_friction": Seldom(0.3, Even(0, 50)),
+    "housing.seat_stiffness": Choice(
+        {"none": 4, "5e8, 5e8, 5e8, 5e5, 5e5, 5e5": 1}  # of the default gear's size in all sizes
+    ),
     **{
         f"{part}.{name}": range_
         for part in ("yoke", "bush", "bearing", "mesh")
@@ -133,6 +144,7 @@ FIDELITY: Mapping[str, Range] = {
     "mesh": Choice({"flank": 1, "general-contact": 0}),  # which is drawn apart, for it costs more
     "bush": Choice({"condensed": 7, "rigid": 1, "chain": 1}),
     "rack": Choice({"by-scene": 8, "free": 1, "guided": 1, "flexible": 2}),
+    "pinion": Choice({"by-scene": 8, "rigid": 1, "supported": 1}),
     # formulas have no error of method: what they leave out is said where they stand
     "solver": Choice({"equilibrium": 1, "generalized-alpha": 1, "closed-form": 0}),
     "step_angle": Logarithmic(0.1 * DEG, 15 * DEG),

@@ -16,8 +16,9 @@ CLOSED = 1e-3  # of the range of angles: how near to its beginning a cycle ends
 MIDDLE = 0.5  # fraction of the common angles, about their middle, over which lost motion is taken
 
 
-def describe_reversal(signals: Signals) -> dict[str, float]:
-    """The summary's figures of reversals; {} without any, the area only if the record returns to an angle."""
+def describe_reversal(signals: Signals, gain: float = 0.0) -> dict[str, float]:
+    """The summary's figures of reversals; {} without any, the area only if the record returns to an angle,
+    the angle of lost motion only with the rack's travel per radian `gain` [m]."""
     runs = passes(signals)
     if len(runs) < 2:
         return {}
@@ -29,6 +30,8 @@ def describe_reversal(signals: Signals) -> dict[str, float]:
         figures["hysteresis_area"] = area
     if (lost := lost_motion(signals)) is not None:
         figures["lost_motion"] = lost
+        if gain:
+            figures["lost_motion_angle"] = lost / gain
     return figures
 
 

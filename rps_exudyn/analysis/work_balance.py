@@ -7,13 +7,14 @@ import numpy as np
 from rps_exudyn.analysis.passes import number_of
 
 NO_LOSS = ("work_drive", "work_load")
-"""Signals of the work put in: by the drive, and by the forces on the rack's end."""
+"""Signals of the work put in: by the drive, and by the forces on the rack's end or the input shaft."""
 
 PLACES = {
     "mesh": ("work_mesh_friction", "work_mesh_damping", "work_mesh_edges"),
     "seat": ("work_seat_friction",),
     "bush": ("work_bush_friction",),
     "bearing": ("work_bearing_friction",),
+    "support": ("work_support_friction",),
     "rack": ("work_rack_damping",),
     "column": ("work_column_damping",),
 }

@@ -109,6 +109,8 @@ class SetupOptions(GearOptions):
     """Model of the yoke, of which `body` remains."""
     rack: str | None = None
     """How the rack moves, likewise: by-scene, free, guided, flexible."""
+    pinion: str | None = None
+    """How the pinion is held, likewise: by-scene, rigid, supported."""
     solver: str | None = None
     """How the motion is found, likewise: generalized-alpha, equilibrium, closed-form."""
 
@@ -155,7 +157,7 @@ class SetupOptions(GearOptions):
 
     def _parts(self) -> dict[str, str]:
         """The options that choose a part of the fidelity, by its name there."""
-        parts = {part: getattr(self, part) for part in ("mesh", "bush", "yoke", "rack", "solver")}
+        parts = {part: getattr(self, part) for part in ("mesh", "bush", "yoke", "rack", "pinion", "solver")}
         return {part: choice for part, choice in parts.items() if choice is not None}
 
 

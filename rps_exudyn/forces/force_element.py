@@ -57,4 +57,4 @@ PINION, RACK, PLUNGER = (COORDINATE_BLOCKS[body].start for body in ("pinion", "r
 
 def stacked(bodies: Sequence[str]) -> np.ndarray:
     """Indices of some bodies' coordinates in the stack, in the order of the bodies."""
-    return np.concatenate([np.r_[COORDINATE_BLOCKS[body]] for body in bodies])
+    return np.concatenate([np.r_[COORDINATE_BLOCKS[body]] for body in bodies]).astype(int)

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inline, record, record_type
+from rps_exudyn.base.compiled import changed, inline, record, record_type
 from rps_exudyn.parameters.friction_law import LAWS, MOST_ELEMENTS, PLAIN_LAW, FrictionLaw
 
 KINDS = {name: number for number, name in enumerate(LAWS)}  # numbers of the laws in the kernels
@@ -51,9 +51,9 @@ ELEMENT_SHARES = (
 LIMIT, LOST, FORCES = 0, 1, 2
 
 TIME, PLACES = 0, 1
-MOST_COORDINATES = 88  # of a rack with as many modes as `rack.modes` allows
+MOST_COORDINATES = 93  # of a rack with as many modes as `rack.modes` allows, and a supported pinion
 PATCHES = PLACES + MOST_COORDINATES
-MOST_PATCHES = 5  # two sides of the teeth, seat, bush, bearings
+MOST_PATCHES = 6  # two sides of the teeth, seat, bush, bearings, shaft along its axis
 STATE_SIZE = PATCHES + MOST_PATCHES * (FORCES + 2 * MOST_ELEMENTS)
 
 # Sums over the points of a patch: what friction of size 1 along and across exerts, slip, N g, N, N g'
@@ -130,12 +130,8 @@ def law_of(
         usual_load: that under which a load exponent changes nothing, and which fixes the stiffness [N].
         count: of patches.
     """
-    facts, n = part.facts, patches.elements
-    stiffness, share = np.zeros(MOST_ELEMENTS), np.zeros(MOST_ELEMENTS)
-    share[:n] = ELEMENT_SHARES[n - 1]
-    stiffness[:n] = (
-        share[:n] * friction * usual_load / np.multiply(ELEMENT_TRAVELS[n - 1], part.bristle_travel)
-    )
+    facts = part.facts
+    stiffness, share = _elements(patches.elements, friction * usual_load, part.bristle_travel)
     return record(
         LAW,
         kind=KINDS[part.friction_law],
@@ -145,12 +141,32 @@ def law_of(
         exponent=part.stribeck_exponent,
         load_exponent=float(getattr(part, "load_exponent", 1.0)) if facts.falls else 1.0,
         usual_load=usual_load,
-        elements=n,
+        elements=patches.elements,
         stiffness=stiffness,
         share=share,
         damping=part.bristle_damping,
         place=patches.taken(count) if facts.has_state else 0,
     )
+
+
+def constant_law(patches: Patches, size: float, travel: float) -> np.record:
+    """Return the record of elements under a constant limit `size` [N], which slide after `travel` [m];
+    without state where there is no friction."""
+    if not size:
+        return changed(PLAIN)
+    stiffness, share = _elements(patches.elements, size, travel)
+    place = patches.taken(1)
+    return changed(
+        PLAIN, has_state=1, elements=patches.elements, stiffness=stiffness, share=share, place=place
+    )
+
+
+def _elements(n: int, limit: float, travel: float) -> tuple[np.ndarray, np.ndarray]:
+    """Stiffness [N/m] and share of the limit [N] of n elements, with room for `MOST_ELEMENTS`."""
+    stiffness, share = np.zeros(MOST_ELEMENTS), np.zeros(MOST_ELEMENTS)
+    share[:n] = ELEMENT_SHARES[n - 1]
+    stiffness[:n] = share[:n] * limit / np.multiply(ELEMENT_TRAVELS[n - 1], travel)
+    return stiffness, share
 
 
 @inline

@@ -26,7 +26,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank, crest_profile
 from rps_exudyn.gears.polyhedron import MassProperties
 from rps_exudyn.gears.rack_bar import RackBar
-from rps_exudyn.gears.solids import rack_solid
+from rps_exudyn.gears.solids import pinion_solid, rack_solid
 from rps_exudyn.gears.trochoid import root_profile
 from rps_exudyn.parameters.gear import SteeringGear
 
@@ -58,6 +58,17 @@ def _polar_moment(pair: GearPair, form: FlankForm, shaft: float, length: float) 
         for w, z in zip(weight * pair.face_width / 2, x * pair.face_width / 2, strict=True)
     )
     return float(toothed) + np.pi / 2 * shaft**4 * max(length - pair.face_width, 0.0)
+
+
+def pinion_on_supports(gear: SteeringGear) -> np.ndarray:
+    """Return the mass matrix of the pinion along e, Y and k and about e and Y, of its axis in the middle of
+    the mesh (5, 5) [kg, kg m, kg m^2]; that its mass centre turns with a runout is left out."""
+    solid = pinion_solid(gear).mass_properties
+    m, z = solid.mass, float(solid.centre_of_mass[2])
+    mass = np.diag([m, m, m, solid.inertia[0, 0] + m * z * z, solid.inertia[1, 1] + m * z * z])
+    mass[0, 4] = mass[4, 0] = m * z
+    mass[1, 3] = mass[3, 1] = -m * z
+    return mass
 
 
 def section(pair: GearPair, form: FlankForm, z: float) -> np.ndarray:

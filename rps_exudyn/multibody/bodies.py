@@ -37,7 +37,9 @@ def add_bodies(model: SteeringModel) -> None:
     _add_plunger(model, axis)
     _add_yokenut(model, axis)
     if model.modes:
-        _add_modes(model)
+        _add_generic(model, "modes", slice(SIZE, SIZE + model.modes))
+    if held := len(model.forces.supported):
+        _add_generic(model, "supports", slice(-held, None))
 
 
 def _add_pinion(model: SteeringModel) -> None:
@@ -96,15 +98,16 @@ def _add_plunger(model: SteeringModel, axis: list[float]) -> None:
     )
 
 
-def _add_modes(model: SteeringModel) -> None:
-    """Add the node of the rack's modes of bending; the object of the gear's forces has their masses."""
+def _add_generic(model: SteeringModel, name: str, columns: slice) -> None:
+    """Add the node of the rack's modes of bending, or of the pinion's supports, which start in these columns
+    of the start's coordinates; the object of the gear's forces has their masses."""
     from exudyn.itemInterface import NodeGenericODE2
 
-    place, rate = (rows[0, SIZE:] for rows in (model.start.coordinates, model.start.rates))
-    model.nodes["modes"] = model.mbs.AddNode(
+    place, rate = (rows[0, columns] for rows in (model.start.coordinates, model.start.rates))
+    model.nodes[name] = model.mbs.AddNode(
         NodeGenericODE2(
-            numberOfODE2Coordinates=model.modes,
-            referenceCoordinates=np.zeros(model.modes),
+            numberOfODE2Coordinates=place.size,
+            referenceCoordinates=np.zeros(place.size),
             initialCoordinates=place,
             initialCoordinates_t=rate,
         )

@@ -7,7 +7,8 @@
 
 Bodies and their joints, in the housing frame of `gears.gear_pair`:
 
-    pinion    turns about its axis k (ObjectRotationalMass1D: its revolute joint is built in)
+    pinion    turns about its axis k (ObjectRotationalMass1D: its revolute joint is built in); on supports it
+              has five more coordinates (NodeGenericODE2)
     rack      free rigid body; reference point on the bar's axis above the pitch point
     plunger   slides along Y (ObjectMass1D: its translational joint is built in)
     yokenut   locked to the housing
@@ -30,6 +31,7 @@ from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, stacked
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
 from rps_exudyn.gears import solids
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.masses import pinion_on_supports
 from rps_exudyn.multibody.bodies import add_bodies, add_chain, add_forces
 from rps_exudyn.multibody.column import add_column, add_wheel_torque
 from rps_exudyn.multibody.general_contact import add_general_contacts
@@ -191,28 +193,34 @@ def _add_forces_together(model: SteeringModel) -> None:
     """Add all forces of the gear in one compiled object, with its Jacobian."""
     forces, bar = model.forces, model.forces.bar
     bodies = [body for body in COORDINATE_BLOCKS if body in model.nodes]
-    of_bodies, modes = len(stacked(bodies)), model.modes
+    of_bodies, modes, held = len(stacked(bodies)), model.modes, len(forces.supported)
     applied: Callable[[float], np.ndarray] | None = None
     if model.pulse is not None and bar is not None and modes:
-        applied = _pulse_on_modes(model.pulse, bar, of_bodies)
+        applied = _pulse_on_modes(model.pulse, bar, of_bodies, held)
+    mass = np.diag(np.repeat([0.0, 1.0, 0.0], [of_bodies, modes, held]))
+    if held:
+        mass[-held:, -held:] = pinion_on_supports(model.gear)
     dynamics = forces.dynamics
     if dynamics.has_bristles:
         dynamics.memory[:] = model.start.kept[-1][1]
     add_forces(
         model.mbs,
         [model.nodes[body] for body in model.stack],
-        of_bodies + modes,
+        of_bodies + modes + held,
         dynamics.force,
         dynamics.tangent,
         memory=dynamics.memory if dynamics.has_bristles else None,
-        mass=np.diag(np.repeat([0.0, 1.0], [of_bodies, modes])),
+        mass=mass,
         applied=applied,
     )
 
 
-def _pulse_on_modes(pulse: TimedForce, bar: BentBar, before: int) -> Callable[[float], np.ndarray]:
-    """Return the pulse's forces on the modes over time, behind zeros on `before` other coordinates."""
-    at_peak = np.concatenate([np.zeros(before), bar.on_modes(pulse.place) @ pulse.peak])
+def _pulse_on_modes(
+    pulse: TimedForce, bar: BentBar, before: int, behind: int
+) -> Callable[[float], np.ndarray]:
+    """Return the pulse's forces on the modes over time, between zeros on `before` and `behind` others."""
+    on_modes = bar.on_modes(pulse.place) @ pulse.peak
+    at_peak = np.concatenate([np.zeros(before), on_modes, np.zeros(behind)])
 
     def forces(time: float) -> np.ndarray:
         return pulse.share(time) * at_peak

@@ -53,7 +53,8 @@ class SteeringModel:
     def coordinates(self, name: str) -> slice:
         """Return where a body's coordinates stand in the system's vector; the system must be assembled."""
         start = self.mbs.GetNodeODE2Index(self.nodes[name])
-        size = {"modes": self.modes, "wheel": 1}.get(name) or COORDINATES[name]
+        sizes = {"modes": self.modes, "wheel": 1, "supports": len(self.forces.supported)}
+        size = sizes.get(name) or COORDINATES[name]
         return slice(start, start + size)
 
     @property
@@ -64,7 +65,7 @@ class SteeringModel:
     @property
     def stack(self) -> list[str]:
         """Return the bodies of the model in the order in which the kernels stack their coordinates."""
-        return [name for name in (*COORDINATE_BLOCKS, "modes") if name in self.nodes]
+        return [name for name in (*COORDINATE_BLOCKS, "modes", "supports") if name in self.nodes]
 
     def columns(self, bodies: Sequence[str]) -> np.ndarray:
         """Return the same for several bodies, one after the other."""

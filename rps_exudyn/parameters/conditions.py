@@ -11,6 +11,7 @@ from rps_exudyn.parameters.declaration import (
     Expansion,
     Length,
     Number,
+    Stiffnesses,
     Table,
     Temperature,
     parameter,
@@ -40,6 +41,12 @@ class Housing(Table):
 
     expansion: Expansion = parameter(
         "23e-6 1/K", "linear thermal expansion (aluminium)", "estimate", ge=0, le=3e-4
+    )
+    seat_stiffness: Stiffnesses = parameter(
+        "none",
+        "stiffness of the supported pinion's seat at the middle of the mesh, along and about e, Y and the "
+        "pinion's axis: 6 values, or 36 in rows; none: rigid",
+        "estimate",
     )
 
 

@@ -52,6 +52,12 @@ class Fidelity(Table):
         "bending where the scene needs it, else free",
         "choice",
     )
+    pinion: Literal["by-scene", "rigid", "supported"] = parameter(
+        "by-scene",
+        "how the pinion is held: it only turns; on two bearings with axial stops; by-scene: on bearings in "
+        "input-shaft-play, and in reversal, steering-feel and rattle where float or clearances are given",
+        "choice",
+    )
     solver: Literal["generalized-alpha", "equilibrium", "closed-form"] = parameter(
         "generalized-alpha", "how the motion is found", "choice"
     )
@@ -163,6 +169,12 @@ class Fidelity(Table):
         can = self.mesh != "general-contact" and self.bush != "chain"
         return self.replace({"rack": "flexible"}) if self.rack == "by-scene" and can else self
 
+    def with_support(self, needed: bool) -> Self:
+        """Return the choices of a scene with the pinion on bearings if it needs them and no other is chosen,
+        nor a part of a model whose pinion is rigid."""
+        can = self.mesh != "general-contact" and self.solver != "closed-form"
+        return self.replace({"pinion": "supported"}) if self.pinion == "by-scene" and needed and can else self
+
     @classmethod
     def declared(cls) -> Iterator[Declared]:
         """Yield all choices; the preset is where they came from, and not one of them."""
@@ -226,6 +238,12 @@ def _conflicts(chosen: Fidelity) -> Iterator[WrongValue]:
             "fidelity.mesh is general-contact, but fidelity.rack is flexible, which has only rigid "
             "bodies: choose fidelity.mesh = flank.",
         )
+    if chosen.pinion == "supported" and chosen.mesh == "general-contact":
+        yield WrongValue(
+            ("pinion", "mesh"),
+            "fidelity.mesh is general-contact, but fidelity.pinion is supported, which general contact has "
+            "not: choose fidelity.mesh = flank.",
+        )
     for choice, solver, understood, reason in _SOLVER_LIMITS:
         value = getattr(chosen, choice)
         if chosen.solver == solver and value not in understood:
@@ -244,6 +262,7 @@ _SOLVER_LIMITS = (
         ("condensed",),
         "whose formulas contain only the bush's drag: leave it condensed",
     ),
+    ("pinion", "closed-form", ("by-scene", "rigid"), "whose formulas have a pinion that only turns"),
     ("rack", "closed-form", ("by-scene", "free", "guided"), "whose formulas contain no bending"),
     (
         "bush",

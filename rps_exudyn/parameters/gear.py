@@ -26,6 +26,7 @@ from rps_exudyn.parameters.declaration import (
     LineStiffness,
     Mass,
     Number,
+    PitchErrors,
     Pressure,
     SpringRate,
     Table,
@@ -35,6 +36,8 @@ from rps_exudyn.parameters.declaration import (
     TorsionDamping,
     ViscousDrag,
     WearCoefficient,
+    accuracy_class,
+    numbers_in,
     parameter,
 )
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -43,6 +46,7 @@ from rps_exudyn.parameters.retired import read_choice
 from rps_exudyn.parameters.rig import Test, conflicts_of_test
 from rps_exudyn.parameters.wrong_values import WrongValue
 
+LARGEST_FLOAT = 0.1  # of the face width: beyond, the float takes the teeth off each other's face
 STEEPEST_LEAD = 0.01  # lead error over face width [rad]: the flanks' normals are those of the design to 1e-4
 
 
@@ -133,6 +137,12 @@ class Pinion(Table):
     pitch_error: Length = parameter(
         0.0, "single pitch error f_pt: one tooth is displaced by it", "estimate", ge=-1e-4, le=1e-4
     )
+    pitch_errors: PitchErrors = parameter(
+        "none",
+        "pitch errors of all teeth, beside pitch_error: displacements in tooth order, or a class such as "
+        '"ISO 1328 class 8, seed 3"',
+        "estimate",
+    )
     profile_slope: Length = parameter(
         0.0, "profile slope deviation f_Halpha: surplus at the tip", "estimate", ge=-1e-4, le=1e-4
     )
@@ -144,6 +154,12 @@ class Pinion(Table):
         le=1e-4,
     )
     density: Density = parameter(7850.0, "density of the pinion", "estimate", gt=0)
+    axial_float: Length = parameter(
+        0.0, "end float between the stops of a supported pinion along its axis", "estimate", ge=0, le=0.01
+    )
+    axial_friction: Force = parameter(
+        0.0, "friction against the axial motion of a supported pinion", "estimate", ge=0
+    )
 
 
 class Rack(Table):
@@ -166,6 +182,11 @@ class Rack(Table):
     length: Length = parameter("650 mm", "length of the bar", "estimate", gt=0)
     travel: Length = parameter("140 mm", "travel lock to lock", "paper", gt=0)
     density: Density = parameter(7850.0, "density of the bar", "estimate", gt=0)
+    pitch_errors: PitchErrors = parameter(
+        "none",
+        "pitch errors of all teeth: displacements along X in order of X, or a class as of the pinion",
+        "estimate",
+    )
     youngs_modulus: Pressure = parameter(
         "206 GPa", "Young's modulus of the bar, where it bends", "estimate", gt=0
     )
@@ -306,6 +327,27 @@ class Bearing(FrictionLaw):
     """The pinion's bearings and seal."""
 
     friction_torque: Torque = parameter("30 N*mm", "constant Coulomb friction torque", "estimate", ge=0)
+    upper_position: Length = parameter(
+        "25 mm", "place of the upper bearing on the pinion's axis, from the middle of the mesh", "estimate"
+    )
+    lower_position: Length = parameter(
+        "-22 mm", "place of the lower bearing, on the other side of the mesh", "estimate"
+    )
+    upper_stiffness: SpringRate = parameter(
+        "5e7 N/m", "radial stiffness of the upper bearing (deep groove ball bearing)", "estimate", gt=0
+    )
+    lower_stiffness: SpringRate = parameter(
+        "1.2e8 N/m", "radial stiffness of the lower bearing (needle bearing)", "estimate", gt=0
+    )
+    upper_clearance: Length = parameter(
+        0.0, "diametral clearance of the upper bearing", "estimate", ge=0, le=1e-3
+    )
+    lower_clearance: Length = parameter(
+        0.0, "diametral clearance of the lower bearing", "estimate", ge=0, le=1e-3
+    )
+    axial_stiffness: SpringRate = parameter(
+        "3e7 N/m", "stiffness of the pinion's axial stops", "estimate", gt=0
+    )
 
 
 ChosenLaw = Literal["by-scene", "line", "teeth"]
@@ -412,7 +454,20 @@ class SteeringGear(Table):
 def _conflicts(gear: SteeringGear) -> Iterator[WrongValue]:
     """Parameters that are each fine alone, but not together."""
     yield from conflicts_of_test(gear.test)
-    bush, rack, yoke, pinion = gear.bush, gear.rack, gear.yoke, gear.pinion
+    bush, rack, yoke, pinion, bearing = gear.bush, gear.rack, gear.yoke, gear.pinion, gear.bearing
+    if not bearing.lower_position < 0 < bearing.upper_position:
+        yield WrongValue(
+            ("bearing.upper_position", "bearing.lower_position"),
+            f"bearing.upper_position is {mm(bearing.upper_position)} and bearing.lower_position "
+            f"{mm(bearing.lower_position)}; the bearings must stand on both sides of the mesh, the upper one "
+            "above 0 mm and the lower one below.",
+        )
+    if pinion.axial_float > LARGEST_FLOAT * pinion.face_width:
+        yield WrongValue(
+            ("pinion.axial_float", "pinion.face_width"),
+            f"pinion.axial_float is {mm(pinion.axial_float)}; the mesh allows at most "
+            f"{mm(LARGEST_FLOAT * pinion.face_width)}, a tenth of pinion.face_width.",
+        )
     if pinion.shaft_length < pinion.face_width:
         yield WrongValue(
             ("pinion.shaft_length", "pinion.face_width"),
@@ -424,6 +479,13 @@ def _conflicts(gear: SteeringGear) -> Iterator[WrongValue]:
             ("pinion.lead_error", "pinion.face_width"),
             f"pinion.lead_error is {mm(pinion.lead_error)}; over pinion.face_width = {mm(pinion.face_width)} "
             f"it must be at most {mm(STEEPEST_LEAD * pinion.face_width)} either way.",
+        )
+    given = len(numbers_in(pinion.pitch_errors)) if accuracy_class(pinion.pitch_errors) is None else 0
+    if given and given != pinion.teeth:
+        yield WrongValue(
+            ("pinion.pitch_errors", "pinion.teeth"),
+            f"pinion.pitch_errors has {given} numbers; it must have {pinion.teeth}, one for each of "
+            "pinion.teeth.",
         )
     if bush.inner_diameter >= bush.outer_diameter:
         yield WrongValue(

@@ -106,6 +106,12 @@ class Test(Table):
     lift_torque: Torque = parameter(
         "19.6 N*m", "rack-lift: torque on the pinion, either way, the rack held", "estimate", gt=0
     )
+    shaft_force: Force = parameter(
+        "98 N", "input-shaft-play: force across the input shaft's end, either way", "estimate", gt=0
+    )
+    shaft_axial_force: Force = parameter(
+        "49 N", "input-shaft-play: force along the input shaft, either way", "estimate", gt=0
+    )
 
 
 def conflicts_of_test(test: Test) -> Iterator[WrongValue]:

@@ -147,6 +147,17 @@ SIGNALS = {
     "road_force": _force("force of the road along the tie rod on the rack's end beside the pinion"),
     "end_force_y": _force("force of the rig across the rack's end beside the pinion, along Y"),
     "end_force_z": _force("the same along Z"),
+    "shaft_force_across": _force(
+        "force of the rig across the input shaft's end, along e, perpendicular to Y and the shaft"
+    ),
+    "shaft_force_y": _force("the same along Y"),
+    "shaft_force_axial": _force("force of the rig along the input shaft, away from the lower bearing"),
+    "shaft_end_across": _deflection("displacement of the input shaft's end along e"),
+    "shaft_end_y": _deflection("the same along Y"),
+    "shaft_end_axial": _deflection("the same along the shaft"),
+    "pinion_across": _deflection("displacement of a supported pinion's axis in the mesh along e"),
+    "pinion_y": _deflection("the same along Y"),
+    "pinion_axial": _deflection("displacement of a supported pinion along its axis, towards the input shaft"),
     "rack_displacement": _length("displacement of the rack's reference point along X"),
     "rack_y": _deflection(
         "lift of the bar's axis above the pitch point along Y, away from the pinion, from the design position"
@@ -168,14 +179,19 @@ SIGNALS = {
     "mesh_normal_force_drive": _force("sum of the normal forces on the flanks that drive the rack along +X"),
     "mesh_normal_force_coast": _force("sum of the normal forces on the flanks that drive the rack along -X"),
     "mesh_penetration": _deflection("deepest penetration of the teeth"),
-    "mesh_pressure": Quantity("Pa", "MPa", "largest Hertzian pressure on the lines of contact"),
+    "mesh_pressure": Quantity(
+        "Pa", "MPa", "largest Hertzian pressure on the lines of contact; by law teeth away from their ends"
+    ),
     "seat_force": _force("force of the plunger on the rack along -Y, without the seat's friction"),
     "yokenut_force": _force(
         "contact force of the yokenut on the plunger along -Y, 0 while there is clearance"
     ),
     "bush_force": _force("magnitude of the bush's force on the rack across X"),
+    "upper_bearing_force": _force("radial force of the upper bearing on a supported pinion"),
+    "lower_bearing_force": _force("the same of the lower bearing"),
+    "axial_bearing_force": _force("force of a supported pinion on its axial stops, towards the input shaft"),
     "work_drive": _energy("work of the drive on pinion or rack from the start of recording"),
-    "work_load": _energy("work of the forces on the rack's end from the start of recording"),
+    "work_load": _energy("work of the forces on rack's end and input shaft from the start of recording"),
     "work_mesh_friction": _energy("work lost to friction between the teeth from the start of recording"),
     "work_mesh_edges": _energy(
         "work that loaded material takes along over the rack's edges from the start of recording"
@@ -186,6 +202,9 @@ SIGNALS = {
     ),
     "work_bush_friction": _energy("work lost to the bush's drag from the start of recording"),
     "work_bearing_friction": _energy("work lost to the pinion's bearings from the start of recording"),
+    "work_support_friction": _energy(
+        "work lost to friction against a supported pinion's axial motion from the start of recording"
+    ),
     "work_rack_damping": _energy("work lost to the damping of a flexible rack from the start of recording"),
     "work_column_damping": _energy("work lost to the column's damping from the start of recording"),
     "column_energy": _energy("elastic energy of the column's twist; part of stored_energy"),
@@ -235,6 +254,11 @@ _SUMMARY = {
         "above 100 % where less rubs under load"
     ),
     "efficiency_ratio": _ratio("efficiency_reverse / efficiency_forward"),
+    "face_load_factor": _number("largest over mean load along the face, from the contact forces: K_H-beta"),
+    "load_centre": _length("place of the mean load along the pinion's axis, from the middle of the face"),
+    "contact_pressure_max": Quantity(
+        "Pa", "MPa", "largest Hertzian pressure on the flanks, away from the ends of the lines of contact"
+    ),
     "push_force_mean": _force(
         "mean force along the motion that moves the rack, over the rack's displacement"
     ),
@@ -258,6 +282,11 @@ _SUMMARY = {
     "hysteresis_area": _energy("work of the drive on the pinion over the last whole cycle of reversals"),
     "lost_motion": _deflection(
         "rack displacement at the same pinion angle towards -X minus that towards +X, mean over the middle"
+    ),
+    "lost_motion_angle": Quantity(
+        "rad",
+        "mrad",
+        "lost_motion over the rack's travel per radian; below 0 the rack leads after a reversal",
     ),
     "torque_jump": _torque("change of the median pinion_torque of a pass across a reversal, the largest"),
     "reversal_angle": Quantity(
@@ -315,6 +344,13 @@ _SUMMARY = {
     "impact_speed": Quantity("m/s", "mm/s", "largest speed of the plunger at the beginning of an impact"),
     "impact_contact_share": _ratio("share of the time with contact between plunger and yokenut"),
     "impact_force_rms": _force("root mean square of yokenut_force over the record"),
+    "input_shaft_play_radial": _deflection(
+        "input shaft play: displacement of the shaft's end between test.shaft_force one way and the other, "
+        "along e or Y, the larger"
+    ),
+    "input_shaft_play_axial": _deflection(
+        "the same along the shaft between test.shaft_axial_force one way and the other"
+    ),
     "radial_play_y": _deflection(
         "radial play: displacement of the rack's end along Y under the largest force along Y, the larger way"
     ),
@@ -379,6 +415,7 @@ _SUMMARY = {
     "loss_share_seat": _ratio("work lost between plunger and rack, of all work lost"),
     "loss_share_bush": _ratio("work lost in the bush, of all work lost"),
     "loss_share_bearing": _ratio("work lost in the pinion's bearings, of all work lost"),
+    "loss_share_support": _ratio("work lost against a supported pinion's axial motion, of all work lost"),
     "loss_share_column": _ratio("work lost to the damping of the steering column, of all work lost"),
     "loss_share_rack": _ratio("work lost to the damping of a flexible rack, of all work lost"),
     "energy_residual": _ratio(
@@ -392,9 +429,9 @@ _MEANS = {
     "roller_force_mean",
 }  # fmt: skip
 _OF_CYCLES = {
-    "hysteresis_area", "lost_motion", "torque_jump", "reversal_angle", "feel_area", "feel_running_torque",
-    "feel_angle_hysteresis", "on_centre_stiffness", "angle_dead_band", "torque_dead_band",
-    "steering_gradient", "breakaway_torque", "breakaway_ratio",
+    "hysteresis_area", "lost_motion", "lost_motion_angle", "torque_jump", "reversal_angle", "feel_area",
+    "feel_running_torque", "feel_angle_hysteresis", "on_centre_stiffness", "angle_dead_band",
+    "torque_dead_band", "steering_gradient", "breakaway_torque", "breakaway_ratio",
 }  # fmt: skip
 _NOT_FROM_STEPS = {
     "torque_closed_form", "rack_lift_closed_form", "cap_force", "clearance_set", "preload_set",
@@ -487,6 +524,8 @@ LABELS = {
     "rack_lift_end": "rise of the rack's end",
     "radial_play_y": "radial play along Y",
     "radial_play_z": "radial play along Z",
+    "input_shaft_play_radial": "radial play of the input shaft",
+    "input_shaft_play_axial": "axial play of the input shaft",
     "torque_peak_to_peak": "ripple, peak to peak",
     "push_force_peak_to_peak": "ripple, peak to peak",
     "torque_first_order": "amplitude once per revolution",
@@ -500,6 +539,7 @@ PARTS = {
     "seat": "yoke",
     "bush": "bush",
     "bearing": "bearings",
+    "support": "pinion along its axis",
     "column": "column",
     "rack": "bending rack",
 }

@@ -24,6 +24,7 @@ SCENE_NAMES = (
     "yoke-impact",
     "radial-play",
     "rack-lift",
+    "input-shaft-play",
     "rattle",
     "yoke-setting",
 )

@@ -13,6 +13,7 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
+from rps_exudyn.forces.pinion_support import ShaftLoad
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.rack_beam import RackBeam
@@ -22,9 +23,9 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Status
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, outcome_of_path
-from rps_exudyn.solvers.balance import SIZE
+from rps_exudyn.solvers.balance import SIZE, Balance
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
-from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.prescribed_motion import Drive
 from rps_exudyn.solvers.record import Record, record_of_path, signals_of
 
@@ -35,10 +36,12 @@ LOOSE = ("by-scene", "free", "flexible")  # models of a rack that yields across 
 
 @dataclass(frozen=True, eq=False)
 class OutsideLoads:
-    """Loads one after the other: a torque on the pinion and a force across the rack's end beside it."""
+    """Loads one after the other: a torque on the pinion, a force across the rack's end beside it, a force on
+    the input shaft of a supported pinion."""
 
     torque: np.ndarray  # (n,) in the sense of the pinion angle [N m]
     end_force: np.ndarray  # (n, 2) along Y and Z [N]
+    shaft: np.ndarray | None = None  # (n, 3) along e, Y and k [N], none at the first two instants
 
     @classmethod
     def of_torque(cls, torque: np.ndarray) -> "OutsideLoads":
@@ -50,24 +53,32 @@ class OutsideLoads:
         """Forces (n, 2) on the rack's end alone."""
         return cls(np.zeros(len(force)), force)
 
+    @classmethod
+    def of_shaft(cls, force: np.ndarray) -> "OutsideLoads":
+        """Forces (n, 3) on the input shaft alone, which begin with none at two instants."""
+        return cls(np.zeros(len(force)), np.zeros((len(force), 2)), force)
+
     @property
     def time(self) -> np.ndarray:
         """Instants of the loads [s]."""
         return PAUSE * np.arange(len(self.torque))
 
-    def generalised(self, place: float, bent: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-        """Forces on the coordinates over time, shape (t, 8 + m): the force acts at `place` on the bar [m].
+    def generalised(
+        self, place: float, bent: np.ndarray, behind: int = 0
+    ) -> Callable[[np.ndarray], np.ndarray]:
+        """Forces on the coordinates over time, shape (t, 8 + m + behind): the force acts at `place` on the
+        bar [m]; that on the input shaft is left to the supports, `behind` coordinates.
 
         `bent` (2, m) is how far unit modes move that place along Y and Z. Turns of the rack, at most a
         milliradian, leave the force's lever alone.
         """
-        size, rack = SIZE + bent.shape[1], COORDINATE_BLOCKS["rack"].start
+        size, rack = SIZE + bent.shape[1] + behind, COORDINATE_BLOCKS["rack"].start
         forces = np.zeros((len(self.torque), size))
         forces[:, COORDINATE_BLOCKS["pinion"].start] = -self.torque  # the coordinate counts about the axis
         across, sideways = self.end_force.T
         forces[:, rack + 1], forces[:, rack + 5] = across, place * across
         forces[:, rack + 2], forces[:, rack + 4] = sideways, -place * sideways
-        forces[:, SIZE:] = self.end_force @ bent
+        forces[:, SIZE : size - behind] = self.end_force @ bent
 
         def at(time: np.ndarray) -> np.ndarray:
             return np.stack([np.interp(time, self.time, forces[:, i]) for i in range(size)], axis=1)
@@ -106,10 +117,14 @@ def run_at_rest(
     gear = gear.replace({"rack.modes": max(gear.rack.modes, LEAST_MODES)}) if gear.rack.modes else gear
     place, start, interrupted = RackBar.of(gear).x_min, process_time(), False
     forces = gear_forces(gear, fidelity)
-    outside = loads.generalised(place, moved_by_modes(gear, fidelity, place))
+    bent = moved_by_modes(gear, fidelity, place)
+    outside = loads.generalised(place, bent, len(forces.supported))
     balance = forces.statics.with_(outside=outside)
     try:
-        path = equilibrium_path(balance, GearPair.of(gear), drive, loads.time)
+        if loads.shaft is None:
+            path = equilibrium_path(balance, GearPair.of(gear), drive, loads.time)
+        else:
+            path = _under_shaft_loads(gear, balance, drive, loads)
     except PathInterrupted as interrupt:
         path, interrupted = interrupt.path, True
     except np.linalg.LinAlgError as error:
@@ -120,9 +135,12 @@ def run_at_rest(
         return SceneRun(outcome)
     record = record_of_path(forces, path, drive)
     still = np.zeros(len(path.time))
-    bent = forces.bar.elastic_energy(path.coordinates) if forces.bar else still
-    record = replace(record, energy=bent, pulse_power=still)
+    energy = forces.bar.elastic_energy(path.coordinates) if forces.bar else still
+    on_shaft = _shaft_signals(gear, forces, path, loads) if loads.shaft is not None else {}
+    energy = energy + on_shaft.pop(SHAFT_ENERGY, still)
+    record = replace(record, energy=energy, pulse_power=still)
     signals = _signals(record, loads, outside(path.time), place)
+    signals |= on_shaft | {"work_load": signals["work_load"] + on_shaft.get("work_load", 0.0)}
     if outcome.status is Status.OK:
         outcome = options.check(outcome, gear, record, signals, None)
     if interrupted:
@@ -130,9 +148,48 @@ def run_at_rest(
     return SceneRun(outcome, signals)
 
 
+SHAFT_ENERGY = "shaft_energy"  # of `_shaft_signals`, no signal of a result
+AT_SHAFT = ("across", "y", "axial")  # along e, Y and k
+
+
+def _under_shaft_loads(
+    gear: SteeringGear, balance: Balance, drive: Drive, loads: OutsideLoads
+) -> EquilibriumPath:
+    """Follow the equilibria under forces on the input shaft, each of which bends it off the upper bearing."""
+    assert loads.shaft is not None
+    pair, path = GearPair.of(gear), None
+    for k in range(1, len(loads.shaft)):
+        gears = balance.gears.copy()
+        ShaftLoad.of(gear, loads.shaft[k]).on(gears[0]["support"])
+        path = equilibrium_path(balance.with_(gears=gears), pair, drive, loads.time[: k + 1], path)
+        if not path.converged:
+            break
+    assert path is not None
+    return path
+
+
+def _shaft_signals(
+    gear: SteeringGear, forces: GearForces, path: EquilibriumPath, loads: OutsideLoads
+) -> Signals:
+    """Signals of forces on the input shaft, their work along its end, the energy of the shaft's end."""
+    assert loads.shaft is not None
+    support, applied = forces.gear.support.copy(), loads.shaft[: len(path.time)]
+    rows = [
+        ShaftLoad.of(gear, force).end(support, place[-len(forces.supported) :])
+        for force, place in zip(applied, path.coordinates, strict=True)
+    ]
+    ends, energy = np.array([end for end, _ in rows]), np.array([energy for _, energy in rows])
+    steps = np.einsum("ti,ti->t", applied[1:] + applied[:-1], np.diff(ends, axis=0)) / 2
+    signals = {f"shaft_force_{axis}": values for axis, values in zip(AT_SHAFT, applied.T, strict=True)}
+    signals |= {f"shaft_end_{axis}": ends[:, i] for i, axis in enumerate(AT_SHAFT)}
+    return signals | {"work_load": np.concatenate([[0.0], np.cumsum(steps)]), SHAFT_ENERGY: energy}
+
+
 def _tapped(gear: SteeringGear) -> SteeringGear:
-    """Return the gear without memory of friction: bristles would hold what tapping lets go."""
-    return gear.replace({f"{part}.friction_law": PLAIN_LAW for part in RUBBING_PARTS})
+    """Return the gear without memory of friction: bristles and the shaft's axial friction would hold what
+    tapping lets go."""
+    laws: dict[str, object] = {f"{part}.friction_law": PLAIN_LAW for part in RUBBING_PARTS}
+    return gear.replace(laws | {"pinion.axial_friction": 0.0})
 
 
 def moved_by_modes(gear: SteeringGear, fidelity: Fidelity, place: float) -> np.ndarray:
@@ -150,6 +207,11 @@ def _outcome(path: EquilibriumPath, loads: OutsideLoads, cpu_s: float, interrupt
     if path.converged:
         return outcome
     (across, sideways), torque = loads.end_force[found], loads.torque[found]
+    if loads.shaft is not None:
+        shown = ", ".join(f"{force:.4g} N" for force in loads.shaft[found])
+        message = f"no equilibrium was found under {shown} on the input shaft; "
+        message += f"{path.residual:.3g} N remain unbalanced"
+        return replace(outcome, status=Status.NO_CONVERGENCE, codes=(Code.NO_EQUILIBRIUM,), message=message)
     shown = f"{across:.4g} N along Y and {sideways:.4g} N along Z at the rack's end, {torque:.4g} N m"
     message = f"no equilibrium was found under {shown}; {path.residual:.3g} N remain unbalanced"
     return replace(outcome, status=Status.NO_CONVERGENCE, codes=(Code.NO_EQUILIBRIUM,), message=message)

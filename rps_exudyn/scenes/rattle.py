@@ -14,6 +14,7 @@ import numpy as np
 from rps_exudyn.analysis.impacts import FrequencyBand, describe_rattle, first_hit, split_at_repeats
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.external_load import RoadForce
+from rps_exudyn.forces.pinion_support import with_float
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -80,7 +81,7 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
             f"fidelity.solver is {fidelity.solver}; rattle needs generalized-alpha: without inertia nothing "
             "hits."
         )
-    chosen, test = fidelity.with_bending(), gear.test
+    chosen, test = with_float(gear, fidelity.with_bending()), gear.test
     chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, WIDEST_ZONE)})
     maneuvers = list(shaken_by_road(gear, chosen.swing_steps or STEPS_PER_SWING))
     run = run_maneuver(gear, chosen, maneuvers, options)

@@ -4,6 +4,8 @@ Steering is fastest, at the test's speed, where it passes the middle; it stands 
 """
 
 from rps_exudyn.analysis.hysteresis import describe_reversal
+from rps_exudyn.forces.pinion_support import with_float
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import swing_maneuver
@@ -22,10 +24,12 @@ def reversal(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sce
     Raises:
         InputError: the steering leaves the rack's teeth.
     """
+    fidelity = with_float(gear, fidelity)
     maneuver = swing_maneuver(gear, fidelity.step_angle)
 
     def metrics(signals: Signals) -> dict[str, float]:
-        return {**describe_reversal(signals), **figures_of_motion(signals, gear)}
+        gain = float(GearPair.of(gear).gain)
+        return {**describe_reversal(signals, gain), **figures_of_motion(signals, gear)}
 
     run = run_swing(gear, fidelity, maneuver, options, metrics, SCENE.figure)
     remark = wide_zone(fidelity, "reversal_angle depends", WIDEST_ZONE)

@@ -6,7 +6,10 @@ comes and goes before the gear moves again. Equilibria take the column as a spri
 vibration of the gear behind it as well.
 """
 
+from rps_exudyn.analysis.hysteresis import lost_motion
 from rps_exudyn.analysis.wheel_metrics import describe_feel
+from rps_exudyn.forces.pinion_support import with_float
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import YIELDING, swing_maneuver
@@ -25,11 +28,14 @@ def steering_feel(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -
     Raises:
         InputError: the steering leaves the rack's teeth, or a model without a column.
     """
+    fidelity = with_float(gear, fidelity)
     twisted = 2 * abs(closed_form(gear).free_torque) / gear.column.stiffness
     maneuver = swing_maneuver(gear, fidelity.step_angle, "wheel", YIELDING + twisted)
 
     def metrics(signals: Signals) -> dict[str, float]:
-        return {**describe_feel(signals), **figures_of_motion(signals, gear)}
+        lost = lost_motion(signals)
+        angle = {} if lost is None else {"lost_motion_angle": lost / float(GearPair.of(gear).gain)}
+        return {**describe_feel(signals), **angle, **figures_of_motion(signals, gear)}
 
     run = run_swing(gear, fidelity, maneuver, options, metrics, SCENE.figure)
     remark = wide_zone(fidelity, "on_centre_stiffness depends", WIDEST_ZONE)

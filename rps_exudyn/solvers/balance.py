@@ -1,4 +1,5 @@
-"""Forces of a gear that are to be balanced, over coordinates of pinion, rack, plunger and bending modes."""
+"""Forces of a gear that are to be balanced, over coordinates of pinion, rack, plunger, bending modes and the
+pinion's supports."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -10,8 +11,9 @@ from rps_exudyn.base.compiled import ready
 from rps_exudyn.forces.friction import STATE_SIZE, TIME, reset
 from rps_exudyn.solvers.gear_model import WORK
 
-SIZE = 8  # coordinates of pinion, rack and plunger; modes of a flexible rack follow
+SIZE = 8  # coordinates of pinion, rack and plunger; modes of a flexible rack and the supports follow
 CHARACTERISTIC_LENGTHS = np.array([0.01, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 1.0])  # coordinates to lengths [m]
+SUPPORT_LENGTHS = np.array([1.0, 1.0, 1.0, 0.01, 0.01])
 
 
 STEPS_PER_SECOND = 100.0  # of a rate's difference over that of its coordinate, at most ...
@@ -39,6 +41,7 @@ class Balance:
         inertia: of what follows the drive: pinion [kg m^2] and rack [kg].
         outside: times (t,) -> generalised forces (t, n) that act besides.
         modes: of the rack's bending.
+        supported: coordinates of a supported pinion under the preload at rest; none of a rigid one.
     """
 
     law: Any
@@ -49,12 +52,13 @@ class Balance:
     inertia: tuple[float, float] = (0.0, 0.0)
     outside: Callable[[np.ndarray], np.ndarray] | None = None
     modes: int = 0
+    supported: np.ndarray = field(default_factory=lambda: np.zeros(0))
     works: np.ndarray = field(default_factory=new_work)
 
     @property
     def size(self) -> int:
-        """Return the number of coordinates n, with those of the modes."""
-        return SIZE + self.modes
+        """Return the number of coordinates n, with those of modes and supports."""
+        return SIZE + self.modes + len(self.supported)
 
     def free(self, driven: int) -> np.ndarray:
         """Return the coordinates that are unknown where the rig drives one, shape (m,)."""
@@ -64,7 +68,8 @@ class Balance:
     def lengths(self) -> np.ndarray:
         """Return what turns the coordinates into lengths, shape (n,) [m]; a mode moves a bar of one kilogram
         by about its coordinate."""
-        return np.append(CHARACTERISTIC_LENGTHS, np.ones(self.modes))
+        on_supports = SUPPORT_LENGTHS[: len(self.supported)]
+        return np.concatenate([CHARACTERISTIC_LENGTHS, np.ones(self.modes), on_supports])
 
     @property
     def has_bristles(self) -> bool:
@@ -110,7 +115,7 @@ class Balance:
         total, moved, unused = np.empty(n), np.empty(n), np.zeros((0, 0))
         tangent, law = np.zeros((n, n)), ready(self.law)
         rest = self.gears, 0, self.pool, self.works, 0.0, 0.0
-        step = np.where(self._angles[:n], 1e-8, 1e-9)
+        step = np.where(self._angles(n), 1e-8, 1e-9)
         per_step = min(STEPS_PER_SECOND, PART_OF_ZONE * float(self.gears[0]["fit"]["zone"]) / 1e-9)
         h = self.memory[1, TIME] - self.memory[0, TIME] if self.has_bristles else 0.0
         if 0 < h < np.inf:
@@ -130,12 +135,15 @@ class Balance:
                 rate[j] = v[j]
         return tangent
 
-    @property
-    def _angles(self) -> np.ndarray:
-        """Which coordinates of a stack are angles: of pinion and rack, and of a segment behind them."""
-        angles = np.zeros(max(SIZE + self.modes, SIZE + 6), dtype=bool)
+    def _angles(self, size: int) -> np.ndarray:
+        """Which coordinates of a stack (size,) are angles: of pinion and rack, of a segment behind them if it
+        has one, of the supports."""
+        angles = np.zeros(size, dtype=bool)
         angles[[0, 4, 5, 6]] = True
-        angles[SIZE + 3 :] = not self.modes
+        if size > self.size:
+            angles[SIZE + 3 : SIZE + 6] = True
+        if len(self.supported):
+            angles[-2:] = True
         return angles
 
     def with_(self, **changes: Any) -> "Balance":

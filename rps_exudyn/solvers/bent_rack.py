@@ -252,11 +252,11 @@ class BentBar:
 
     def elastic_energy(self, coordinates: np.ndarray) -> np.ndarray:
         """Return the energy of bending, shape (n,) [J]."""
-        return 0.5 * coordinates[:, 8:] ** 2 @ self.stiffness
+        return 0.5 * coordinates[:, MODES : MODES + self.modes] ** 2 @ self.stiffness
 
     def damping_power(self, rates: np.ndarray) -> np.ndarray:
         """Return what the bar's damping takes, shape (n,) [W]."""
-        return rates[:, 8:] ** 2 @ self.damping
+        return rates[:, MODES : MODES + self.modes] ** 2 @ self.damping
 
 
 def bent_bar(

@@ -56,7 +56,7 @@ class EquilibriumPath:
     """Equilibria along a drive's motion; arrays have one row per instant, up to the first without one."""
 
     time: np.ndarray  # (n,) [s]
-    coordinates: np.ndarray  # (n, 8 or more) pinion, rack, plunger, modes of the rack's bending
+    coordinates: np.ndarray  # (n, 8 or more) pinion, rack, plunger, modes of bending, supports
     rates: np.ndarray  # the same
     forces: np.ndarray  # generalised forces; that on the driven coordinate the drive overcomes
     applied: np.ndarray  # the part of them that is inertia
@@ -286,6 +286,7 @@ class _Following:
         first = rows.coordinates[0].copy()
         first[: balance.size] = starting_guess(pair, drive.pinion_angle(pair.gain, time[0]), balance.size)
         first[RACK + 1] += TYPICAL_APPROACH - pair.axis_offset - balance.approach
+        first[balance.size - len(balance.supported) : balance.size] = balance.supported
         steady = np.zeros(len(first))
         steady[: balance.size] = steady_rates(pair, following.speed, balance.size)
         rows.coordinates[0, free], rows.rates[0, free] = first[free], steady[free]

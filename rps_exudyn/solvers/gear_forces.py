@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.forces import external_load, sliding_fit, yoke
+from rps_exudyn.forces import external_load, pinion_support, sliding_fit, yoke
 from rps_exudyn.forces.bearing import bearing_record
 from rps_exudyn.forces.bush import Chain, bush_chain
 from rps_exudyn.forces.force_element import RACK, Part
@@ -54,6 +54,7 @@ class GearForces:
         valid_to: outputs above which the contact law does not hold any more, and their bounds.
         spheres: of general contact.
         works: work space, with the state of the bristle friction.
+        supported: coordinates of a supported pinion under the preload at rest; none of a rigid one.
     """
 
     law: Any
@@ -69,6 +70,7 @@ class GearForces:
     valid_to: dict[str, float]
     spheres: SampledContactData | None = None
     works: np.ndarray = field(default_factory=new_work)
+    supported: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @property
     def gear(self) -> np.record:
@@ -86,6 +88,7 @@ class GearForces:
         """Return the names of the parts whose friction has a state."""
         gear = self.gear
         of_parts = {"mesh": gear.mesh.flank, "seat": gear.seat, "bush": gear.fit, "bearing": gear.bearing}
+        of_parts["support"] = gear.support
         return {name for name, part in of_parts.items() if part.law.has_state}
 
     @property
@@ -100,7 +103,7 @@ class GearForces:
 
     @property
     def statics(self) -> Balance:
-        """Return the forces on pinion, rack and plunger, with the bush condensed."""
+        """Return the forces on pinion, rack, plunger, modes and supports, with the bush condensed."""
         return Balance(
             self.law,
             self._condensed,
@@ -108,6 +111,7 @@ class GearForces:
             self.locked,
             self.approach,
             modes=self.modes,
+            supported=self.supported,
             works=self.works,
         )
 
@@ -144,7 +148,7 @@ class GearForces:
             time: (t,) [s].
             begun: state of the bristles at the start of the steps that end there, (t, .).
         """
-        gears = self.gears if self.has_chain and coordinates.shape[1] > 8 else self._condensed
+        gears = self.gears if self.has_chain and coordinates.shape[1] > self.statics.size else self._condensed
         rows = coordinates, rates, time, begun
         return outputs_along(self.law, gears, self.pool, self.works, *rows)
 
@@ -214,6 +218,11 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         raise InputError(f"mesh.law is {mesh.law!r}, which earlier versions had: {instead}.")
     law = LAWS[mesh.law, bar is not None]
     approach = static_approach(gear.yoke.preload, LAWS[mesh.law, False], ideal, pool, pair.axis_offset)
+    supported = np.zeros(0)
+    if fidelity.pinion == "supported":
+        gears["support"], gears["is_supported"] = pinion_support.support_record(gear, patches), 1
+        supported, sunk = pinion_support.at_rest(gears.view(np.recarray)[0].support, gear.yoke.preload)
+        approach += sunk
     rest_gap = approach + gear.yoke.preload / gear.yoke.seat_stiffness
     gears["seat"] = yoke.seat_record(gear, friction_zone=zone, rest_gap=rest_gap, patches=patches)
     gears["spring"], gears["nut"] = yoke.spring_record(gear), yoke.nut_record(gear)
@@ -231,6 +240,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         ideal=ideal,
         valid_to=mesh.valid_to,
         spheres=mesh.spheres,
+        supported=supported,
     )
     exchange = _exchange.get()
     return exchange(made, gear, fidelity) if exchange else made

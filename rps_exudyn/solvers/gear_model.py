@@ -1,9 +1,10 @@
 """All forces of a gear with their tangent: one function for each law of the teeth's contact.
 
 Coordinates are stacked [pinion (about k), rack (6), plunger]. Behind them stand the modes of a rack that
-bends (`bent_rack`), or the last segment (6) of a bush that is a chain. The constants of a gear are a record
-`GEAR`, one of an array, so that many gears differ by their place in it; `pool` holds what has no fixed size,
-and `work` is a record `WORK` that no evaluation needs to allocate.
+bends (`bent_rack`), or the last segment (6) of a bush that is a chain; and last of all those of the supports
+(5) of a pinion that has some (`forces.pinion_support`). The constants of a gear are a record `GEAR`, one of
+an array, so that many gears differ by their place in it; `pool` holds what has no fixed size, and `work` is a
+record `WORK` that no evaluation of a gear with a rigid pinion needs to allocate.
 
     law(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
 
@@ -32,7 +33,7 @@ from rps_exudyn.base.compiled import (
     ready,
     record_type,
 )
-from rps_exudyn.forces import bearing, external_load, sliding_fit, yoke
+from rps_exudyn.forces import bearing, external_load, pinion_support, sliding_fit, yoke
 from rps_exudyn.forces.bearing import BEARING, bearing_force, bearing_slope
 from rps_exudyn.forces.external_load import DEAD_FORCE, add_dead_tangent, dead_force
 from rps_exudyn.forces.force_element import Part
@@ -43,6 +44,13 @@ from rps_exudyn.forces.friction import (
     TIME,
     begin_step,
     duration,
+)
+from rps_exudyn.forces.pinion_support import (
+    SUPPORT,
+    axial_friction,
+    held,
+    place_of,
+    seen_from_pinion,
 )
 from rps_exudyn.forces.sliding_fit import FIT, add_fit_tangent, carried_fit_force, held_fit_force
 from rps_exudyn.forces.yoke import (
@@ -81,6 +89,7 @@ PARTS = (
     sliding_fit.PART,
     external_load.LOAD,
     external_load.WEIGHT,
+    pinion_support.PART,
 )
 COLUMNS: dict[str, slice] = {}
 """Part -> its columns of the outputs."""
@@ -88,7 +97,12 @@ for _part in PARTS:
     _first = max((each.stop for each in COLUMNS.values()), default=0)
     COLUMNS[_part.name] = slice(_first, _first + _part.columns)
 OUTPUTS = _first + _part.columns
-_MESH, _SEAT, _SPRING, _NUT, _BEARING, _BUSH, _LOAD, _WEIGHT = (each.start for each in COLUMNS.values())
+_MESH, _SEAT, _SPRING, _NUT, _BEARING, _BUSH, _LOAD, _WEIGHT, _SUPPORT = (
+    each.start for each in COLUMNS.values()
+)
+RIGID = 8  # coordinates of pinion, rack and plunger
+HELD = pinion_support.SIZE  # of the supports
+NEAR = RIGID + HELD  # what the forces beside the mesh depend on
 SEAT_LOADS = _SEAT + 10  # first of the seat's own outputs
 
 GEAR = record_type(
@@ -102,6 +116,8 @@ GEAR = record_type(
         ("load", DEAD_FORCE),  # at the rack's end
         ("weight", DEAD_FORCE),  # of the rack
         ("bar", BAR),
+        ("support", SUPPORT),  # of the pinion
+        ("is_supported", "i8"),  # else the pinion only turns
         ("has_load", "i8"),
         ("has_weight", "i8"),
         ("is_carried", "i8"),  # the rack slides in a segment of a chain, else in the housing
@@ -114,9 +130,16 @@ WORK = record_type(
     [
         ("contact", SCRATCH),
         ("out", "f8", (OUTPUTS,)),
-        ("place", "f8", (8,)),  # of pinion, of a straight rack that touches the bar at the mesh, of plunger
-        ("rate", "f8", (8,)),
-        ("near", "f8", (8, 8)),  # tangent by these
+        # of pinion, of a straight rack that touches the bar at the mesh, of plunger, of the supports
+        ("place", "f8", (NEAR,)),
+        ("rate", "f8", (NEAR,)),
+        ("near", "f8", (NEAR, NEAR)),  # tangent by these
+        ("beside", "f8", (2, 6)),  # place and rate of that rack, where `place` has those seen by the pinion
+        ("carry", "f8", (6, 11)),  # derivatives of these by the rack's coordinates and the pinion's place
+        ("by_seat", "f8", (HELD, HELD)),  # of that place by the supports' coordinates
+        ("held", "f8", (HELD,)),  # elastic force of the supports ...
+        ("held_slope", "f8", (HELD, HELD)),  # ... and its derivative
+        ("on_support", "f8", (NEAR,)),  # forces of mesh and supports on all these
         ("of_mesh", "f8", (2, 2)),  # part of it: of the mesh's forces along X and Y, by the same
         ("of_loads", "f8", (2, 7)),  # tangent of the seat's own outputs, by rack and plunger
         ("points", "f8", (MOST_POINTS, 4)),  # of the seat
@@ -134,7 +157,7 @@ LAW_POINTER = pointer(*LAW)
 
 # --- assembly --------------------------------------------------------------------------------------
 @inline
-def begin(q, v, gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+def _begin(q, v, gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
     """Fill where the laws find the bodies and how these slip; return the factor of the rates' derivative."""
     memory, h = work.contact.memory, 0.0
     if gear.has_bristles:
@@ -145,20 +168,116 @@ def begin(q, v, gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
         work.slip[i] = (q[i] - memory[0, PLACES + i]) / h if h > 0 else v[i]
     for i in range(8):
         work.place[i], work.rate[i] = q[i], work.slip[i]
-        for j in range(8):
+    for i in range(near_size(gear)):
+        for j in range(near_size(gear)):
             work.near[i, j] = 0.0
     return factor_q / h if h > 0 else factor_v
 
 
 @inline
+def near_size(gear):  # type: ignore[no-untyped-def]
+    """Number of coordinates on which the forces at the mesh depend."""
+    return NEAR if gear.is_supported else RIGID
+
+
+@inline
+def go_beside_pinion(q, gear, work):  # type: ignore[no-untyped-def]
+    """Let the teeth see the rack from a supported pinion; `leave_pinion` goes back."""
+    first, place, rate = q.size - HELD, work.place, work.rate
+    for i in range(HELD):
+        place[RIGID + i], rate[RIGID + i] = q[first + i], work.slip[first + i]
+    for i in range(6):
+        work.beside[0, i], work.beside[1, i] = place[1 + i], rate[1 + i]
+    p, p_rate, out = np.empty(HELD), np.empty(HELD), work.out
+    energy, upper, lower, axial = held(place[RIGID:NEAR], gear.support, work.held, work.held_slope)
+    place_of(
+        place[RIGID:NEAR],
+        rate[RIGID:NEAR],
+        gear.support,
+        work.held,
+        work.held_slope,
+        work.by_seat,
+        p,
+        p_rate,
+    )
+    seen_from_pinion(place[1:7], rate[1:7], p, p_rate, gear.support, work.carry)
+    out[_SUPPORT], out[_SUPPORT + 2] = energy, 0.0
+    for i in range(3):
+        out[_SUPPORT + 3 + i] = p[i]
+    out[_SUPPORT + 6], out[_SUPPORT + 7], out[_SUPPORT + 8] = upper, lower, axial
+
+
+@inline
+def leave_pinion(gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+    """Turn the teeth's forces and tangent into those by the rack's own coordinates and the supports', and add
+    the supports' own."""
+    place, rate, out, near, memory = work.place, work.rate, work.out, work.near, work.contact.memory
+    for i in range(6):
+        place[1 + i], rate[1 + i] = work.beside[0, i], work.beside[1, i]
+    by = np.zeros((7, NEAR))  # of what the teeth see
+    by[0, 0] = 1.0
+    for i in range(6):
+        for j in range(6):
+            by[1 + i, 1 + j] = work.carry[i, j]
+        for j in range(HELD):
+            for k in range(HELD):
+                by[1 + i, RIGID + j] += work.carry[i, 6 + k] * work.by_seat[k, j]
+    for j in range(NEAR):
+        work.on_support[j] = 0.0
+        for i in range(7):
+            work.on_support[j] += by[i, j] * out[_MESH + i]
+        if j < 7:
+            out[_SUPPORT + 11 + j] = work.on_support[j]
+        elif j >= RIGID:
+            out[_SUPPORT + 10 + j] = work.on_support[j]
+    stored = np.empty(3)
+    friction, braking = axial_friction(rate[RIGID + 2], gear.support, memory, stored)
+    for i in range(HELD):
+        for k in range(HELD):
+            work.on_support[RIGID + i] += work.by_seat[k, i] * (gear.support.pressed[k] - work.held[k])
+    work.on_support[RIGID + 2] += friction
+    out[_SUPPORT] += stored[2]
+    out[_SUPPORT + 1], out[_SUPPORT + 9], out[_SUPPORT + 10] = stored[0], stored[1], stored[2]
+    if factor_q == 0 and factor_v == 0:
+        return
+    half = np.zeros((7, NEAR))
+    for i in range(7):
+        for k in range(7):
+            if near[i, k] != 0:
+                for j in range(NEAR):
+                    half[i, j] += near[i, k] * by[k, j]
+    for i in range(NEAR):
+        for j in range(NEAR):
+            near[i, j] = 0.0
+            for k in range(7):
+                near[i, j] += by[k, i] * half[k, j]
+    for i in range(HELD):
+        for j in range(HELD):
+            for k in range(HELD):
+                near[RIGID + i, RIGID + j] -= factor_q * work.by_seat[k, i] * work.held_slope[k, j]
+    near[RIGID + 2, RIGID + 2] += factor_v * braking
+
+
+@inline
+def begin(q, v, gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+    """The same of a rack that is straight and rigid, as the pinion sees it."""
+    factor_v = _begin(q, v, gear, work, factor_q, factor_v)
+    if gear.is_supported:
+        go_beside_pinion(q, gear, work)
+    return factor_v
+
+
+@inline
 def begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
     """The same with the pose of a straight rack that touches the bar where mesh and yoke stand, at X = 0."""
-    factor_v = begin(q, v, gear, work, factor_q, factor_v)
+    factor_v = _begin(q, v, gear, work, factor_q, factor_v)
     pose, sections = np.empty((3, 6)), np.empty((4, gear.bar.modes + 2))
     bar_sections(-q[1], gear.bar, pool, sections)
     fill_pose(q, work.slip, sections, -1.0, gear.bar, pose)
     for i in range(6):
         work.place[1 + i], work.rate[1 + i] = pose[POSE, i], pose[RATE, i]
+    if gear.is_supported:
+        go_beside_pinion(q, gear, work)
     return factor_v
 
 
@@ -167,6 +286,8 @@ def _add_others(gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
     """Fill the outputs of yoke and bearing, and their tangents if they are wanted."""
     place, rate, out, near, memory = work.place, work.rate, work.out, work.near, work.contact.memory
     wanted = factor_q != 0 or factor_v != 0
+    if gear.is_supported:
+        leave_pinion(gear, work, factor_q, factor_v)
     for i in range(2):
         for j in range(2):
             work.of_mesh[i, j] = near[1 + i, 1 + j]
@@ -192,12 +313,14 @@ def _add_yoke_and_bearing(gear, work, factor_q, factor_v):  # type: ignore[no-un
 
 
 @inline
-def _near_force(i, work):  # type: ignore[no-untyped-def]
-    """The force of mesh, yoke and bearing on a coordinate of `place`."""
+def _near_force(i, gear, work):  # type: ignore[no-untyped-def]
+    """The force of mesh, supports, yoke and bearing on a coordinate of `place`."""
     out, force = work.out, 0.0
-    if i < 7:
+    if gear.is_supported:
+        force += work.on_support[i]
+    elif i < 7:
         force += out[_MESH + i]
-    if i > 0:
+    if 0 < i < 8:
         force += out[_SEAT + i - 1]
     if i == 7:
         force += out[_SPRING] + out[_NUT]
@@ -222,7 +345,7 @@ def finish(q, gear, work, factor_q, factor_v, total, tangent):  # type: ignore[n
     rack, rate, out, memory = q[1:7], work.rate[1:7], work.out, work.contact.memory
     bush = out[_BUSH : _BUSH + 13]
     for i in range(8):
-        total[i] = _near_force(i, work)
+        total[i] = _near_force(i, gear, work)
     if gear.is_carried:
         on_carrier = work.on_carrier
         carried_fit_force(rack, rate, q[8:14], work.slip[8:14], gear.fit, memory, bush, on_carrier)
@@ -231,6 +354,7 @@ def finish(q, gear, work, factor_q, factor_v, total, tangent):  # type: ignore[n
     else:
         held_fit_force(rack, rate, gear.fit, memory, bush)
     _add_loads(rack, gear, out)
+    _add_support(gear, work, total)
     for i in range(6):
         total[1 + i] += out[_BUSH + i]
         if gear.has_load:
@@ -247,21 +371,36 @@ def finish(q, gear, work, factor_q, factor_v, total, tangent):  # type: ignore[n
         _carried_tangent(q, gear, work, factor_q, factor_v, tangent)
     else:
         add_fit_tangent(rack, rate, gear.fit, memory, factor_q, factor_v, work.near[1:7, 1:7])
-        for i in range(8):
-            for j in range(8):
+        size = near_size(gear)
+        for i in range(size):
+            for j in range(size):
                 tangent[i, j] = work.near[i, j]
 
 
 @inline
+def _add_support(gear, work, total):  # type: ignore[no-untyped-def]
+    """Fill the forces on the supports' coordinates, the last ones."""
+    if gear.is_supported:
+        for i in range(HELD):
+            total[total.size - HELD + i] = _near_force(RIGID + i, gear, work)
+
+
+@inline
 def _carried_tangent(q, gear, work, factor_q, factor_v, tangent):  # type: ignore[no-untyped-def]
-    """Fill the tangent of a rack in a segment (14, 14): the fit moves with the rack against the segment."""
+    """Fill the tangent of a rack in a segment (14, 14), and of supports behind: the fit moves with the rack
+    against the segment."""
     rack, relative, fit = np.empty(6), np.empty(6), np.zeros((6, 6))
     for i in range(6):
         rack[i], relative[i] = q[1 + i], work.slip[1 + i] - work.slip[8 + i]
     add_fit_tangent(rack, relative, gear.fit, work.contact.memory, factor_q, factor_v, fit)
-    for i in range(14):
-        for j in range(14):
-            tangent[i, j] = work.near[i, j] if i < 8 and j < 8 else 0.0
+    n = tangent.shape[0]
+    for i in range(n):
+        for j in range(n):
+            tangent[i, j] = 0.0
+    size = near_size(gear)
+    for i in range(size):
+        for j in range(size):
+            tangent[i if i < 8 else 6 + i, j if j < 8 else 6 + j] = work.near[i, j]
     # the segment's motion seen as one of the rack: between the reference points lie both levers
     carry, along = np.zeros((6, 6)), gear.fit.station - q[1] - gear.fit.lever
     for i in range(6):
@@ -284,9 +423,11 @@ def finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent)
     bar, out, memory, n = gear.bar, work.out, work.contact.memory, q.size
     wanted = factor_q != 0 or factor_v != 0
     pose, sections, forces = np.empty((3, 6)), np.empty((4, bar.modes + 2)), np.empty(6)
-    by, local = np.empty((8, n)), np.zeros((6, 6))
+    size = near_size(gear)
+    by, local = np.zeros((size, n)), np.zeros((6, 6))
     for i in range(n):
         total[i] = 0.0
+    _add_support(gear, work, total)
     if wanted:
         for i in range(n):
             for j in range(n):
@@ -297,13 +438,15 @@ def finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent)
     bar_sections(-q[1], bar, pool, sections)
     fill_pose(q, work.slip, sections, -1.0, bar, pose)
     for i in range(6):
-        forces[i] = _near_force(1 + i, work)
-    total[0] += _near_force(0, work)
-    total[7] += _near_force(7, work)
+        forces[i] = _near_force(1 + i, gear, work)
+    total[0] += _near_force(0, gear, work)
+    total[7] += _near_force(7, gear, work)
     add_to_bar(total, forces, pose, sections, -1.0, bar)
     if wanted:
         fill_pose_by_bar(pose, sections, -1.0, bar, by)
-        add_products(by, 8, work.near, tangent)
+        for i in range(RIGID, size):
+            by[i, n - NEAR + i] = 1.0
+        add_products(by, size, work.near, tangent)
         add_geometric(tangent, forces, sections, -1.0, factor_q, bar)
 
     bar_sections(gear.fit.station - q[1], bar, pool, sections)
@@ -422,7 +565,7 @@ def fill_outputs(law, coordinates, rates, time, begun, gears, pool, works, outpu
 
 def parts_of(gear: np.record) -> list[Part]:
     """Return the parts of a gear, in the order of their outputs."""
-    having = {"load": "has_load", "weight": "has_weight"}
+    having = {"load": "has_load", "weight": "has_weight", "support": "is_supported"}
     return [each for each in PARTS if each.name not in having or gear[having[each.name]]]
 
 

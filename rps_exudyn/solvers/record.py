@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from rps_exudyn.analysis.work_balance import integral_from_start
+from rps_exudyn.forces import pinion_support
 from rps_exudyn.forces.force_element import (
     COORDINATE_BLOCKS,
     DAMPING_POWER,
@@ -41,6 +42,7 @@ WORK = {
     "work_seat_friction",
     "work_bush_friction",
     "work_bearing_friction",
+    "work_support_friction",
 }
 # Of `instant_signals`, no signals of a result; the last before the name of a work summed up over steps
 MESH_ENERGY, LOAD_ENERGY, SO_FAR = "mesh_energy", "load_energy", "so_far_"
@@ -58,6 +60,7 @@ SHOWN = {
     "yokenut_force": "yokenut_force",
     "bush_force": "bush_lateral_force",
     "load_force": "load_force",
+    **{name: name for name in pinion_support.OUTPUTS[:6]},
 }
 
 
@@ -133,13 +136,21 @@ class Record:
 
     def seen_by(self, part: Part) -> tuple[np.ndarray, np.ndarray]:
         """Return coordinates and rates of a part's bodies, (n, .) each: of a rack that bends those of a
-        straight one that touches it there."""
+        straight one that touches it there; behind those of a mesh stand those of a supported pinion."""
         place = self.bar.places.get(part.name) if self.bar is not None else None
         coordinates, rates = (
             (self.coordinates, self.slip_rates) if place is None else self.straightened(place)
         )
         columns = stacked(part.bodies)
+        if part.name == "mesh" and len(self.forces.supported):
+            columns = np.append(columns, np.arange(-pinion_support.SIZE, 0))
         return coordinates[..., columns], rates[..., columns]
+
+    def forces_of(self, part: Part) -> np.ndarray:
+        """Return a part's forces on the coordinates that `seen_by` gives, shape (n, .)."""
+        if part.name == "mesh" and len(self.forces.supported):
+            return self.outputs(pinion_support.PART)[..., -(part.size + pinion_support.SIZE) :]
+        return self.outputs(part)[..., : part.size]
 
     def straightened(self, place: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
         """Return coordinates and rates with those of a straight rack that touches the bar at a place."""
@@ -235,10 +246,13 @@ def _over_steps(record: Record) -> dict[str, np.ndarray]:
         out, rubs = record.outputs(part), f"work_{part.name}_friction"
         if rubs not in WORK:
             continue
-        places = record.coordinates[:, stacked(part.bodies)]
+        if not part.size:  # its forces are those of the mesh
+            works[SO_FAR + rubs] = out[:, ENERGY_TERMS + part.outputs.index(FRICTION_STATE[0])]
+            continue
+        places, rates = record.seen_by(part)
         if record.bar is not None:
-            places = integral_from_start(record.seen_by(part)[1].T, record.time).T
-        taken = -_along(out[:, : part.size], places)
+            places = integral_from_start(rates.T, record.time).T
+        taken = -_along(record.forces_of(part), places)
         if part.name == "mesh":
             works[MESH_TAKEN] = taken
         if part.name in record.forces.with_bristles:
@@ -287,7 +301,7 @@ def _over_edges(record: Record, mesh: Part, out: np.ndarray) -> np.ndarray:
     the normal only, so that material which enters or leaves loaded does so without a force.
     """
     rates = record.seen_by(mesh)[1]
-    taken = -np.einsum("...i,...i->...", out[..., : mesh.size], rates)
+    taken = -np.einsum("...i,...i->...", record.forces_of(mesh), rates)
     energy_terms = out[..., mesh.size : mesh.size + ENERGY_TERMS]
     return np.asarray(taken - energy_terms[..., FRICTION_POWER] - energy_terms[..., DAMPING_POWER])
 

@@ -17,7 +17,7 @@ from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
 from rps_exudyn.forces.friction import ELEMENT_TRAVELS
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.masses import rack_masses
+from rps_exudyn.gears.masses import pinion_on_supports, rack_masses
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS, FrictionLaw
@@ -153,7 +153,7 @@ class SlidingVibration:
 
 
 def masses(gear: SteeringGear, forces: GearForces, place: np.ndarray) -> np.ndarray:
-    """Return the mass matrix of pinion, rack, plunger and modes at a place (n,), shape (n, n)."""
+    """Return the mass matrix of pinion, rack, plunger, modes and supports at a place (n,), shape (n, n)."""
     mass = np.eye(place.size)
     mass[0, 0], bar = following_inertia(gear)[0], rack_masses(gear)
     angles = place[COORDINATE_BLOCKS["rack"]][3:]
@@ -165,6 +165,8 @@ def masses(gear: SteeringGear, forces: GearForces, place: np.ndarray) -> np.ndar
     rack = COORDINATE_BLOCKS["rack"]
     mass[rack, rack] = np.block([[bar.mass * np.eye(3), beside], [beside.T, spin.T @ about_point @ spin]])
     mass[SIZE - 1, SIZE - 1] = gear.yoke.plunger_mass
+    if held := len(forces.supported):
+        mass[-held:, -held:] = pinion_on_supports(gear)
     return mass
 
 

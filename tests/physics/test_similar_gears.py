@@ -41,6 +41,7 @@ SCENES = (
     "load-test",
     "rack-push",
     "radial-play",
+    "input-shaft-play",
     "yoke-setting",
     "reversal",
     "steering-feel",

@@ -132,7 +132,7 @@ def bands(album: Album) -> None:
     unsure = ("--set", "yoke.preload=300 N +- 10 %", "--set", "yoke.clearance=uniform(30 um, 60 um)")
     do(album, "run", "--fidelity", "closed-form", "--band", "64", *unsure, "--out", "b.h5")
     do(album, "run", "--band", "--out", "b.h5")
-    for scene in ("load-test", "rack-push", "reversal", "rack-lift", "radial-play"):
+    for scene in ("load-test", "rack-push", "reversal", "rack-lift", "radial-play", "input-shaft-play"):
         do(album, "run", scene, *QUICK, "--band", "8", "--out", "b.h5")
 
 

@@ -314,6 +314,24 @@ def play_figure(result: Result, measured: MeasuredTorque | None = None) -> Figur
     return figure
 
 
+_SHAFT_METRICS = {"input_shaft_play_radial": "radial play", "input_shaft_play_axial": "axial play"}
+_SHAFT_AXES = {"y": "along Y", "across": "across Y", "axial": "along the shaft"}
+
+
+def shaft_play_figure(result: Result, measured: MeasuredTorque | None = None) -> Figure:
+    """The picture, one panel for each direction; a measured pinion torque is not drawn."""
+    figure, axes = style.panels([2.0] * len(_SHAFT_AXES))
+    for panel, (axis, label) in zip(axes, _SHAFT_AXES.items(), strict=True):
+        force = result.signals.get(f"shaft_force_{axis}", np.zeros(0))
+        if force.size:
+            place, pressed = result.signals[f"shaft_end_{axis}"], _pressed(force)
+            quantity = SIGNALS["shaft_end_y"]
+            style.line(panel, force[pressed], (place - place[0])[pressed], quantity, label, "torque")
+    style.abscissa(axes[-1], "force on the input shaft's end [N]")
+    head(figure, result, scene_of(result), _SHAFT_METRICS)
+    return figure
+
+
 def _pressed(force: np.ndarray) -> np.ndarray:
     """Where the force of this direction is at work, with the instants at which it begins and ends."""
     acting = force != 0

@@ -1,0 +1,80 @@
+"""Input shaft play: forces on the end of the pinion's shaft; how far it gives way.
+
+A mechanic presses the end of the input shaft to and fro across its axis, then along it, and reads a gauge
+there. The scene does so with `test.shaft_force` along Y and across Y, and with `test.shaft_axial_force` along
+the shaft; the pinion is held against rotation, the rack is free to follow. What gives way are the clearances
+and the float, the bearings, the shaft between and beyond them, the housing's seat, and the mesh with the yoke
+behind it.
+"""
+
+import numpy as np
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.at_rest import AT_SHAFT, OutsideLoads, run_at_rest, to_and_fro
+from rps_exudyn.scenes.checks.before_run import check_travel
+from rps_exudyn.scenes.metrics import balance
+from rps_exudyn.scenes.remarks import remarks
+from rps_exudyn.scenes.scene import RunOptions, Scene
+from rps_exudyn.scenes.scene_run import SceneRun, Signals
+from rps_exudyn.solvers.prescribed_motion import Steady
+
+STEPS = 10  # from no force to the largest
+PLAYS = {"radial": AT_SHAFT[:2], "axial": AT_SHAFT[2:]}
+
+
+def input_shaft_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
+    """Press the input shaft's end to and fro along Y, across Y, and along the shaft.
+
+    Raises:
+        InputError: a model in which the pinion only turns, or a start beyond the rack's teeth.
+    """
+    chosen = fidelity.with_support(needed=True)
+    if chosen.pinion != "supported":
+        raise InputError(
+            f"fidelity.pinion is {fidelity.pinion}, fidelity.mesh {fidelity.mesh} and fidelity.solver "
+            f"{fidelity.solver}; input-shaft-play needs a supported pinion in flank contact and no formulas."
+        )
+    check_travel(gear, (gear.test.start_angle,), "test.start_angle")
+    chosen = chosen.replace({"bush": "condensed"} if chosen.bush == "chain" else {})
+    across = to_and_fro(gear.test.shaft_force, STEPS)
+    along = to_and_fro(gear.test.shaft_axial_force, STEPS)
+    force = np.zeros((3 * len(across) - 1, 3))
+    force[1 : 1 + len(across), 1] = across
+    force[len(across) : 2 * len(across), 0] = across
+    force[2 * len(across) - 1 :, 2] = along
+    drive = Steady("pinion", gear.test.start_angle, 0.0)
+    run = run_at_rest(gear, chosen, drive, OutsideLoads.of_shaft(force), options)
+    return run.noting(*remarks(gear, run.signals)).described(
+        lambda signals: {**shaft_figures(signals), **balance(signals)}
+    )
+
+
+def shaft_figures(signals: Signals) -> dict[str, float]:
+    """Return how far the input shaft's end moves between the largest forces of both ways, of the radial
+    directions the larger; {} of a record that ends before."""
+    figures = {}
+    for play, axes in PLAYS.items():
+        moved = []
+        for axis in axes:
+            force, place = signals[f"shaft_force_{axis}"], signals[f"shaft_end_{axis}"]
+            if force.max() > 0 > force.min():
+                moved.append(float(place[force.argmax()] - place[force.argmin()]))
+        if len(moved) == len(axes):
+            figures[f"input_shaft_play_{play}"] = max(moved)
+    return figures
+
+
+SCENE = Scene(
+    name="input-shaft-play",
+    title="Input shaft play: forces on the end of the pinion's shaft",
+    run=input_shaft_play,
+    signal="shaft_end_y",
+    figure="input_shaft_play_radial",
+    chart="shaft_play",
+    at_rest=True,
+    revolutions=None,
+    at_test_speed=False,
+    unpromised=lambda gear: "it has loads in steps of its own, which no setting changes",
+)
