@@ -198,12 +198,14 @@ def kind_table(folder: Path) -> str:
     rows = [
         (
             kind,
-            f"{100 * cell['scatter']:.2f}",
-            *(f"{100 * cell['halves'][name]:.2g}, {100 * cell['holds'][name]:.0f}" for name in NUMBERS),
+            *(
+                f"{100 * cell['halves'][name]:.2g}, {100 * cell['holds'][name]:.0f}"
+                for name in ("run", "gear")
+            ),
         )
         for kind, cell in load_data(folder / DATA)["cells"].items()
     ]
-    return markdown(("kind", "scatter %", *(f"{name}: half %, holds %" for name in NUMBERS)), rows)
+    return markdown(("kind", "run: half %, holds %", "gear: half %, holds %"), rows)
 
 
 def set_table(folder: Path) -> str:

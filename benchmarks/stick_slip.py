@@ -235,11 +235,12 @@ def method_picture(found: list[dict[str, Any]]) -> Figure:
 
 # --- tables ------------------------------------------------------------------------------------------
 def limits_table(folder: Path) -> str:
-    """Measured and predicted limits."""
+    """Measured and predicted limits of friction that depends on speed alone."""
     rows = []
     for case in load_data(folder / DATA)["limits"]:
-        law = f"bristles {1e6 * case['travel']:g} um" if case["travel"] else "speed alone"
-        row = [law, f"{case['speed']:g}"]
+        if case["travel"]:  # bristles were measured with a law of earlier versions
+            continue
+        row = [f"{case['speed']:g}"]
         if "message" in case:
             predicted = [_shown(case["predicted"]), _shown(case["with_guides"])]
             rows.append([*row, *predicted, f"*{case['message']}*", ""])
@@ -247,7 +248,7 @@ def limits_table(folder: Path) -> str:
             share = f"{case['measured'] / case['with_guides']:.3f}" if case["with_guides"] else "-"
             limits = [_shown(case[name]) for name in ("predicted", "with_guides", "measured")]
             rows.append([*row, *limits, share])
-    head = ["friction", "speed rad/s", "one inertia N m s/rad", "whole gear N m s/rad", "measured N m s/rad"]
+    head = ["speed rad/s", "one inertia N m s/rad", "whole gear N m s/rad", "measured N m s/rad"]
     return markdown([*head, "measured / whole gear"], rows)
 
 

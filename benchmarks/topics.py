@@ -6,7 +6,6 @@ from benchmarks import (
     cluster_scaling,
     efficiency_map,
     explorer,
-    flank_contact,
     free_pinion_torque,
     geometry,
     law_on_gears,
@@ -49,7 +48,6 @@ from benchmarks.topic import Topic
 
 TOPICS: dict[str, Topic] = {
     "geometry": geometry.TOPIC,
-    "flank_contact": flank_contact.TOPIC,
     "tooth_compliance": tooth_compliance.TOPIC,
     "law_on_gears": law_on_gears.TOPIC,
     "spheres_on_gears": law_on_gears.SPHERES_ALONE,

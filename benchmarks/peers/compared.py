@@ -51,14 +51,14 @@ def ratios(rows: Sequence[Row], preset: str, peer: str, time: Time) -> list[floa
 
 # --- tables ------------------------------------------------------------------------------------------
 def peers_table(folder: Path) -> str:
-    """Errors and times of the quickest, a middle and the best setting that no other of a program beats."""
+    """Errors and times of a middle and the most accurate setting that no other of a program beats."""
     rows = from_data(load_data(folder / DATA)["rows"])
     shown = [
-        (row.program, row.label, *(f"{x:.2g}" for x in (row.mean, row.error)), digits(row.whole_s))
+        (row.program, row.label, f"{row.error:.2g}", digits(row.whole_s))
         for program in dict.fromkeys(row.program for row in rows)
         for row in ends(front_of([row for row in rows if row.ok and row.program == program]))
     ]
-    return markdown(("program", "settings", "mean %", "error %", "whole run CPU s"), shown)
+    return markdown(("program", "settings", "error %", "whole run CPU s"), shown)
 
 
 def front_of(rows: Sequence[Row]) -> list[Row]:
@@ -68,8 +68,8 @@ def front_of(rows: Sequence[Row]) -> list[Row]:
 
 
 def ends(rows: Sequence[Row]) -> list[Row]:
-    """The first and the last row, and the middle one between them."""
-    return [rows[i] for i in sorted({0, len(rows) // 2, len(rows) - 1}) if rows]
+    """The middle row and the last."""
+    return [rows[i] for i in sorted({len(rows) // 2, len(rows) - 1}) if rows]
 
 
 def ratios_table(folder: Path) -> str:
