@@ -46,7 +46,7 @@ def test_links_to_headings_are_found() -> None:
 
 
 def test_page_of_models_has_the_numbers_of_the_results() -> None:
-    """Times and changes of each row stand in the file that it names, else in the data of the scenes' needs."""
+    """Times and changes of each row stand in the file that it names, else in the data of the needs."""
     page = (ROOT / "docs" / "models.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| .*\d.* \|$", page, re.M)
     for row in rows:
