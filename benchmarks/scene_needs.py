@@ -311,11 +311,20 @@ def accuracy_table(folder: Path) -> str:
     return markdown(("case", "stated accuracy", "CPU s"), rows)
 
 
+def first_scene_table(folder: Path) -> str:
+    """The first case's changes that move one of its first two metrics, with the cost."""
+    need = next(iter(load_data(folder / DATA)["needs"].values()))
+    rows = [(*row[:3], row[-1]) for row in need["rows"] if row[1:3] != ["0", "0"]]
+    return markdown(
+        (*need["head"][:3], need["head"][-1]), [[cell.replace("*", "") for cell in row] for row in rows]
+    )
+
+
 TOPIC = Topic(
     "what each scene needs of the model: one thing after another left out",
     "10 min",
     "scenes",
     run,
     {"cases": ("rack-push",), "changes": ("bush: rigid", "rack: no roll, yaw, pitch, sway")},
-    {"needs": needs_table, "needs_accuracy": accuracy_table},
+    {"needs": needs_table, "needs_accuracy": accuracy_table, "needs_first": first_scene_table},
 )
