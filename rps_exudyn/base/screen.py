@@ -13,11 +13,12 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from threading import Event, Thread
+from time import monotonic
 from typing import TYPE_CHECKING, Any, Protocol
 
 from rps_exudyn.base.compiling import CompileStep, CompilingProgress, listening
 from rps_exudyn.base.progress import Progress as RunProgress
-from rps_exudyn.base.progress import following
+from rps_exudyn.base.progress import duration, following
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -193,8 +194,10 @@ def shown_progress(asked: bool = False) -> Iterator[Show]:
     with open_screen(asked) as screen:
         doing, run = TextRow(), TextRow()
 
+        began = monotonic()
+
         def show(text: str, fraction: float | None) -> None:
-            doing.text, doing.fraction = text, fraction
+            doing.text, doing.fraction = with_time_left(text, fraction, monotonic() - began), fraction
             screen.remove(run)
             screen.add(doing)
 
@@ -213,6 +216,13 @@ def shown_progress(asked: bool = False) -> Iterator[Show]:
                 screen.remove(doing)
                 screen.remove(run)
                 compiling.end()
+
+
+def with_time_left(text: str, fraction: float | None, elapsed: float) -> str:
+    """The text with the time left [s] where that follows from what is done."""
+    if not fraction or fraction >= 1:
+        return text
+    return f"{text}, {duration(elapsed * (1 / fraction - 1))} left"
 
 
 class _Compiling:

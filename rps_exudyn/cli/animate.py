@@ -29,7 +29,8 @@ def animate(file: Path, /, *, out: Path | None = None, view: str = "gear", apart
         raise InputError(f"--view is {view!r}; it must be one of {', '.join(VIEWS)}.")
     target = check_writable(out or beside(file, f"{file.stem}-animation.html"), (*PAGES, *FILMS, *STILLS))
     result, explode, kind = load(file), float(apart), target.suffix.lower()
-    with shown_progress():
+    with shown_progress() as show:
+        show(f"drawing {target.name}", None)
         if kind in PAGES:
             write_page(result, target)
         elif kind in FILMS:

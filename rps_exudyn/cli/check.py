@@ -74,8 +74,8 @@ def check(
     with printing(quiet):
         with shown_progress() as show:
 
-            def report(text: str) -> None:
-                show(f"computing: {text}", None)
+            def report(text: str, fraction: float) -> None:
+                show(f"computing: {text}", fraction)
 
             sheet = list(judge(chosen, drawn, asked, torque, on_progress=report, jobs=processes))
         article = requirement_article(sheet, chosen, torque, command_line())

@@ -11,13 +11,16 @@ from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import PICTURES, check_writable, number_existing, replacing
 from rps_exudyn.base.screen import shown_progress
-from rps_exudyn.cli.options import PAPER_GEAR, Columns, Flag, GearOptions, Jobs, Json, chosen_columns
+from rps_exudyn.cli.options import PAPER_GEAR, All, Columns, Flag, GearOptions, Jobs, Json, chosen_columns
 from rps_exudyn.cli.output import (
     DONE,
     FAILED,
+    QUIET_ALONE,
+    command_line,
     named_if_interrupted,
     print_files,
     print_json,
+    printing,
     put,
     put_table,
     say,
@@ -26,7 +29,7 @@ from rps_exudyn.cli.output import (
 if TYPE_CHECKING:
     from rps_exudyn.inference.fitting.fitted import Fit
 
-PAGES = (".html", ".htm")
+PAGES = (".html", ".htm", ".json")
 _PRIOR = re.compile(r"(?P<value>.+?)\s*(?:\+-|\+/-|±)\s*(?P<sd>.+)")
 
 Priors = Annotated[
@@ -64,8 +67,12 @@ def fit(
     report: Path | None = None,
     series: Path | None = None,
     like: Path | None = None,
+    plan: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    minutes: Path | None = None,
     jobs: Jobs = None,
     time_limit: str | None = None,
+    every: All = False,
+    quiet: Flag = False,
     json: Json = False,
 ) -> int:
     """Estimate preload, friction, drag and runout from measured curves, and name what they cannot separate.
@@ -77,11 +84,18 @@ def fit(
         single_law: leave out the fit by another contact law, whose difference is added to the intervals.
         out: gear file (.toml) with the estimates in place.
         plot: picture (.png, .svg, .pdf) of measured and fitted torque.
-        report: page (.html) with pictures, intervals, correlations and what was assumed.
+        report: the sheet as a page (.html) with pictures, intervals, correlations and what was assumed, or as
+            data (.json) of which `report` makes the page without its curves.
         series: file (.json) with what this fit leaves for the next gear of the series.
         like: such a file of another gear, with the same tests: this fit begins there.
+        plan: instead of a fit, plan the tests that bring parameters to wanted intervals in the least time:
+            PATH=HALF, half of the 95 % interval of the value, such as yoke.preload=15% mesh.friction=25%.
+        minutes: TOML table of the bench's times for --plan: [free], setup = 5, run = 5, in minutes.
         time_limit: of each simulation, for instance "20 s": one that takes longer is left out.
+        quiet: print nothing but errors.
     """
+    if quiet and (every or json):
+        raise InputError(QUIET_ALONE)
     from rps_exudyn.inference.fitting import findings
     from rps_exudyn.inference.fitting.fit import fit as fitted
     from rps_exudyn.inference.fitting.series import read_series
@@ -89,13 +103,20 @@ def fit(
     from rps_exudyn.simulate.cases.run_cases import checked_jobs
     from rps_exudyn.simulate.cases.time_limit import TimeLimit
 
+    if plan is not None:
+        if files:
+            raise InputError("--plan plans tests before anything is measured; leave out the measured files.")
+        return print_plan(plan, gear, minutes, json)
+    if minutes is not None:
+        raise InputError("--minutes is the table of times of a plan; add --plan.")
     if not files:
         raise InputError("fit needs at least one measured file, for instance rps-exudyn fit measured.csv.")
     check_writable(out, (".toml",))
     for path, suffixes in ((plot, PICTURES), (report, PAGES), (series, (".json",))):
         if path:
             check_writable(path, suffixes)
-    with shown_progress(asked=False):
+    with printing(quiet), shown_progress() as show:
+        show("fitting", None)
         found = fitted(
             files,
             gear.load(),
@@ -112,8 +133,14 @@ def fit(
         written.extend(_written_files(found, out, plot, report, series))  # keeps those before an interrupt
     if json:
         print_json(findings.fit_as_dict(found) | {"files": [str(file) for file in written]})
-    else:
+    elif every:
         print_fit(found, written)
+    elif not quiet:
+        from rps_exudyn.cli.printed import print_sheet
+        from rps_exudyn.pages.report.fit_page import fit_article
+
+        sheet = fit_article(found, command_line()).sheet
+        print_sheet(sheet, written, "intervals, verdicts, budget, notes")
     return DONE if found.converged else FAILED
 
 
@@ -173,7 +200,7 @@ def print_fit(fit: "Fit", files: Iterable[Path]) -> None:
     for sentence in (findings.level_sentence(fit), *findings.open_sentences(fit)):
         if sentence:
             put(sentence)
-    columns = ("parameter", "value", "95 % interval", "expected before", "verdict")
+    columns = ("parameter", "value", "95 % interval", "prior", "verdict")
     put_table(columns, findings.rows(fit))
     put_table(findings.BUDGET, findings.budget_rows(fit))
     if sentence := findings.offset_sentence(fit):
@@ -182,6 +209,50 @@ def print_fit(fit: "Fit", files: Iterable[Path]) -> None:
         put(f"note: {sentence}")
     put(f"{fit.simulations} simulations, {fit.cpu_s:.2g} s of CPU time")
     print_files(files)
+
+
+def print_plan(targets: list[str], gear: GearOptions, minutes: Path | None, as_json: bool) -> int:
+    """Print which tests, how often and in which order reach the wanted intervals.
+
+    Raises:
+        InputError: a target, a table or a gear that cannot be.
+    """
+    from rps_exudyn.inference.fitting.plan import MINUTES, parse_targets, plan, read_minutes
+
+    wanted = parse_targets(targets)
+    times = read_minutes(minutes) if minutes else MINUTES
+    with shown_progress(asked=False):
+        found = plan(wanted, gear.load(), times)
+    status = FAILED if found.missed else DONE
+    if as_json:
+        tests = [
+            {"test": each.test.title, "runs": each.runs, "minutes": each.minutes, "halves": dict(each.halves)}
+            for each in found.tests
+        ]
+        print_json(
+            {"targets": dict(wanted), "minutes": found.minutes, "tests": tests, "missed": found.missed}
+        )
+        return status
+    goals = ", ".join(f"{path} +-{100 * half:.3g} %" for path, half in wanted.items())
+    put(f"plan · wanted: {goals} · {found.minutes:.0f} minutes", "bold")
+    heads = ("test", "runs", "minutes", *(f"{path} after it" for path in wanted))
+    rows = [
+        (
+            each.test.title,
+            f"{each.runs}",
+            f"{each.minutes:.0f}",
+            *(f"+-{100 * each.halves[path]:.3g} %" for path in wanted),
+        )
+        for each in found.tests
+    ]
+    put_table(heads, rows)
+    for path, half in found.missed.items():
+        put(
+            f"note: no number of runs brings {path} below +-{100 * half:.3g} % (wanted "
+            f"{100 * wanted[path]:.3g} %): "
+            "what tests compare although nobody measured it is known no better"
+        )
+    return status
 
 
 def _written_files(
@@ -211,7 +282,7 @@ def _written_files(
             style.save(figure, plot)
             yield plot
     if report:
-        from rps_exudyn.pages.report.fit_page import write_fit_page
+        from rps_exudyn.pages.report.fit_page import write_fit_sheet
 
-        write_fit_page(fit, report)
+        write_fit_sheet(fit, report, command_line())
         yield report

@@ -23,7 +23,11 @@ def report(*paths: Path, out: Path | None = None, contact: Flag = False) -> int:
     if not paths:
         raise InputError("report needs at least one study's folder or result's file.")
     out = check_writable(out or default_name(paths), SUFFIXES)
-    with shown_progress():
-        write_report(paths, out, contact)
+    with shown_progress() as show:
+
+        def drawn(done: int, of: int) -> None:
+            show(f"drawing sheet {done + 1} of {of}", done / of)
+
+        write_report(paths, out, contact, drawn)
     print(f"written: {out}")
     return DONE

@@ -20,7 +20,7 @@ def test_fit_prints_what_is_known_and_writes_its_files(command: Command, files: 
     curve = Path(files[0]).read_text(encoding="utf-8").replace("-178,00;68,04", "-178,00;")
     Path("bench.csv").write_text(curve, encoding="utf-8")
     options = ["--single-law", "--plot", "fit.png", "--report", "fit.html"]
-    answer = command(["fit", "bench.csv", files[1], *options])
+    answer = command(["fit", "bench.csv", files[1], "--all", *options])
     assert answer.status == 0
     assert "note: bench: 1 row without a value is left out: line 5\n" in answer.out
     assert "mean free torque 0.66" in answer.out
@@ -29,10 +29,27 @@ def test_fit_prints_what_is_known_and_writes_its_files(command: Command, files: 
     assert gear.pinion.runout == pytest.approx(20e-6, abs=8e-6)
     assert "not separable" in Path("fitted.toml").read_text(encoding="utf-8")
     page = Path("fit.html").read_text(encoding="utf-8")
-    assert page.count("<svg") == 2
+    assert page.count("<figure") == 2
+    assert page.count('class="row open"') == 4
     assert "bench: 1 row without a value is left out: line 5." in page
     assert "yoke.preload x mesh.friction^0." in page
     assert Path("fit.png").stat().st_size > 20_000
+
+
+def test_fit_prints_its_sheet_and_report_makes_the_page_of_its_data(
+    command: Command, files: list[str]
+) -> None:
+    answer = command(["fit", *files, "--single-law", "--report", "fit.json"])
+    lines = answer.out.splitlines()
+    assert len(lines) <= 8
+    assert lines[0].startswith("Fit to measured curves: made_up_free, made_up_yoke_out")
+    assert lines[1].strip().endswith("mean free torque (±: 95 % of the gear)")
+    assert lines[1].split()[0].startswith("0.67")
+    assert any(line.split()[:2] == ["not", "separable"] for line in lines)
+    assert command(["report", "fit.json", "--out", "page.html"]).status == 0
+    page = Path("page.html").read_text(encoding="utf-8")
+    assert "mean free torque" in page
+    assert 'class="gear"' in page
 
 
 def test_the_next_gear_of_a_series_is_fitted_like_the_first(command: Command, files: list[str]) -> None:

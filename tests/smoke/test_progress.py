@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 
 import rps_exudyn as rps
+from rps_exudyn.assessment.requirements.limits import read_limits
+from rps_exudyn.assessment.requirements.sheet import judge
 from rps_exudyn.base import progress
 from rps_exudyn.base.progress import Progress, begin_part, following, passed_on, reached
+from rps_exudyn.base.screen import with_time_left
+from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.study.cases import describe
 from rps_exudyn.study.study_file import read_study
 from study_files import write_grid
@@ -99,3 +103,27 @@ def test_laying_out_many_cases_tells_how_many(clock: list[float], tmp_path: Path
     assert told[0].place == "0 cases laid out"
     assert told[-1].place == "39 cases laid out"
     assert told[-1].fraction == pytest.approx(39 / 40)
+
+
+@pytest.mark.parametrize(
+    ("fraction", "text"),
+    [(None, "x"), (0.0, "x"), (0.25, "x, 30 s left"), (0.999, "x, 0.01 s left"), (1.0, "x")],
+)
+def test_every_command_shows_the_time_left_where_it_is_known(fraction: float | None, text: str) -> None:
+    assert with_time_left("x", fraction, 10.0) == text
+
+
+def test_check_counts_the_samples_of_all_its_bands() -> None:
+    """The shares rise from 0 to 1 over three bands, whose samples count alike."""
+    told: list[tuple[str, float]] = []
+    gear = rps.SteeringGear()
+    inputs = uncertain_inputs(gear, None, {})
+    assert (
+        len(list(judge(gear, inputs, read_limits(), samples=8, on_progress=lambda *each: told.append(each))))
+        == 10
+    )
+    shares = [share for _, share in told]
+    assert shares[0] == 0
+    assert shares == sorted(shares)
+    assert shares[-1] == pytest.approx(1.0)
+    assert len({text for text, _ in told}) == 3

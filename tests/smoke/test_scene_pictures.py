@@ -153,7 +153,7 @@ def test_a_result_keeps_the_measured_torque_and_report_and_show_have_it(
     assert "measured" in json.loads(command(["show", "r.h5", "--json"]).out)
     assert command(["report", "r.h5"]).status == 0
     page = Path("r.html").read_text(encoding="utf-8")
-    assert page.count(">measured: bench<") == 2  # in the legend of each direction
+    assert page.count(">measured: bench<") == 4  # in the legend of each direction, wide and narrow
     assert "Comparison with bench" in page
     assert "difference: RMS" in shown.out
     assert "Difference: RMS" in page

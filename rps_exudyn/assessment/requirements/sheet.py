@@ -17,20 +17,29 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.tooth_strength import flank_stress, pinion_form, rack_form, root_stress
-from rps_exudyn.inference.uncertainty.band import Band, band_of_runs
+from rps_exudyn.inference.uncertainty.band import Band, OnProgress, band_of_runs
 from rps_exudyn.inference.uncertainty.quick_band import quick_band
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import FOR_MEANS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.judged_row import JudgedRow, Verdict
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.scenes.law_by_scene import SERIES, with_law
 from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
 from rps_exudyn.scenes.rack_lift import SCENE as RACK_LIFT
-from rps_exudyn.solvers.closed_form import load_test
+from rps_exudyn.simulate.run import simulate
+from rps_exudyn.solvers.closed_form import GRAVITY, load_test
 
 ASSURED = 0.95  # of the gears
+FEWEST = 8  # samples of a band
 RATED_TORQUE = 30.0  # [N m]
 LIGHTEST, HEAVIEST = 0.5, 400.0  # weights between which a kept efficiency is looked for [kg]
+LABELS_OF_FACE = {
+    "face_load_factor": "K_H-beta",
+    "load_centre": "load centre",
+    "contact_pressure_max": "pressure",
+}
 TURNING = {
     "free_torque": "torque_mean",
     "variation_on_centre": "torque_on_centre_variation",
@@ -83,7 +92,7 @@ def judge(
     limits: Mapping[str, Limit],
     rated_torque: float = RATED_TORQUE,
     samples: int = 48,
-    on_progress: Callable[[str], None] | None = None,
+    on_progress: Callable[[str, float], None] | None = None,
     jobs: int = 1,
 ) -> Iterator[RequirementRow]:
     """Yield every requirement of the gear, in the order of `limits.REQUIRED`.
@@ -94,7 +103,7 @@ def judge(
         limits: name -> limit.
         rated_torque: on the pinion [N m].
         samples: of each band.
-        on_progress: called with what is computed next.
+        on_progress: called with what is computed, and the share of all samples that is done.
         jobs: number of processes, for bands that are worth them.
 
     Raises:
@@ -102,21 +111,34 @@ def judge(
     """
     if not rated_torque > 0:
         raise InputError(f"the rated torque is {rated_torque:g} N m; it must be more than 0 N m.")
-    report = on_progress or (lambda text: None)
-    report("free torque and its variation")
-    yield from _of_turning(gear, inputs, limits, samples, jobs)
-    report("efficiencies")
-    yield _row("efficiency_ratio", limits, partial(_of_efficiency, gear, inputs, limits, samples, jobs))
-    report(f"teeth and lift under {rated_torque:g} N m")
+    few = max(samples // 2, FEWEST)
+
+    def counted(text: str, before: int) -> OnProgress:
+        """Count the samples of one band behind those before."""
+
+        def report(done: int, of: int) -> None:
+            if on_progress is not None:
+                on_progress(text, (before + done) / (samples + 2 * few))
+
+        report(0, 1)
+        return report
+
+    turning = counted("free torque and its variation", 0)
+    yield from _of_turning(gear, inputs, limits, samples, jobs, turning)
+    efficiency = counted("efficiencies", samples)
+    yield _row(
+        "efficiency_ratio", limits, partial(_of_efficiency, gear, inputs, limits, few, jobs, efficiency)
+    )
     pair = GearPair.of(gear)
     stresses: dict[str, Callable[[], float]] = {
         "rated_root_pinion": partial(root_stress, gear, pinion_form(pair), rated_torque),
         "rated_root_rack": partial(root_stress, gear, rack_form(pair), rated_torque),
-        "rated_flank": partial(flank_stress, gear, rated_torque),
     }
     for name, stress in stresses.items():
         yield _row(name, limits, partial(_of_teeth, name, stress, limits))
-    yield _row("rated_lift", limits, partial(_of_lift, gear, inputs, limits, rated_torque, samples, jobs))
+    yield _row("rated_flank", limits, partial(_of_flank, gear, rated_torque, limits))
+    lift = counted(f"lift under {rated_torque:g} N m", samples + few)
+    yield _row("rated_lift", limits, partial(_of_lift, gear, inputs, limits, rated_torque, few, jobs, lift))
     yield _exact("travel", 2 * RackBar.of(gear).largest_displacement, limits)
     yield _exact("gain", 2 * np.pi * float(pair.gain), limits)
 
@@ -145,14 +167,15 @@ def _of_turning(
     limits: Mapping[str, Limit],
     samples: int,
     jobs: int,
+    on_progress: OnProgress,
 ) -> Iterator[RequirementRow]:
     """Torques over a turn about the centre; lock to lock where the torque changes along the travel."""
     path: dict[str, object] = {"test.path": "lock-to-lock"}
-    if not (gear.rack.bow or gear.installation.gravity):
+    if not (gear.rack.bow or gear.rack.pitch_errors or gear.installation.gravity):
         start = -np.pi * gear.test.direction
         path = {"test.path": "there-and-back", "test.start_angle": start, "test.turns": 1.0}
     try:
-        band = quick_band(gear.replace(path), FOR_MEANS, inputs, samples, jobs=jobs)
+        band = quick_band(gear.replace(path), FOR_MEANS, inputs, samples, on_progress=on_progress, jobs=jobs)
     except InputError as error:
         yield from (_not_evaluated(name, limits, error) for name in TURNING)
         return
@@ -166,9 +189,10 @@ def _of_efficiency(
     limits: Mapping[str, Limit],
     samples: int,
     jobs: int,
+    on_progress: OnProgress,
 ) -> RequirementRow:
     short = gear.replace({"test.path": "there-and-back", "test.turns": 2 / gear.pinion.teeth})
-    band = band_of_runs(LOAD_TEST.name, short, FOR_MEANS, inputs, max(samples // 2, 8), jobs=jobs)
+    band = band_of_runs(LOAD_TEST.name, short, FOR_MEANS, inputs, samples, on_progress=on_progress, jobs=jobs)
     judged = _from_band("efficiency_ratio", "efficiency_ratio", band, limits)
     weight = f"With {gear.test.load_mass:.4g} kg; the ratio is about 1 - (T_0 / W s')^2"
     if judged.verdict is Verdict.PASS:
@@ -182,6 +206,29 @@ def _of_teeth(name: str, stress: Callable[[], float], limits: Mapping[str, Limit
     return _exact(name, stress(), limits)
 
 
+def _of_flank(gear: SteeringGear, torque: float, limits: Mapping[str, Limit]) -> RequirementRow:
+    """The standard's stress with all K = 1, and beside it what the contact forces are."""
+    row = _exact("rated_flank", flank_stress(gear, torque), limits)
+    return replace(row, remark=under_rated_torque(gear, torque))
+
+
+def under_rated_torque(gear: SteeringGear, torque: float) -> str:
+    """Return how the flanks bear their load while the rated torque [N m] raises a weight, in words."""
+    mass = torque / (float(GearPair.of(gear).gain) * GRAVITY)
+    mass *= torque / abs(load_test(gear, mass).torque_forward)
+    pitch = {"test.path": "one-way", "test.turns": 1 / gear.pinion.teeth, "test.load_mass": mass}
+    result = simulate(LOAD_TEST.name, gear.replace(pitch), FOR_MEANS)
+    found = [
+        f"{LABELS_OF_FACE[name]} {SUMMARY[name].show(result.summary[name])}"
+        for name in LABELS_OF_FACE
+        if name in result.summary
+    ]
+    if result.status is not Status.OK or not found:
+        return f"By contact forces: {result.status}, {result.message}"
+    how = f"by the contact forces under {mass:.3g} kg, law {result.gear.mesh.law}"
+    return f"All K = 1; {how}: {', '.join(found)}"
+
+
 def _of_lift(
     gear: SteeringGear,
     inputs: Mapping[str, Distribution],
@@ -189,9 +236,12 @@ def _of_lift(
     rated_torque: float,
     samples: int,
     jobs: int,
+    on_progress: OnProgress,
 ) -> RequirementRow:
     lifting = gear.replace({"test.lift_torque": rated_torque})
-    lift = band_of_runs(RACK_LIFT.name, lifting, FOR_MEANS, inputs, max(samples // 2, 8), jobs=jobs)
+    lift = band_of_runs(
+        RACK_LIFT.name, lifting, FOR_MEANS, inputs, samples, on_progress=on_progress, jobs=jobs
+    )
     return _from_band("rated_lift", "rack_lift", lift, limits)
 
 

@@ -1,92 +1,156 @@
 """The page about a fit to measured curves."""
 
 from collections.abc import Iterable
+from dataclasses import replace
+from math import exp, inf
 from pathlib import Path
 
 from rps_exudyn.base.errors import as_sentence
-from rps_exudyn.base.files import replacing
+from rps_exudyn.base.files import write_json
+from rps_exudyn.base.units import words
 from rps_exudyn.inference.fitting import findings
-from rps_exudyn.inference.fitting.fitted import Fit, shape_claims
+from rps_exudyn.inference.fitting.fitted import Estimate, Fit, shape_claims
+from rps_exudyn.inference.fitting.unknowns import LEVEL
 from rps_exudyn.pages.charts.inference import beliefs_figure, curves_figure
 from rps_exudyn.pages.report.html import (
+    GEAR_FACTS,
     Article,
+    CodeText,
     Fold,
     Grid,
+    Judged,
+    Judgement,
+    Mark,
     PageBlock,
     Pictures,
     Section,
     Text,
     Warning,
-    page,
     parameter_grid,
     provenance_facts,
 )
+from rps_exudyn.pages.report.judged import judgement, listed
 from rps_exudyn.pages.report.pictures import picture
+from rps_exudyn.pages.report.sheet import Row, rounded
+from rps_exudyn.pages.report.sheet_file import KEY, sheet_as_dict, with_gear
+from rps_exudyn.pages.report.write_report import write_pages
+from rps_exudyn.results.judged_row import Verdict
 from rps_exudyn.results.provenance import provenance
+from rps_exudyn.results.quantities import SUMMARY
 
-COLUMNS = ("parameter", "value", "95 % interval", "expected before", "verdict")
+COLUMNS = ("parameter", "value", "95 % interval", "prior", "verdict")
+HEADS = ("parameter", "bar: 95 % interval; grey: prior", "estimate", "verdict")
+DIGITS = 3
+WIDE = 1.96  # deviations of a 95 % interval
+CAUTION = (
+    "A good fit proves nothing about single parameters: crowning, tip relief or a friction that depends on "
+    "speed pass unseen under noise, and move friction coefficients by several percent."
+)
+CURVES = (
+    "Measured and fitted torque with the 95 % band of the fit; below, measured - fitted with two standard "
+    "deviations of the noise"
+)
 
 
-def write_fit_page(fit: Fit, out: str | Path) -> None:
-    """Write the page.
+def write_fit_sheet(fit: Fit, out: Path, command: str) -> None:
+    """Write the sheet of a fit: a page, or data (.json) of which `report` makes the page without its curves.
 
     Raises:
         InputError: `out` cannot be written.
     """
-    article = fit_article(fit)
-    with replacing(out) as partial:
-        partial.write_text(page(article.title, [article]), encoding="utf-8", errors="replace")
+    article = fit_article(fit, command)
+    if out.suffix == ".json":
+        write_json(out, findings.fit_as_dict(fit) | {KEY: sheet_as_dict(article, fit.gear)})
+    else:
+        write_pages([with_gear(article, fit.gear)], out)
 
 
-def fit_article(fit: Fit) -> Article:
-    """What was found, its pictures, what it rests on."""
+def fit_article(fit: Fit, command: str) -> Article:
+    """What was found, its pictures, what it rests on; `command` makes it again."""
     names = ", ".join(dict.fromkeys(each.name for each in fit.passes))
     tests = ", ".join(dict.fromkeys(each.test for each in fit.passes))
     return Article(
-        title=f"Fit to {names}",
-        lead=f"tests: {tests} · {fit.simulations} simulations · {fit.cpu_s:.2g} s of CPU time",
+        title="Fit to measured curves",
+        lead=f"{names} · tests: {tests}",
+        rows=list(_rows(fit)),
         sections=[
-            Section("What was found", list(_found(fit))),
-            Section("Curves and beliefs", list(_pictures(fit))),
-            Section("What it rests on", list(_basis(fit))),
+            Section("Parameters", list(_found(fit))),
+            *(
+                [Section("Measured and fitted torque", pictures)]
+                if (pictures := list(_pictures(fit)))
+                else []
+            ),
+            Section("Details", [*_basis(fit), Fold("Make it again", [CodeText(command)])]),
         ],
     )
+
+
+def _rows(fit: Fit) -> Iterable[Row]:
+    """The level, what is known, what is not separable, and the next tests."""
+    if fit.level is not None:
+        half = fit.level.interval[1] - fit.level.value
+        value = rounded(SUMMARY["torque_mean"], fit.level.value, half)
+        yield Row(value, "mean free torque (\u00b1: 95 % of the gear)")
+    known = [f"{name_of(each.path)} {findings.interval_shown(each)}" for each in fit.estimates
+             if each.verdict in (Verdict.FOUND, Verdict.NOT_ZERO)]  # fmt: skip
+    known += [f"{each.words} to {100 * WIDE * each.sd:.2g} %" for each in fit.combinations]
+    if known:
+        yield Row("known", listed(known))
+    if left := [name_of(each.path) for each in fit.estimates if each.verdict is Verdict.OPEN]:
+        yield Row("not separable", listed(left))
+    if fit.advice and fit.advice.tests:
+        yield Row("next test", listed([findings.test_words(test) for test in fit.advice.tests]))
+    if not fit.converged:
+        yield Row("no estimate", "the fit did not converge: these values are where it ended")
+
+
+def name_of(path: str) -> str:
+    """The name of a parameter for readers."""
+    return GEAR_FACTS.get(path, words(path.replace(".", " ")))
 
 
 def _found(fit: Fit) -> Iterable[PageBlock]:
     if not fit.converged:
         yield Warning("The fit did not converge: these values are where it ended, and no estimates.")
-    if sentence := findings.level_sentence(fit):
+    verdicts = {path: verdict for path, *_, verdict in findings.rows(fit)}
+    yield Judged(HEADS, [_judged(each, verdicts[each.path]) for each in fit.estimates])
+    for sentence in filter(None, (findings.level_sentence(fit), *findings.open_sentences(fit))):
         yield Text(as_sentence(sentence))
-    for sentence in findings.open_sentences(fit):
-        yield Text(as_sentence(sentence))
-    yield Grid(COLUMNS, [list(row) for row in findings.rows(fit)])
-    if sentence := findings.offset_sentence(fit):
-        yield Text(as_sentence(sentence))
-    yield Text(
-        "A good fit proves nothing about single parameters: crowning, tip relief or a friction that depends "
-        "on speed pass unseen under noise, and move friction coefficients by several percent."
-    )
+
+
+def _judged(each: Estimate, verdict: str) -> Judgement:
+    def show(value: float) -> str:
+        number, _, unit = findings.shown(each.path, value).partition(" ")
+        return f"{float(number):.{DIGITS}g} {unit}".strip()
+
+    if each.path.partition(" ")[0] in LEVEL:
+        ends = tuple(each.prior * exp(sign * WIDE * each.prior_sd) for sign in (-1, 1))
+    elif each.path.endswith("_angle"):
+        ends = (-inf, inf)
+    else:
+        ends = tuple(each.prior + sign * WIDE * each.prior_sd for sign in (-1, 1))
+    placed = judgement(each, name_of(each.path), each.path, show, (ends[0], ends[1]), verdict, "", True)
+    known = each.verdict in findings.KNOWN
+    return replace(placed, mark=Mark.KEPT if known else Mark.OPEN, limits=(), remark="")
 
 
 def _pictures(fit: Fit) -> Iterable[PageBlock]:
-    figures = {
-        "Measured and fitted torque with the 95 % band of the fit; what is left, with two standard "
-        "deviations of the noise": curves_figure(fit),
-        "What was expected before (grey) and after the fit": beliefs_figure(fit),
-    }
+    figures = {CURVES: curves_figure(fit), "Parameters before (grey) and after the fit": beliefs_figure(fit)}
     for caption, figure in figures.items():
         if figure is not None:
             yield Pictures([picture(figure, caption)])
 
 
 def _basis(fit: Fit) -> Iterable[PageBlock]:
-    for sentence in fit.left_out:
-        yield Text(f"{sentence}.")
-    for sentence in fit.warnings:
-        yield Text(as_sentence(sentence))
-    yield Grid(findings.BUDGET, [list(row) for row in findings.budget_rows(fit)])
-    yield Fold("What was assumed of the files", [Text(sentence) for sentence in fit.assumed])
+    notes = [*(f"{sentence}." for sentence in fit.left_out), *map(as_sentence, fit.warnings), CAUTION]
+    if sentence := findings.offset_sentence(fit):
+        notes.insert(0, as_sentence(sentence))
+    yield Fold("Notes", [Text(note) for note in notes])
+    yield Fold("Table of parameters", [Grid(COLUMNS, [list(row) for row in findings.rows(fit)])])
+    yield Fold(
+        "Uncertainty budget", [Grid(findings.BUDGET, [list(row) for row in findings.budget_rows(fit)])]
+    )
+    yield Fold("Assumptions about the files", [Text(sentence) for sentence in fit.assumed])
     if claims := shape_claims(fit):
         table = [
             [each.path, f"{100 * each.sd:.2g} %", f"{100 * claims[each.path]:.2g} %"]
@@ -95,7 +159,7 @@ def _basis(fit: Fit) -> Iterable[PageBlock]:
         ]
         caption = "Standard deviations by means, which count, and with the shape, which is not trusted"
         grid = Grid(("parameter", "means", "means and shape, if mesh.law were true"), table, caption)
-        yield Fold("What the shape of the curve would claim", [grid])
+        yield Fold("Information in the shape of the curve", [grid])
     rows = [
         [name, *(f"{value:+.2f}" for value in line)]
         for name, line in zip(fit.correlated, fit.correlations, strict=True)
@@ -103,4 +167,5 @@ def _basis(fit: Fit) -> Iterable[PageBlock]:
     yield Fold("Correlations", [Grid(("", *fit.correlated), rows)])
     changed = fit.gear.changes()
     yield Fold("Gear with the estimates", [parameter_grid(changed, "What differs from the default gear")])
-    yield provenance_facts(provenance())
+    cost = Text(f"{fit.simulations} simulations, {fit.cpu_s:.2g} s of CPU time.")
+    yield Fold("Origin", [cost, provenance_facts(provenance())])

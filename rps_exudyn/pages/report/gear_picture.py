@@ -73,13 +73,19 @@ def _anchors(gear: SteeringGear) -> Iterator[tuple[str, np.ndarray, str, str]]:
     axis, half = pair.bar_axis_height, gear.pinion.shaft_length / 2
     nut = axis + plunger_ends(gear)[1] + gear.yoke.clearance + gear.yoke.nut_thickness
     bush = gear.bush.distance + gear.bush.length / 2
-    value = {path: pretty(gear.declared_at(path)[0].show(gear.value_at(path))) for path in LABELLED}
+    value = {path: _shown(gear, path) for path in LABELLED}
     yield f"yoke {value['yoke.preload']}", np.array([0.0, nut, 0.0]), "right", "seat"
     yield "teeth", pair.pinion_origin - np.array([0.0, pair.tip_radius, 0.0]), "below", "mesh"
     end = pair.pinion_origin - half * pair.pinion_frame[:, 2]
     yield f"bearings {value['bearing.friction_torque']}", end, "below", "bearing"
     low = np.array([bush, axis - gear.bush.outer_diameter / 2, 0.0])
     yield f"bush {value['bush.drag']}", low, "below", "bush"
+
+
+def _shown(gear: SteeringGear, path: str) -> str:
+    """The value of a parameter with three digits."""
+    number, _, unit = gear.declared_at(path)[0].show(gear.value_at(path)).partition(" ")
+    return f"{float(number):.3g} {pretty(unit)}"
 
 
 LABELLED = ("yoke.preload", "bearing.friction_torque", "bush.drag")

@@ -17,6 +17,7 @@ from rps_exudyn.pages.report.effects_charts import (
     scattered_figure,
     surface_figure,
 )
+from rps_exudyn.pages.report.gear_picture import gear_picture
 from rps_exudyn.pages.report.html import (
     GEAR_FACTS,
     Article,
@@ -24,6 +25,7 @@ from rps_exudyn.pages.report.html import (
     CodeText,
     Facts,
     Fold,
+    GearPicture,
     Grid,
     Link,
     Links,
@@ -31,6 +33,8 @@ from rps_exudyn.pages.report.html import (
     Picture,
     Pictures,
     Section,
+    Share,
+    Shares,
     Text,
     Warning,
     fidelity_facts,
@@ -38,7 +42,9 @@ from rps_exudyn.pages.report.html import (
     parameter_grid,
     provenance_facts,
 )
+from rps_exudyn.pages.report.judged import interval, listed
 from rps_exudyn.pages.report.pictures import picture
+from rps_exudyn.pages.report.sheet import Row, rounded
 from rps_exudyn.pages.report.study_sections import (
     MOST_ROWS,
     band_sections,
@@ -52,7 +58,7 @@ from rps_exudyn.pages.report.study_sections import (
     settings,
 )
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.results.quantities import LABELS, SUMMARY
 from rps_exudyn.study import sensitivity
 from rps_exudyn.study.definition import GRID_DESIGN, Axis
 from rps_exudyn.study.effects import MainEffect, grid_effect, sampled_effect, surface
@@ -62,6 +68,9 @@ from rps_exudyn.study.table import PENDING, CaseTable, axis_quantity, show_value
 LEADING = 3  # numbers whose folds are open, with their best and worst cases
 WITH_PICTURES = 6  # numbers whose effects are drawn, too
 MOST_SURFACES = 3  # for each of them, over the axes with the largest effects
+MOST_BARS = 6
+PART_OF_TABLE = {"mesh": "mesh", "pinion": "mesh", "yoke": "seat", "bush": "bush", "bearing": "bearing"}
+"""Table of parameters -> its part, by the key of its colour."""
 MOST_VALUES = 8  # of an axis, written out
 
 
@@ -72,7 +81,10 @@ def study_article(store: Store) -> Article:
     return Article(
         title=description.title or description.name,
         lead=f"{description.scene} · fidelity {description.fidelity.get('name', '')} · {_progress(table)}",
+        rows=list(_rows(table)),
+        gear=_gear_picture(table),
         sections=[
+            *_largest_effects(table),
             Section("What was run", list(_what(table))),
             Section("Outcome", list(_outcome(table))),
             *remarks_section(table),
@@ -85,6 +97,52 @@ def study_article(store: Store) -> Article:
             Section("Provenance", list(_provenance(table))),
         ],
     )
+
+
+def _rows(table: CaseTable) -> Iterable[Row]:
+    """Ranges of the numbers that differ most, those of a sheet first; then how the cases ended."""
+    varying = table.varying()
+    names = [name for name in LABELS if name in varying] or _ranked(table)
+    for name in names[:LEADING]:
+        known = table.numbers[name][np.isfinite(table.numbers[name])]
+        low, high = (rounded(SUMMARY[name], float(end(known))) for end in (np.min, np.max))
+        yield Row(interval(low, high), f"{LABELS.get(name, words(name))} over {count(known.size, 'case')}")
+    yield Row("varied", listed([", ".join(axis.paths) for axis in table.description.axes]))
+    if remarked := len(list(table.remarked())):
+        yield Row("warnings", f"{count(remarked, 'case')} completed with a remark")
+    if failed := len(list(table.failed())):
+        yield Row("failed", count(failed, "case"))
+
+
+def _gear_picture(table: CaseTable) -> GearPicture | None:
+    """The gear with what is set for all cases; None where that is no gear by itself."""
+    try:
+        return gear_picture(SteeringGear().replace(dict(table.description.base)))
+    except InputError:
+        return None
+
+
+def _largest_effects(table: CaseTable) -> Iterable[Section]:
+    """Bars of the share of the variance that each factor explains, of the first number."""
+    names = [name for name in LABELS if name in table.varying()]
+    for name in names[:2]:
+        effects = sorted(_all_effects(table, name), key=lambda pair: -pair[1].fraction)
+        shares = [
+            Share(
+                _part_of(axis), axis.name, 100 * min(max(effect.fraction, 0.0), 1.0), f"{effect.fraction:.0%}"
+            )
+            for axis, effect in effects[:MOST_BARS]
+            if np.isfinite(effect.fraction)
+        ]
+        if len(shares) > 1:
+            note = Text("Share of the variance explained by each factor alone.")
+            yield Section(f"Effects on {LABELS[name]}", [note, Shares(shares, apart=True)])
+
+
+def _part_of(axis: Axis) -> str:
+    """The part whose parameters an axis varies, "" if several."""
+    parts = {PART_OF_TABLE.get(path.partition(".")[0], "") for path in axis.paths}
+    return parts.pop() if len(parts) == 1 else ""
 
 
 def _progress(table: CaseTable) -> str:
@@ -203,7 +261,7 @@ def _effects(table: CaseTable) -> Iterable[PageBlock]:
         )
     else:
         yield Text("Dots are cases; the line joins the means of classes of equally many.")
-    yield Text("The fraction is the part of the variance that the means of an axis' levels explain.")
+    yield Text("The fraction is the share of the variance explained by each factor.")
     for place, name in enumerate(names):
         blocks = list(_effects_on(table, name))
         if place < WITH_PICTURES:

@@ -1,6 +1,6 @@
 """From paths of studies and results to one HTML file."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from rps_exudyn.base.errors import InputError
@@ -16,18 +16,24 @@ from rps_exudyn.study.store import Store
 SUFFIXES = (".html", ".htm")
 
 
-def write_report(paths: Sequence[str | Path], out: str | Path, contact: bool = False) -> None:
+def write_report(
+    paths: Sequence[str | Path],
+    out: str | Path,
+    contact: bool = False,
+    on_progress: Callable[[int, int], None] = lambda done, of: None,
+) -> None:
     """Write the page about studies (folders), results (.h5) and sheets of check, fit and validate (.json).
 
     Args:
         paths: folders and files.
         out: the page.
         contact: adds loads and pattern of the contact to each result.
+        on_progress: called with the number of paths that are drawn, and of all.
 
     Raises:
         InputError: a path that is neither, damaged, or of another format; or `out` cannot be written.
     """
-    write_pages(_articles([Path(path) for path in paths], contact), out)
+    write_pages(_articles([Path(path) for path in paths], contact, on_progress), out)
 
 
 def write_pages(articles: Sequence[Article], out: str | Path) -> None:
@@ -49,7 +55,7 @@ def default_name(paths: Sequence[Path]) -> Path:
     return path / "report.html" if path.is_dir() else beside(path, f"{path.stem}.html")
 
 
-def _articles(paths: Sequence[Path], contact: bool) -> list[Article]:
+def _articles(paths: Sequence[Path], contact: bool, on_progress: Callable[[int, int], None]) -> list[Article]:
     """The articles; all paths are opened before anything is drawn, so that all mistakes are reported."""
     problems: list[str] = []
     opened: dict[Path, Store | Result | Article] = {}
@@ -65,7 +71,8 @@ def _articles(paths: Sequence[Path], contact: bool) -> list[Article]:
         raise InputError(problems)
     results = {path: content for path, content in opened.items() if isinstance(content, Result)}
     articles = [side_by_side(results)] if len(results) > 1 else []
-    for path, content in opened.items():
+    for done, (path, content) in enumerate(opened.items()):
+        on_progress(done, len(opened))
         if isinstance(content, Store):
             content = study_article(content)
         elif isinstance(content, Result):
