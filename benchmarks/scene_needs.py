@@ -301,23 +301,24 @@ def _limit(metric: Metric) -> str:
 
 
 def needs_table(folder: Path) -> str:
-    """Change -> the cases that it matters to, each with its metrics that move and those compared."""
+    """Change -> the cases in which it moves a metric by more than its accuracy; others are left out."""
     moved: dict[str, list[str]] = {}
     for name, need in load_data(folder / DATA)["needs"].items():
         for title, *texts in need["rows"][1:]:
-            short = name.removeprefix("free-pinion-torque, ")
-            refused, bold = texts[0].startswith("*") and not any(texts[1:]), str(texts).count("'**")
-            answer = [f"{short} cannot"] if refused else [f"{short} {bold}/{len(texts) - 1}"] if bold else []
-            moved.setdefault(title, []).extend(answer)
-    rows = [(title, ", ".join(answers) or "none") for title, answers in moved.items()]
-    return markdown(("change", "metrics moved, of those compared"), rows)
+            refused = texts[0].startswith("*") and not any(texts[1:])
+            if refused or any(text.startswith("**") for text in texts):
+                short = name.removeprefix("free-pinion-torque, ")
+                moved.setdefault(title, []).append(f"{short} (cannot)" if refused else short)
+    return markdown(("change", "matters to"), [(title, ", ".join(found)) for title, found in moved.items()])
 
 
-def accuracy_table(folder: Path) -> str:
-    """Stated accuracy of each metric, and what the everyday model costs."""
-    needs = load_data(folder / DATA)["needs"]
-    rows = [(name, need["accuracy"], need["rows"][0][-1]) for name, need in needs.items()]
-    return markdown(("case", "stated accuracy", "CPU s"), rows)
+def first_scene_table(folder: Path) -> str:
+    """The first case's changes that move one of its first two metrics, with the cost."""
+    need = next(iter(load_data(folder / DATA)["needs"].values()))
+    rows = [(*row[:3], row[-1]) for row in need["rows"] if row[1:3] != ["0", "0"]]
+    return markdown(
+        (*need["head"][:3], need["head"][-1]), [[cell.replace("*", "") for cell in row] for row in rows]
+    )
 
 
 TOPIC = Topic(
@@ -326,5 +327,5 @@ TOPIC = Topic(
     "scenes",
     run,
     {"cases": ("rack-push",), "changes": ("bush: rigid", "rack: no roll, yaw, pitch, sway")},
-    {"needs": needs_table, "needs_accuracy": accuracy_table},
+    {"needs": needs_table, "needs_first": first_scene_table},
 )

@@ -448,6 +448,14 @@ _NOT_FROM_STEPS = {
 }  # fmt: skip
 
 
+SPREADS = frozenset(
+    name
+    for name in _SUMMARY
+    if name.endswith(("_peak_to_peak", "_range", "_variation")) or name == "torque_tooth_order"
+)
+"""Metrics of how far a signal varies, which vibration and the start of a motion change before its mean."""
+
+
 def _confirmation(name: str) -> Confirmation | None:
     """Return how a metric is confirmed; None of a formula, a setting, a check, and of rattle, whose metrics
     are given with their scatter."""
