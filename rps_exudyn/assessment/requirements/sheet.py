@@ -171,7 +171,7 @@ def _of_turning(
 ) -> Iterator[RequirementRow]:
     """Torques over a turn about the centre; lock to lock where the torque changes along the travel."""
     path: dict[str, object] = {"test.path": "lock-to-lock"}
-    if not (gear.rack.bow or gear.installation.gravity):
+    if not (gear.rack.bow or gear.rack.pitch_errors or gear.installation.gravity):
         start = -np.pi * gear.test.direction
         path = {"test.path": "there-and-back", "test.start_angle": start, "test.turns": 1.0}
     try:
