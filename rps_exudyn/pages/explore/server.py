@@ -68,8 +68,9 @@ class Explorer(ThreadingHTTPServer):
         self._processes = [Processes(1, LONGEST) for _ in range(max(2, available_processors()))]
         self._free: SimpleQueue[Processes] = SimpleQueue()
         self._patient: dict[str, SimpleQueue[Processes]] = {kind: SimpleQueue() for kind in KINDS}
-        for queue in self._patient.values():  # a process each, which begins with its first request
-            queue.put(Processes(1, LONGEST_REQUESTED))
+        self._begun_by_clicks = [Processes(1, LONGEST_REQUESTED) for _ in KINDS]
+        for queue, processes in zip(self._patient.values(), self._begun_by_clicks, strict=True):
+            queue.put(processes)
         self.local = host in LOOPBACK
         if ":" in host:
             self.address_family = socket.AF_INET6
@@ -136,7 +137,7 @@ class Explorer(ThreadingHTTPServer):
     def server_close(self) -> None:
         """End the processes, too."""
         super().server_close()
-        for processes in [*self._processes, *(queue.get() for queue in self._patient.values())]:
+        for processes in [*self._processes, *self._begun_by_clicks]:
             processes.__exit__()
 
 
