@@ -60,15 +60,15 @@ def models_table(folder: Path) -> str:
         if p.study == study and p.label.startswith(labels)
     ]
     rows = [
-        (p.family, p.label, digits(p.cost), f"{p.error:.2g}" if p.ok else p.status, _number(p.steps))
+        (
+            p.family,
+            p.label,
+            digits(p.cost),
+            *([f"{p.error:.2g}", f"{p.bias:+.2g}"] if p.ok else [p.status, ""]),
+        )
         for p in shown
     ]
-    return markdown(("family", "settings", "CPU s", "error %", "steps"), rows)
-
-
-def _number(value: float) -> str:
-    """A counter, nothing where there is none."""
-    return f"{value:.0f}" if np.isfinite(value) else ""
+    return markdown(("family", "settings", "CPU s", "error %", "of the mean %"), rows)
 
 
 def cheapest(points: Iterable[Point], family: str, error: float) -> Point | None:
@@ -118,10 +118,10 @@ def failures_table(folder: Path) -> str:
 def orders_table(folder: Path) -> str:
     """Fitted orders of convergence of the free pinion torque."""
     rows = [
-        (each.family, each.knob, each.error, f"{each.observed:.2g}", f"{each.expected:g}", each.points)
+        (each.family, each.error, f"{each.observed:.2g}", f"{each.expected:g}")
         for each in load_measurement(folder / f"{TORQUE}.h5").orders
     ]
-    return markdown(("family", "made finer", "error", "observed", "expected", "points"), rows)
+    return markdown(("family", "error", "observed", "expected"), rows)
 
 
 def explicit_table(folder: Path) -> str:

@@ -16,7 +16,7 @@ from rps_exudyn.multibody.solve import StepRefusedError
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.solvers.balance import SIZE, Balance
-from rps_exudyn.solvers.record import Record
+from rps_exudyn.solvers.record import AT_MESH, Record, axis_at_pitch_point
 from rps_exudyn.solvers.steering_column import WheelTorque
 
 NOTHING = np.zeros(0)
@@ -86,7 +86,7 @@ class Recorder:
             RecordedStep(t, coordinates, rates, drive, mesh, self._remembered(t, coordinates, rates))
         )
         reached(t / self.end, lambda: self.model.drive.shown(t))
-        self._stop_out_of_mesh(t, coordinates)
+        self._stop_out_of_mesh(t)
         if self.planned is not None and len(self.steps) > MOST_STEPS * self.planned + SPARE:
             raise StepRefusedError(
                 f"{len(self.steps)} steps instead of {self.planned} led to {t:.4g} s of {self.end:.4g} s, "
@@ -96,9 +96,12 @@ class Recorder:
             )
         return True
 
-    def _stop_out_of_mesh(self, t: float, coordinates: np.ndarray) -> None:
+    def _stop_out_of_mesh(self, t: float) -> None:
         """End a run whose rack leaves the teeth: what follows is not the gear's motion."""
-        lift = abs(coordinates[self._rack_lift] - self.model.gear.installation.axis_offset)
+        places, rates = (each[None, self._columns] for each in self.steps[-1][1:3])
+        bar = self.model.forces.bar
+        rack = places[:, COORDINATE_BLOCKS["rack"]] if bar is None else bar.poses(places, rates, AT_MESH)[0]
+        lift = abs(float(axis_at_pitch_point(rack)[0, 0]) - self.model.gear.installation.axis_offset)
         allowed = largest_lift(self.model.gear)
         if not lift <= allowed:
             raise StepRefusedError(
@@ -130,10 +133,6 @@ class Recorder:
     @cached_property
     def _dynamics(self) -> Balance:
         return self.model.forces.dynamics
-
-    @cached_property
-    def _rack_lift(self) -> int:
-        return self.model.coordinates("rack").start + 1
 
     @cached_property
     def _columns(self) -> np.ndarray:

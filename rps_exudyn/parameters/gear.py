@@ -26,6 +26,7 @@ from rps_exudyn.parameters.declaration import (
     LineStiffness,
     Mass,
     Number,
+    PitchErrors,
     Pressure,
     SpringRate,
     Table,
@@ -35,6 +36,8 @@ from rps_exudyn.parameters.declaration import (
     TorsionDamping,
     ViscousDrag,
     WearCoefficient,
+    accuracy_class,
+    numbers_in,
     parameter,
 )
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -134,6 +137,12 @@ class Pinion(Table):
     pitch_error: Length = parameter(
         0.0, "single pitch error f_pt: one tooth is displaced by it", "estimate", ge=-1e-4, le=1e-4
     )
+    pitch_errors: PitchErrors = parameter(
+        "none",
+        "pitch errors of all teeth, beside pitch_error: displacements in tooth order, or a class such as "
+        '"ISO 1328 class 8, seed 3"',
+        "estimate",
+    )
     profile_slope: Length = parameter(
         0.0, "profile slope deviation f_Halpha: surplus at the tip", "estimate", ge=-1e-4, le=1e-4
     )
@@ -173,6 +182,11 @@ class Rack(Table):
     length: Length = parameter("650 mm", "length of the bar", "estimate", gt=0)
     travel: Length = parameter("140 mm", "travel lock to lock", "paper", gt=0)
     density: Density = parameter(7850.0, "density of the bar", "estimate", gt=0)
+    pitch_errors: PitchErrors = parameter(
+        "none",
+        "pitch errors of all teeth: displacements along X in order of X, or a class as of the pinion",
+        "estimate",
+    )
     youngs_modulus: Pressure = parameter(
         "206 GPa", "Young's modulus of the bar, where it bends", "estimate", gt=0
     )
@@ -247,6 +261,9 @@ class Yoke(LoadedFrictionLaw):
     seat_stiffness: SpringRate = parameter(
         "2e8 N/m", "stiffness of the seat against a press along the yoke axis", "estimate", gt=0
     )
+    seat_damping: Time = parameter(
+        0.0, "damping time of the seat: damping over stiffness", "estimate", ge=0, le=1e-2
+    )
     plunger_mass: Mass = parameter("60 g", "mass of the plunger", "estimate", gt=0)
     plunger_diameter: Length = parameter("30 mm", "diameter of the plunger", "estimate", gt=0)
     plunger_length: Length = parameter("25 mm", "length of the plunger", "estimate", gt=0)
@@ -267,6 +284,13 @@ class Yoke(LoadedFrictionLaw):
         ge=0,
         le=3e-4,
     )
+    bore_friction: Force = parameter(
+        0.0,
+        "friction of the plunger in its bore (O-ring); it turns about over the bristle travel",
+        "estimate",
+        ge=0,
+    )
+    bore_damping: ViscousDrag = parameter(0.0, "damping of the plunger in its bore", "estimate", ge=0, le=1e6)
     liner: Literal["ptfe", "pom", "none"] = parameter(
         "ptfe", "liner of the seat: ptfe rubs more when it is cold; of others no law is stated", "estimate"
     )
@@ -282,6 +306,9 @@ class Yoke(LoadedFrictionLaw):
     thread_friction: Number = parameter(0.15, "friction coefficient of that thread", "estimate", ge=0, le=1)
     nut_stiffness: SpringRate = parameter(
         "1e8 N/m", "stiffness of the contact plunger/yokenut", "estimate", gt=0
+    )
+    nut_damping: Time = parameter(
+        0.0, "damping time of that contact: damping over stiffness", "estimate", ge=0, le=1e-2
     )
 
 
@@ -465,6 +492,13 @@ def _conflicts(gear: SteeringGear) -> Iterator[WrongValue]:
             ("pinion.lead_error", "pinion.face_width"),
             f"pinion.lead_error is {mm(pinion.lead_error)}; over pinion.face_width = {mm(pinion.face_width)} "
             f"it must be at most {mm(STEEPEST_LEAD * pinion.face_width)} either way.",
+        )
+    given = len(numbers_in(pinion.pitch_errors)) if accuracy_class(pinion.pitch_errors) is None else 0
+    if given and given != pinion.teeth:
+        yield WrongValue(
+            ("pinion.pitch_errors", "pinion.teeth"),
+            f"pinion.pitch_errors has {given} numbers; it must have {pinion.teeth}, one for each of "
+            "pinion.teeth.",
         )
     if bush.inner_diameter >= bush.outer_diameter:
         yield WrongValue(

@@ -179,11 +179,14 @@ SIGNALS = {
     "mesh_normal_force_drive": _force("sum of the normal forces on the flanks that drive the rack along +X"),
     "mesh_normal_force_coast": _force("sum of the normal forces on the flanks that drive the rack along -X"),
     "mesh_penetration": _deflection("deepest penetration of the teeth"),
-    "mesh_pressure": Quantity("Pa", "MPa", "largest Hertzian pressure on the lines of contact"),
+    "mesh_pressure": Quantity(
+        "Pa", "MPa", "largest Hertzian pressure on the lines of contact; by law teeth away from their ends"
+    ),
     "seat_force": _force("force of the plunger on the rack along -Y, without the seat's friction"),
     "yokenut_force": _force(
         "contact force of the yokenut on the plunger along -Y, 0 while there is clearance"
     ),
+    "bore_force": _force("force against the plunger's motion in its bore, along -Y"),
     "bush_force": _force("magnitude of the bush's force on the rack across X"),
     "upper_bearing_force": _force("radial force of the upper bearing on a supported pinion"),
     "lower_bearing_force": _force("the same of the lower bearing"),
@@ -198,6 +201,12 @@ SIGNALS = {
     "work_seat_friction": _energy(
         "work lost to friction between plunger and rack from the start of recording"
     ),
+    "work_seat_damping": _energy("work lost to damping of the seat from the start of recording"),
+    "work_yokenut_damping": _energy("work lost to damping of the yokenut from the start of recording"),
+    "work_bore_friction": _energy(
+        "work lost to friction of the plunger in its bore from the start of recording"
+    ),
+    "work_bore_damping": _energy("work lost to damping of the plunger there from the start of recording"),
     "work_bush_friction": _energy("work lost to the bush's drag from the start of recording"),
     "work_bearing_friction": _energy("work lost to the pinion's bearings from the start of recording"),
     "work_support_friction": _energy(
@@ -252,6 +261,11 @@ _SUMMARY = {
         "above 100 % where less rubs under load"
     ),
     "efficiency_ratio": _ratio("efficiency_reverse / efficiency_forward"),
+    "face_load_factor": _number("largest over mean load along the face, from the contact forces: K_H-beta"),
+    "load_centre": _length("place of the mean load along the pinion's axis, from the middle of the face"),
+    "contact_pressure_max": Quantity(
+        "Pa", "MPa", "largest Hertzian pressure on the flanks, away from the ends of the lines of contact"
+    ),
     "push_force_mean": _force(
         "mean force along the motion that moves the rack, over the rack's displacement"
     ),
@@ -406,6 +420,8 @@ _SUMMARY = {
     "rattle_fastest_scatter": Quantity("m/s", "mm/s", "standard deviation of that speed over the phases"),
     "loss_share_mesh": _ratio("work lost between the teeth, of all work lost"),
     "loss_share_seat": _ratio("work lost between plunger and rack, of all work lost"),
+    "loss_share_yokenut": _ratio("work lost to the damping of the yokenut, of all work lost"),
+    "loss_share_bore": _ratio("work lost by the plunger in its bore, of all work lost"),
     "loss_share_bush": _ratio("work lost in the bush, of all work lost"),
     "loss_share_bearing": _ratio("work lost in the pinion's bearings, of all work lost"),
     "loss_share_support": _ratio("work lost against a supported pinion's axial motion, of all work lost"),
@@ -430,6 +446,14 @@ _NOT_FROM_STEPS = {
     "torque_closed_form", "rack_lift_closed_form", "cap_force", "clearance_set", "preload_set",
     "sticking_speed", "sliding_damping", "bristle_margin", "energy_residual",
 }  # fmt: skip
+
+
+SPREADS = frozenset(
+    name
+    for name in _SUMMARY
+    if name.endswith(("_peak_to_peak", "_range", "_variation")) or name == "torque_tooth_order"
+)
+"""Metrics of how far a signal varies, which vibration and the start of a motion change before its mean."""
 
 
 def _confirmation(name: str) -> Confirmation | None:
@@ -530,6 +554,8 @@ LABELS = {
 PARTS = {
     "mesh": "teeth",
     "seat": "yoke",
+    "yokenut": "yokenut",
+    "bore": "plunger in its bore",
     "bush": "bush",
     "bearing": "bearings",
     "support": "pinion along its axis",

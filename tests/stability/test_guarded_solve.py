@@ -132,7 +132,7 @@ def refusing(monkeypatch: pytest.MonkeyPatch, times: int, after: int = 40) -> No
     """Let the rack seem out of mesh in a step, so many times."""
     left = [times]
 
-    def refuse(self: recorder.Recorder, t: float, coordinates: np.ndarray) -> None:
+    def refuse(self: recorder.Recorder, t: float) -> None:
         if left[0] and len(self.steps) > after:
             left[0] -= 1
             raise StepRefusedError("refused", Status.CONTACT_LOST, Code.RACK_OUT_OF_MESH)

@@ -6,13 +6,14 @@ preload from friction only as well as the contact law is true, which it is not (
 counts for bow and angle error alone.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from rps_exudyn.inference.fitting.bench_tests import BenchTest, MeasuredPass, Measurement
-from rps_exudyn.inference.fitting.level import CALIBRATION, ZERO, LevelEstimate
+from rps_exudyn.inference.fitting.level import CALIBRATION, REPEATABILITY, ZERO, LevelEstimate
 from rps_exudyn.inference.fitting.noise import white_deviation
 from rps_exudyn.inference.fitting.prediction import CurveBlock, Prediction
 from rps_exudyn.inference.fitting.unknowns import Unknown
@@ -50,31 +51,52 @@ class LevelRows:
         return (self.ways[:, 0] * self.ways[:, 1] < 0) | ((self.ways == 0).any(axis=1) & ~weighted)
 
 
+class _Row(NamedTuple):
+    test: BenchTest
+    way: tuple[float, float]
+    value: float
+    variance: float  # of its own
+
+
+ACROSS, ALONG = (0.5, -0.5), (0.5, 0.5)  # weights of both directions' means
+
+
 def level_rows(levels: Sequence[LevelEstimate], runs: float = 1) -> LevelRows:
     """Return the rows of all tests; as if each run had been repeated `runs` times."""
-    tests, ways, values, variances, models = [], [], [], [], []
+    rows = []
     for each in levels:
-        shared = MODEL if each.test.of_kind.weighted else 0.0
         if each.both_ways and each.half_sum is not None:
             zero = ZERO * each.value / np.sqrt(each.runs)
-            rows = [
-                ((0.5, -0.5), each.value, each.data_sd),
-                ((0.5, 0.5), each.half_sum, np.hypot(zero, each.noise_sd)),
-            ]
+            along = float(np.hypot(zero, each.noise_sd))
+            rows.append(_Row(each.test, ACROSS, each.value, each.data_sd**2 / runs))
+            rows.append(_Row(each.test, ALONG, each.half_sum, along**2 / runs))
         else:
             sense = each.directions[0]
-            rows = [((float(sense > 0), -float(sense < 0)), each.value, each.data_sd)]
-        for way, value, sd in rows:
-            tests.append(each.test)
-            ways.append(way)
-            values.append(value)
-            variances.append(sd**2 / runs)
-            models.append((shared * value) ** 2)
-    y = np.array(values)
-    pushed = np.array([test.pushed for test in tests])
+            way = (float(sense > 0), -float(sense < 0))
+            rows.append(_Row(each.test, way, each.value, each.data_sd**2 / runs))
+    return _joined(rows)
+
+
+def expected_rows(means: Mapping[BenchTest, Sequence[float]], runs: Mapping[BenchTest, int]) -> LevelRows:
+    """Return the rows that tests would give, with the declared repeatability and zero, so many runs of each
+    test both ways; `means` are those towards +X and -X."""
+    rows = []
+    for test, count in runs.items():
+        across, along = (means[test][0] - means[test][1]) / 2, (means[test][0] + means[test][1]) / 2
+        rows.append(_Row(test, ACROSS, across, (REPEATABILITY * across) ** 2 / count))
+        rows.append(_Row(test, ALONG, along, (ZERO * across) ** 2 / count))
+    return _joined(rows)
+
+
+def _joined(rows: Sequence[_Row]) -> LevelRows:
+    """Rows with what they share: calibration of a sensor, and what a model of weights may be wrong by."""
+    y = np.array([row.value for row in rows])
+    models = np.array([MODEL if row.test.of_kind.weighted else 0.0 for row in rows])
+    pushed = np.array([row.test.pushed for row in rows])
     same_sensor = pushed[:, None] == pushed[None, :]
-    covariance = np.diag(np.array(variances) + models) + CALIBRATION**2 * np.outer(y, y) * same_sensor
-    return LevelRows(tuple(tests), np.array(ways), y, covariance)
+    own = np.diag(np.array([row.variance for row in rows]) + (models * y) ** 2)
+    covariance = own + CALIBRATION**2 * np.outer(y, y) * same_sensor
+    return LevelRows(tuple(row.test for row in rows), np.array([row.way for row in rows]), y, covariance)
 
 
 @dataclass(frozen=True, eq=False)

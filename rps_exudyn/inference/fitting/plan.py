@@ -1,0 +1,363 @@
+"""Plan of tests: which, how often and in which order, so that parameters reach wanted intervals cheaply.
+
+What a programme would determine is known before anything is measured: Fisher's information of the levels,
+with the repeatability that is declared, what tests share, the nuisances, and the change by the other contact
+law. From a programme of everything those runs are taken away whose time is the largest beside what they
+determine, as long as the wanted intervals are kept; then runs are exchanged (Atkinson, Donev and Tobias,
+Optimum Experimental Designs, ch. 12). The order is that of the largest gain of ln det of the information
+(D-optimal) per minute.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.inference.fitting.bench_tests import KINDS, BenchTest, named_test
+from rps_exudyn.inference.fitting.identifiability import candidates
+from rps_exudyn.inference.fitting.level_fit import LevelModel
+from rps_exudyn.inference.fitting.noise import NORMAL
+from rps_exudyn.inference.fitting.prediction import NoPredictionError, Prediction
+from rps_exudyn.inference.fitting.problem import expected_rows
+from rps_exudyn.inference.fitting.unknowns import (
+    BY_LOAD,
+    LEVEL,
+    WITHOUT_YOKE,
+    nuisance_unknowns,
+    unknowns_of,
+)
+from rps_exudyn.parameters.declaration import read_toml
+from rps_exudyn.parameters.gear import SteeringGear
+
+MOST_RUNS = 10  # of a test
+LARGEST_WANTED = 1.0  # half of an interval, of the value
+USUAL_TARGETS = {"yoke.preload": 0.20, "mesh.friction": 0.35, "yoke.friction": 0.40}
+"""Path -> half of the 95 % interval, of the value, where nothing else is wanted."""
+
+
+@dataclass(frozen=True)
+class Minutes:
+    """Time of a test: to set up, and for each run."""
+
+    setup: float
+    run: float
+
+
+MINUTES = {
+    "free": Minutes(5, 5),
+    "reversal": Minutes(5, 5),
+    "load-test": Minutes(10, 7),
+    "rack-push": Minutes(10, 5),
+    "rack-on-rollers": Minutes(35, 5),
+    "yoke-out": Minutes(15, 5),
+    "bearing": Minutes(15, 5),
+}
+"""Kind of test -> its time; estimates of a bench's staff are to replace them (`read_minutes`)."""
+
+
+def read_minutes(path: str | Path) -> dict[str, Minutes]:
+    """Return the table of minutes with what a TOML file changes: `[free]`, `setup = 5`, `run = 5`.
+
+    Raises:
+        InputError: a test that does not exist, or times that cannot be.
+    """
+    found, problems = dict(MINUTES), []
+    for kind, table in read_toml(path).items():
+        if kind not in KINDS or not isinstance(table, Mapping):
+            problems.append(f"{path}: [{kind}] is no test; there are {', '.join(KINDS)}.")
+            continue
+        times = {"setup": found[kind].setup, "run": found[kind].run}
+        for key, value in table.items():
+            number = isinstance(value, int | float) and not isinstance(value, bool)
+            if key not in times:
+                problems.append(f"{path}: {kind}.{key} is no time; there are setup and run, in minutes.")
+            elif not (number and 0 <= value < 1e5) or (key == "run" and not value > 0):
+                problems.append(
+                    f"{path}: {kind}.{key} is {value!r}; it must be a number of minutes, from 0 (run: "
+                    "more than "
+                    "0) to 100000."
+                )
+            else:
+                times[key] = float(value)
+        found[kind] = Minutes(**times)
+    if problems:
+        raise InputError(problems)
+    return found
+
+
+def parse_targets(texts: Sequence[str]) -> dict[str, float]:
+    """Return path -> wanted half interval, of the value, of texts such as "yoke.preload=5%".
+
+    Raises:
+        InputError: everything that is wrong with them.
+    """
+    targets, problems = {}, []
+    for text in texts:
+        path, _, wanted = text.partition("=")
+        path = path.strip()
+        try:
+            half = float(wanted.strip().removesuffix("%").strip()) / (100.0 if "%" in wanted else 1.0)
+        except ValueError:
+            half = np.nan
+        if path not in LEVEL:
+            problems.append(f"--plan {text}: {path or text} is no target; there are {', '.join(LEVEL)}.")
+        elif not 0 < half <= LARGEST_WANTED:
+            problems.append(
+                f"--plan {text}: write half of the 95 % interval, more than 0 and at most 100 %, for "
+                "instance "
+                f"{path}=5%."
+            )
+        else:
+            targets[path] = half
+    if problems:
+        raise InputError(problems)
+    return targets or dict(USUAL_TARGETS)
+
+
+@dataclass(frozen=True)
+class PlannedTest:
+    """A test of a programme, and what all tests so far determine."""
+
+    test: BenchTest
+    runs: int
+    minutes: float
+    halves: Mapping[str, float]  # path -> half of the 95 % interval, of the value, after it
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Tests in their order, and whether they reach what is wanted."""
+
+    targets: Mapping[str, float]
+    tests: tuple[PlannedTest, ...]
+    simulations: int
+
+    @property
+    def minutes(self) -> float:
+        """Time of all tests."""
+        return sum(each.minutes for each in self.tests)
+
+    @property
+    def halves(self) -> Mapping[str, float]:
+        """Half of each 95 % interval, of the value, after all tests."""
+        return self.tests[-1].halves
+
+    @property
+    def missed(self) -> dict[str, float]:
+        """What is wanted and not reached by any number of runs: path -> half interval."""
+        return {path: half for path, half in self.halves.items() if half > self.targets.get(path, np.inf)}
+
+
+def plan(
+    targets: Mapping[str, float],
+    gear: SteeringGear | None = None,
+    minutes: Mapping[str, Minutes] | None = None,
+    tests: Sequence[BenchTest] | None = None,
+    on_progress: Callable[[int, int], None] | None = None,
+) -> Plan:
+    """Return the cheapest programme that brings parameters to their wanted half intervals.
+
+    Where none does, it is that of the most runs of all tests.
+
+    Args:
+        targets: path -> half of the 95 % interval, of the value.
+        gear: what is expected.
+        minutes: of each kind of test.
+        tests: that the bench can make; free turning, of which one run is always made, and
+            `identifiability.candidates` by default.
+        on_progress: called with simulations done and all.
+
+    Raises:
+        InputError: a gear that has no equilibrium in a test.
+
+    Examples:
+        >>> from rps_exudyn.inference.fitting.plan import plan
+        >>> [each.test.title for each in plan({"bearing.friction_torque": 0.1}).tests]
+        ['bearing', 'free']
+    """
+    gear = gear or SteeringGear()
+    tests = list(tests) if tests is not None else [BenchTest("free"), *candidates(gear)]
+    design = _Design.of(gear, tests, minutes or MINUTES, on_progress)
+    whole = dict.fromkeys(tests, MOST_RUNS)
+    chosen = dict(whole)
+    if _reached(design.halves(whole), targets):
+        chosen = _exchanged(design, _reduced(design, whole, targets), targets)
+    return Plan(targets, tuple(_in_order(design, chosen, targets)), design.simulations)
+
+
+def programme(
+    texts: Sequence[str], gear: SteeringGear | None = None, minutes: Mapping[str, Minutes] | None = None
+) -> Plan:
+    """Return what a given programme would determine: texts such as "load-test@150kg x 3".
+
+    Raises:
+        InputError: no such test, or a gear without equilibrium in one.
+    """
+    runs: dict[BenchTest, int] = {}
+    for text in texts:
+        name, _, count = text.partition(" x ")
+        test, _ = named_test(f"{name.strip()}=none")
+        runs[test] = runs.get(test, 0) + int(count or 1)
+    design = _Design.of(gear or SteeringGear(), list(runs), minutes or MINUTES, None)
+    return Plan({}, tuple(_in_order(design, runs, {})), design.simulations)
+
+
+Runs = Mapping[BenchTest, int]
+
+
+@dataclass(frozen=True, eq=False)
+class _Design:
+    """Levels of all tests at the expected gear, by closed form and simulation, and their times."""
+
+    models: Mapping[BenchTest, LevelModel]  # one test each, corrected by its simulation
+    means: Mapping[BenchTest, np.ndarray]  # towards +X and -X
+    slopes: Mapping[BenchTest, np.ndarray]  # of its rows, (rows, unknowns)
+    by_law: Mapping[BenchTest, np.ndarray]  # change of its rows by the other contact law, (rows,)
+    beliefs: np.ndarray  # deviations (unknowns,)
+    paths: tuple[str, ...]  # of the unknowns
+    minutes: Mapping[str, Minutes]
+    simulations: int
+
+    @classmethod
+    def of(
+        cls,
+        gear: SteeringGear,
+        tests: Sequence[BenchTest],
+        minutes: Mapping[str, Minutes],
+        on_progress: Callable[[int, int], None] | None,
+    ) -> "_Design":
+        unknowns = [*unknowns_of(gear, LEVEL, {}), *nuisance_unknowns([BY_LOAD, WITHOUT_YOKE])]
+        u = np.array([each.before for each in unknowns])
+        other = gear.replace({"mesh.law": "line" if gear.mesh.law == "teeth" else "teeth"})
+        models, means, slopes, by_law = {}, {}, {}, {}
+        for number, test in enumerate(tests):
+            prediction = Prediction.of([test])
+            (block,) = prediction.blocks
+            try:
+                own, changed = (block.means(prediction.simulated(each)) for each in (gear, other))
+            except NoPredictionError as error:
+                raise InputError(f"the gear expected cannot be planned for: {error}.") from None
+            rows = expected_rows({test: own.tolist()}, {test: 1})
+            model = LevelModel.of(rows, unknowns, gear).corrected(u, rows.values)
+            models[test], means[test], slopes[test] = model, own, model.slopes(u)
+            by_law[test] = rows.ways @ (changed - own)
+            if on_progress is not None:
+                on_progress(number + 1, len(tests))
+        sd = np.array([each.sd for each in unknowns])
+        paths = tuple(each.path for each in unknowns)
+        return cls(models, means, slopes, by_law, sd, paths, minutes, 2 * len(tests))
+
+    def cost(self, runs: Runs) -> float:
+        """Minutes of a programme."""
+        return sum(
+            self.minutes[test.kind].setup + count * self.minutes[test.kind].run
+            for test, count in runs.items()
+            if count
+        )
+
+    def information(self, runs: Runs) -> tuple[np.ndarray, np.ndarray]:
+        """Information of a programme (n, n) with the beliefs, and what the other law moves (n,)."""
+        made = {test: count for test, count in runs.items() if count}
+        belief = np.diag(self.beliefs**-2.0)
+        if not made:
+            return belief, np.zeros(self.beliefs.size)
+        rows = expected_rows({test: self.means[test].tolist() for test in made}, made)
+        each = [self.models[test] for test in made]
+        model = LevelModel(
+            rows,
+            each[0].unknowns,
+            each[0].gear,
+            np.concatenate([one.factors for one in each]),
+            np.concatenate([one.terms for one in each]),
+            np.concatenate([one.near for one in each]),
+        )
+        slopes = np.vstack([self.slopes[test] for test in made])
+        moved = np.concatenate([self.by_law[test] for test in made])
+        weighted = np.linalg.solve(model.covariance, np.column_stack([slopes, moved]))
+        information = belief + slopes.T @ weighted[:, :-1]
+        return information, np.linalg.solve(information, slopes.T @ weighted[:, -1])
+
+    def halves(self, runs: Runs) -> dict[str, float]:
+        """Half of each 95 % interval that a fit would print, of the value."""
+        information, law = self.information(runs)
+        sd = np.sqrt(np.diag(np.linalg.inv(information)))
+        half = np.exp(NORMAL * sd + np.abs(law)) - 1
+        return {path: float(one) for path, one in zip(self.paths, half, strict=True) if path in LEVEL}
+
+
+def _reached(halves: Mapping[str, float], targets: Mapping[str, float]) -> bool:
+    return all(halves[path] <= target for path, target in targets.items())
+
+
+def _excess(halves: Mapping[str, float], targets: Mapping[str, float]) -> float:
+    """Sum of the logarithms of the half intervals over the wanted ones."""
+    return float(sum(np.log(halves[path] / target) for path, target in targets.items()))
+
+
+def _reduced(design: _Design, runs: Runs, targets: Mapping[str, float]) -> dict[BenchTest, int]:
+    """The programme without the runs that are not needed: those first that save the most for what they
+    determine."""
+    now = dict(runs)
+    while True:
+        cost, excess, best = design.cost(now), _excess(design.halves(now), targets), None
+        for fewer in _fewer(now):
+            halves = design.halves(fewer)
+            if _reached(halves, targets):
+                merit = (cost - design.cost(fewer)) / max(_excess(halves, targets) - excess, 1e-6)
+                best = max(best or (merit, fewer), (merit, fewer), key=lambda pair: pair[0])
+        if best is None:
+            return {test: count for test, count in now.items() if count}
+        now = best[1]
+
+
+def _fewer(runs: Runs) -> Iterator[dict[BenchTest, int]]:
+    """Programmes with one run less, and without a test."""
+    for test, count in runs.items():
+        for left in _left(test, count):
+            yield {**runs, test: left}
+
+
+def _left(test: BenchTest, count: int) -> set[int]:
+    """Runs of a test after some are left out: one, or all; of the free turning, which shows the runout and
+    guards the rest, one stays."""
+    least = 1 if test.kind == "free" else 0
+    return {max(count - 1, least), least} - {count} if count else set()
+
+
+def _exchanged(design: _Design, runs: Runs, targets: Mapping[str, float]) -> dict[BenchTest, int]:
+    """The programme with runs of one test exchanged for those of others, while that is cheaper."""
+    now = {**dict.fromkeys(design.models, 0), **runs}
+    while True:
+        cheaper = None
+        for less, more, added in product(now, now, (1, 2, 3)):
+            if less == more or now[more] + added > MOST_RUNS:
+                continue
+            for left in _left(less, now[less]):
+                tried = {**now, less: left, more: now[more] + added}
+                cost = design.cost(tried)
+                if cost < (design.cost(now) if cheaper is None else cheaper[0]) - 1e-9 and _reached(
+                    design.halves(tried), targets
+                ):
+                    cheaper = cost, tried
+        if cheaper is None:
+            return {test: count for test, count in now.items() if count}
+        now = {**dict.fromkeys(design.models, 0), **_reduced(design, cheaper[1], targets)}
+
+
+def _in_order(design: _Design, runs: Runs, targets: Mapping[str, float]) -> Iterator[PlannedTest]:
+    """The tests by their gain of information per minute, and what they determine."""
+    done: dict[BenchTest, int] = {}
+    left = dict(runs)
+    while left:
+        begin = np.linalg.slogdet(design.information(done)[0])[1]
+
+        def gain(test: BenchTest, begin: float = begin) -> float:
+            after = np.linalg.slogdet(design.information({**done, test: left[test]})[0])[1]
+            return float(after - begin) / design.cost({test: left[test]})
+
+        test = max(left, key=gain)
+        done[test] = left.pop(test)
+        yield PlannedTest(test, done[test], design.cost({test: done[test]}), design.halves(done))
