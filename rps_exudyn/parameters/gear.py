@@ -395,7 +395,10 @@ class Mesh(LoadedFrictionLaw):
         "1e-8 mm^3/N/m", "wear coefficient of the flanks, of pinion and rack each", "estimate", ge=0, le=1e-12
     )
     line_stiffness: LineStiffness = parameter(
-        0.0, "load per length of contact line and depth, law line; 0: c' of ISO 6336-1", "estimate", ge=0
+        0.0,
+        "load per length of contact line and depth, law line; 0: at rest under the preload, from the gear",
+        "estimate",
+        ge=0,
     )
 
     @property
