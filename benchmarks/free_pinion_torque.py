@@ -118,13 +118,12 @@ def fidelities_table(folder: Path) -> str:
 
 
 def losses_table(folder: Path) -> str:
-    """Return where the work goes, and what the solver did."""
-    head = ("fidelity", *LOSSES, "steps", "Newton iterations", "Jacobians", "energy residual")
+    """Return where the work goes, and what is left of its balance."""
+    head = ("fidelity", *LOSSES, "energy residual")
     rows = [
         (
             each["fidelity"],
             *(_share(each["losses"][loss]) for loss in LOSSES),
-            *("" if count is None else f"{count:g}" for count in each["counters"].values()),
             "" if each["energy_residual"] is None else f"{100 * each['energy_residual']:.2g} %",
         )
         for each in rows_of(folder)

@@ -126,7 +126,7 @@ def spreads(scene: str, signals: Signals) -> np.ndarray:
 def table(folder: Path) -> str:
     """Gears together beside single runs, by the default law."""
     head = (
-        "scene, law, motion",
+        "scene, over a turn",
         "gears/s and core, together",
         "times a single run",
         "largest error of the mean [%]",
@@ -134,13 +134,13 @@ def table(folder: Path) -> str:
     )
     rows = [
         (
-            f"{KINDS[row['kind']].shown}, {row['law']}, {SPANS[row['span']]}",
+            KINDS[row["kind"]].shown,
             digits(1 / row["all_in"], 3),
             digits(row["single"] / row["all_in"]),
             *(digits(100 * row[f"{name}_largest"]) for name in ("mean", "peak_to_peak")),
         )
         for row in load_data(folder / DATA)["rows"]
-        if row["law"] == "line"
+        if row["law"] == "line" and row["span"] == "turn"
     ]
     return markdown(head, rows)
 

@@ -255,63 +255,45 @@ def picture(levels: dict[str, list[dict[str, Any]]]) -> Figure:
 
 
 def level_row(cases: list[dict[str, Any]]) -> list[str]:
-    """Bias, scatter, largest error and coverage of a case, and its cost."""
+    """Number of fits, bias, RMS and largest error, coverage of a case, and fits without convergence."""
     error = 100 * np.array([each["error"] for each in cases])
     return [
         f"{len(cases)}",
-        f"{error.mean():+.3f}",
-        f"{error.std():.3f}",
-        f"{np.sqrt(np.mean(error**2)):.3f}",
+        f"{error.mean():+.2f}",
+        f"{np.sqrt(np.mean(error**2)):.2f}",
         f"{np.abs(error).max():.2f}",
         f"{100 * np.mean([each['holds'] for each in cases]):.0f}",
-        f"{np.mean([each['simulations'] for each in cases]):.1f}",
-        f"{np.median([each['cpu_s'] for each in cases]):.2f}",
-        f"{sum(bool(each['found']) for each in cases)}",
         f"{sum(not each['converged'] for each in cases)}",
     ]
 
 
 def level_table(folder: Path) -> str:
     """Errors of the level by case."""
-    head = [
-        "case",
-        "fits",
-        "bias %",
-        "scatter %",
-        "RMS %",
-        "largest %",
-        "95 % interval holds, %",
-        "simulations",
-    ]
-    head += ["CPU s", "preload or friction printed as found", "not converged"]
+    head = ["case", "fits", "bias %", "RMS %", "largest %", "95 % interval holds, %", "not converged"]
     levels = load_data(folder / DATA)["levels"]
     return markdown(head, [[case, *level_row(cases)] for case, cases in levels.items()])
 
 
-BOUNDS = ("least deviation, one run of each %", "three runs %")
-
-
 def weight_table(folder: Path) -> str:
-    """Errors of the parameters after the whole set of tests."""
+    """Errors of the parameters after the whole set of tests, with a repeatability of 2 %."""
     data, rows = load_data(folder / DATA)["weights"], []
+    bounds = least_deviations(REPEATED, 1)
     for path in data[0]["estimates"]:
-        row = [f"`{path}`"]
-        for repeatability in (0.0, 0.02):
-            own = [each["estimates"][path] for each in data if each["repeatability"] == repeatability]
-            error = 100 * (np.array([each["ratio"] for each in own]) - 1)
-            row += [f"{np.sqrt(np.mean(error**2)):.1f}", f"{np.abs(error).max():.1f}"]
-            row += [f"{100 * np.mean([each['holds'] for each in own]):.0f}"]
+        own = [each["estimates"][path] for each in data if each["repeatability"]]
+        error = 100 * (np.array([each["ratio"] for each in own]) - 1)
         verdicts = [each["estimates"][path]["verdict"] for each in data]
-        sd = np.median([each["estimates"][path]["sd"] for each in data])
-        row += [f"{100 * sd:.1f}" if path != "pinion.runout" else f"{1e6 * sd:.1f} µm"]
-        bounds = [least_deviations(REPEATED, runs).get(path) for runs in (1, 3)]
-        row += [f"{100 * bound:.1f}" if bound else "" for bound in bounds]
-        rows.append([*row, max(set(verdicts), key=verdicts.count)])
-    white, repeated = "white noise", "repeatability 2 %"
-    head = ["parameter"]
-    for noise in (white, repeated):
-        head += [f"{noise}: RMS error %", "largest %", "interval holds, %"]
-    return markdown([*head, "stated deviation %", *BOUNDS, "verdict"], rows)
+        rows.append(
+            (
+                f"`{path}`",
+                f"{np.sqrt(np.mean(error**2)):.1f}",
+                f"{np.abs(error).max():.1f}",
+                f"{100 * np.mean([each['holds'] for each in own]):.0f}",
+                f"{100 * bounds[path]:.1f}" if path in bounds else "",
+                max(set(verdicts), key=verdicts.count),
+            )
+        )
+    head = ("parameter", "RMS error %", "largest %", "interval holds, %", "least deviation %", "verdict")
+    return markdown(head, rows)
 
 
 TOPIC = Topic(

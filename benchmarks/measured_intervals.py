@@ -195,43 +195,26 @@ def of_sets(cases: list[dict[str, Any]]) -> dict[str, Any]:
 
 def kind_table(folder: Path) -> str:
     """A row for each kind."""
-    head = ["kind", "bias, scatter %", "run: half %, over 1.96 scatter, holds %"]
-    head += ["gear: half %, holds %", "P e: half %, holds %", "e: half %, holds %", "runout found"]
-    rows = []
-    for kind, cell in load_data(folder / DATA)["cells"].items():
-        shown = {}
-        for name in NUMBERS:
-            again = cell.get("again", {}).get(name)
-            more = f" ({100 * again:.0f} of {AGAIN} others)" if again is not None else ""
-            shown[name] = f"**{100 * cell['holds'][name]:.0f}**{more}"
-        half = {name: 100 * cell["halves"][name] for name in NUMBERS}
-        rows.append(
-            [
-                kind,
-                f"{100 * cell['bias']:+.2f}, {100 * cell['scatter']:.2f}",
-                f"{half['run']:.2f}, {cell['over']:.1f}, {shown['run']}",
-                *(f"{half[name]:.1f}, {shown[name]}" for name in NUMBERS[1:]),
-                f"{cell['found']}",
-            ]
+    rows = [
+        (
+            kind,
+            *(
+                f"{100 * cell['halves'][name]:.2g}, {100 * cell['holds'][name]:.0f}"
+                for name in ("run", "gear")
+            ),
         )
-    return markdown(head, rows)
+        for kind, cell in load_data(folder / DATA)["cells"].items()
+    ]
+    return markdown(("kind", "run: half %, holds %", "gear: half %, holds %"), rows)
 
 
 def set_table(folder: Path) -> str:
     """A row for each truth of six tests."""
-    data = load_data(folder / DATA)
-    head = ["six tests", *(f"`{path}`: half %, holds %, found: of these hold %" for path in LEVEL)]
-    head += ["refused by load test, chi squared", "simulations, CPU s"]
-    rows = []
-    for truth, cell in data["tests"].items():
-        row = [truth]
-        for path in LEVEL:
-            own = cell[path]
-            of_found = "" if own["found_holds"] is None else f": {100 * own['found_holds']:.0f}"
-            row.append(f"{100 * own['half']:.1f}, {100 * own['holds']:.0f}, {own['found']}{of_found}")
-        row += [f"{cell['load_test']}, {cell['chi_squared']}", f"{cell['simulations']}, {cell['cpu_s']:.1f}"]
-        rows.append(row)
-    return markdown(head, rows)
+    rows = [
+        (truth, *(f"{100 * cell[path]['half']:.1f}, {100 * cell[path]['holds']:.0f}" for path in LEVEL))
+        for truth, cell in load_data(folder / DATA)["tests"].items()
+    ]
+    return markdown(("half %, holds %", *(f"`{path}`" for path in LEVEL)), rows)
 
 
 TOPIC = Topic(

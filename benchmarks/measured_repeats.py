@@ -56,14 +56,10 @@ def table_row(count: int, cases: list[dict[str, Any]]) -> list[str]:
     for path, wanted in WANTED.items():
         estimates = [each["estimates"][path] for each in own]
         error = 100 * np.abs([each["error"] for each in estimates])
-        said = [each["said"][path] or np.inf for each in own if path in each["said"]]
         row += [
             f"{np.sqrt(np.mean(error**2)):.1f} ({100 * bounds[path]:.1f})",
-            f"{error.max():.1f}",
             f"{100 * np.mean(error <= 100 * wanted):.0f}",
-            f"{100 * np.median([each['half'] for each in estimates]):.1f}",
             f"{100 * np.mean([each['holds'] for each in estimates]):.0f}",
-            f"{np.median(said):.0f}" if said else "",
         ]
     return row
 
@@ -73,8 +69,11 @@ def table(folder: Path) -> str:
     cases = load_data(folder / DATA)["cases"]
     head = ["runs of each test"]
     for path, wanted in WANTED.items():
-        head += [f"`{path}`: RMS error (least) %", "largest %", f"within {100 * wanted:.0f} %: share %"]
-        head += ["half interval, median %", "interval holds %", "runs that the fit asks for, median"]
+        head += [
+            f"`{path}`: RMS error (least) %",
+            f"within {100 * wanted:.0f} %: share %",
+            "interval holds %",
+        ]
     return markdown(head, [table_row(count, cases) for count in sorted({each["runs"] for each in cases})])
 
 

@@ -55,6 +55,12 @@ CHANGES = {
     "teeth: contact damping 0.1 ms": Change(gear={"mesh.damping": "0.1 ms"}),
     "lead error 0.2 mrad": Change(gear={"pinion.lead_error": LEAD_ERROR}),
     "lead error -0.2 mrad": Change(gear={"pinion.lead_error": -LEAD_ERROR}),
+    "pitch errors of the pinion: ISO 1328 class 8": Change(
+        gear={"pinion.pitch_errors": "ISO 1328 class 8, seed 3"}
+    ),
+    "pitch errors of the rack: ISO 1328 class 8": Change(
+        gear={"rack.pitch_errors": "ISO 1328 class 8, seed 3"}
+    ),
     "friction zone half as wide": Change({"zone_ratio": Fidelity().zone_ratio / 2}),
     "step half as long": Change({"step_angle": Fidelity().step_angle / 2}),
     "friction: bristles of 5 um": Change(gear=BRISTLES),
@@ -292,23 +298,15 @@ def _limit(metric: Metric) -> str:
 
 
 def needs_table(folder: Path) -> str:
-    """Change -> the cases that it matters to, each with its metrics that move and those compared."""
+    """Change -> the cases in which it moves a metric by more than its accuracy; others are left out."""
     moved: dict[str, list[str]] = {}
     for name, need in load_data(folder / DATA)["needs"].items():
         for title, *texts in need["rows"][1:]:
-            short = name.removeprefix("free-pinion-torque, ")
-            refused, bold = texts[0].startswith("*") and not any(texts[1:]), str(texts).count("'**")
-            answer = [f"{short} cannot"] if refused else [f"{short} {bold}/{len(texts) - 1}"] if bold else []
-            moved.setdefault(title, []).extend(answer)
-    rows = [(title, ", ".join(answers) or "none") for title, answers in moved.items()]
-    return markdown(("change", "metrics moved, of those compared"), rows)
-
-
-def accuracy_table(folder: Path) -> str:
-    """Stated accuracy of each metric, and what the everyday model costs."""
-    needs = load_data(folder / DATA)["needs"]
-    rows = [(name, need["accuracy"], need["rows"][0][-1]) for name, need in needs.items()]
-    return markdown(("case", "stated accuracy", "CPU s"), rows)
+            refused = texts[0].startswith("*") and not any(texts[1:])
+            if refused or any(text.startswith("**") for text in texts):
+                short = name.removeprefix("free-pinion-torque, ")
+                moved.setdefault(title, []).append(f"{short} (cannot)" if refused else short)
+    return markdown(("change", "matters to"), [(title, ", ".join(found)) for title, found in moved.items()])
 
 
 TOPIC = Topic(
@@ -317,5 +315,5 @@ TOPIC = Topic(
     "scenes",
     run,
     {"cases": ("rack-push",), "changes": ("bush: rigid", "rack: no roll, yaw, pitch, sway")},
-    {"needs": needs_table, "needs_accuracy": accuracy_table},
+    {"needs": needs_table},
 )

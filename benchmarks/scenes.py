@@ -178,6 +178,9 @@ LAWS: dict[str, Callable[[str], float]] = {
 }
 
 
+METRICS = 4  # of a run, in the table
+
+
 # --- tables ------------------------------------------------------------------------------------------
 def scenes_table(folder: Path) -> str:
     """Figures, cost and work balance of every run."""
@@ -185,7 +188,8 @@ def scenes_table(folder: Path) -> str:
         (
             row["title"],
             ", ".join(
-                f"{name.replace('_', ' ')} {SUMMARY[name].show(x)}" for name, x in row["figures"].items()
+                f"{name.replace('_', ' ')} {SUMMARY[name].show(x)}"
+                for name, x in list(row["figures"].items())[:METRICS]
             ),
             f"{row['solver_cpu_s']:.2g}",
             f"{100 * row['energy_residual']:+.1g}",

@@ -235,11 +235,12 @@ def method_picture(found: list[dict[str, Any]]) -> Figure:
 
 # --- tables ------------------------------------------------------------------------------------------
 def limits_table(folder: Path) -> str:
-    """Measured and predicted limits."""
+    """Measured and predicted limits of friction that depends on speed alone."""
     rows = []
     for case in load_data(folder / DATA)["limits"]:
-        law = f"bristles {1e6 * case['travel']:g} um" if case["travel"] else "speed alone"
-        row = [law, f"{case['speed']:g}"]
+        if case["travel"]:  # bristles were measured with a law of earlier versions
+            continue
+        row = [f"{case['speed']:g}"]
         if "message" in case:
             predicted = [_shown(case["predicted"]), _shown(case["with_guides"])]
             rows.append([*row, *predicted, f"*{case['message']}*", ""])
@@ -247,7 +248,7 @@ def limits_table(folder: Path) -> str:
             share = f"{case['measured'] / case['with_guides']:.3f}" if case["with_guides"] else "-"
             limits = [_shown(case[name]) for name in ("predicted", "with_guides", "measured")]
             rows.append([*row, *limits, share])
-    head = ["friction", "speed rad/s", "one inertia N m s/rad", "whole gear N m s/rad", "measured N m s/rad"]
+    head = ["speed rad/s", "one inertia N m s/rad", "whole gear N m s/rad", "measured N m s/rad"]
     return markdown([*head, "measured / whole gear"], rows)
 
 
@@ -260,34 +261,6 @@ def sticking_table(folder: Path) -> str:
     data = load_data(folder / DATA)
     rows = [[f"{ratio:g}", f"{speed:.2f}"] for ratio, speed in data["sticking"]]
     return markdown(["damping ratio", "largest sticking speed rad/s"], rows)
-
-
-def breakaway_table(folder: Path) -> str:
-    """Peak over running torque at a breakaway."""
-    rows = [
-        [f"{1e6 * case['travel']:g} um", f"{case['ratio']:.3f}"]
-        for case in load_data(folder / DATA)["breakaway"]
-    ]
-    return markdown(["bristle travel", "breakaway over running torque"], rows)
-
-
-def cells_table(folder: Path) -> str:
-    """Cells in which the whole gear was run."""
-    rows = [
-        [
-            f"{1e6 * cell['travel']:g} um" if cell["travel"] else "-",
-            f"{cell['speed']:g}",
-            f"{cell['ratio']:g}",
-            *([f"*{cell['message']}*", ""] if "message" in cell else _found(cell)),
-        ]
-        for cell in load_data(folder / DATA)["tried"]
-    ]
-    head = ["bristle travel", "speed rad/s", "damping ratio", "sticks", "torque, half its range"]
-    return markdown(head, rows)
-
-
-def _found(cell: dict[str, Any]) -> list[str]:
-    return [f"{cell['share']:.0%}", f"{cell['torque']:.3f} N m"]
 
 
 TOPIC = Topic(
@@ -306,7 +279,5 @@ TOPIC = Topic(
     {
         "stick_slip_limits": limits_table,
         "sticking": sticking_table,
-        "breakaway": breakaway_table,
-        "whole_gear": cells_table,
     },
 )

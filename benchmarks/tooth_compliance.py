@@ -158,15 +158,13 @@ def convergence_table(folder: Path) -> str:
     table = [
         (
             name,
-            *(f"{float(row[f'refined_{k}']):.4g}" for k in REFINEMENTS),
             f"{float(row['extrapolated']):.4g}",
             f"{float(row['order']):.1f}",
             f"{percent(row[f'refined_{REFINEMENTS[-1]}'], row['extrapolated']):+.1f}",
         )
         for name, row in quantities.items()
     ]
-    cells = [f"cells divided by {k}" for k in REFINEMENTS]
-    return markdown(("yield", *cells, "extrapolated", "order", "finest, error %"), table)
+    return markdown(("yield", "extrapolated", "order", "finest, error %"), table)
 
 
 def even_table(folder: Path) -> str:
@@ -203,21 +201,6 @@ def even_table(folder: Path) -> str:
     return markdown(head, table)
 
 
-def spread_table(folder: Path) -> str:
-    """How the yield falls along the tooth on both flanks: over its value on the next patch."""
-    table = []
-    for flank in ("same", "opposite"):
-        for row in reversed(chosen(read(folder), "middle", flank)):
-            at = len(row) // 2
-            for name in ("extrapolated", "law"):
-                shares = [float(each[name]) / float(row[at - 1][name]) for each in row[: at - 1][::-1]]
-                who = "law" if name == "law" else "finite elements"
-                height = float(row[0]["height_mm"])
-                table.append((flank, f"{height:+.2f}", who, *(f"{share:.2f}" for share in shares)))
-    distances = range(2, len(table[0]) - 1)
-    return markdown(("flank", "height mm", "", *(f"{each} patches away" for each in distances)), table)
-
-
 def supports(pair: GearPair, patches: int, models: Sequence[str]) -> Iterator[Sequence[str | float]]:
     """Yield in the middle of the tooth under an even load at each height, nm/(N/mm)."""
     for name in models:
@@ -240,11 +223,9 @@ def support_table(folder: Path) -> str:
     for name, group in groups.items():
         pairs = list(zip(group, first, strict=True))
         change = [f"{100 * (float(a['even_same']) / float(b['even_same']) - 1):+.0f}" for a, b in pairs]
-        beside = [f"{100 * float(a['even_next']) / float(a['even_same']):.0f}" for a in group]
-        table.append((name, *change, *beside))
-    heights = [f"{float(row['height_mm']):+.2f} mm" for row in first]
-    changes, shares = ([f"{what} at {each} %" for each in heights] for what in ("change", "next tooth"))
-    return markdown(("model", *changes, *shares), table)
+        table.append((name, *change))
+    heights = [f"change at {float(row['height_mm']):+.2f} mm %" for row in first]
+    return markdown(("model", *heights), table)
 
 
 def percent(value: str | float, of: str | float) -> float:
@@ -306,7 +287,6 @@ TOPIC = Topic(
     {
         "rack_tooth_convergence": convergence_table,
         "rack_tooth_even_load": even_table,
-        "rack_tooth_spread": spread_table,
         "rack_tooth_support": support_table,
     },
 )

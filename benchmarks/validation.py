@@ -40,13 +40,10 @@ def rows_table(kind: str, folder: Path) -> str:
 
 
 def pedigree_table(folder: Path) -> str:
-    """Distributions of the inputs with their sources, from the declarations."""
+    """Distributions of the inputs, from the declarations."""
     series = {each.path: each for each in SETS["series"]}
-    rows = [
-        [f"`{each.path}`", _written(each), _written(series[each.path]), each.source]
-        for each in SETS["unknown"]
-    ]
-    return markdown(("parameter", "unknown", "series", "source of unknown"), rows)
+    rows = [[f"`{each.path}`", _written(each), _written(series[each.path])] for each in SETS["unknown"]]
+    return markdown(("parameter", "unknown", "series"), rows)
 
 
 def _written(each: Input) -> str:

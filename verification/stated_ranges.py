@@ -37,6 +37,8 @@ ERRORS: dict[str, Range] = {
     "pinion.tip_relief": Seldom(0.25, Even(0, 30e-6)),
     "pinion.tip_relief_length": Even(0.2e-3, 1.2e-3),
     "pinion.crowning": Seldom(0.25, Even(0, 15e-6)),
+    "pinion.pitch_errors": Choice({"none": 6, "ISO 1328 class 7, seed 3": 1}),
+    "rack.pitch_errors": Choice({"none": 6, "ISO 1328 class 7, seed 3": 1}),
     "pinion.pitch_error": Seldom(0.25, Even(-15e-6, 15e-6)),
     "pinion.lead_error": Seldom(0.25, Even(-20e-6, 20e-6)),
     "pinion.profile_slope": Seldom(0.25, Even(-15e-6, 15e-6)),

@@ -20,7 +20,7 @@ import numpy as np
 
 from benchmarks.accuracy_speed.limited import cpu_limit
 from benchmarks.accuracy_speed.promise_scenes import SCENES, STEADY, Measured, Setting
-from benchmarks.topic import Topic, markdown
+from benchmarks.topic import Topic
 from rps_exudyn.base.files import replacing, write_json
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -216,17 +216,6 @@ def factor_of(rows: list[dict[str, Any]], table: dict[str, Any]) -> float:
     return FACTORS[-1]
 
 
-def promises_table(folder: Path) -> str:
-    """Gears and the strictest promise of each quantity, from the folder's table or the package's."""
-    own, rows = folder / TABLE.name, []
-    content = json.loads((own if own.exists() else TABLE).read_text())
-    for scene, each in content["scenes"].items():
-        for table in each["quantities"]:
-            strictest = min(setting["promised"] for setting in table["settings"])
-            rows.append((scene, table["quantity"], table["gears"], f"{strictest:.2g} %"))
-    return markdown(("scene", "quantity", "random gears measured", "strictest promise"), rows)
-
-
 _STEADY = SCENES[LAW_SCENE]
 TOPIC = Topic(
     "the table behind --accuracy: errors of settings on random gears under random tests",
@@ -243,5 +232,4 @@ TOPIC = Topic(
         "laws": (),
         "table": Path(TABLE.name),
     },
-    {"promises": promises_table},
 )

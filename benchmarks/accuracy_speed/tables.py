@@ -118,10 +118,10 @@ def failures_table(folder: Path) -> str:
 def orders_table(folder: Path) -> str:
     """Fitted orders of convergence of the free pinion torque."""
     rows = [
-        (each.family, each.knob, each.error, f"{each.observed:.2g}", f"{each.expected:g}", each.points)
+        (each.family, each.error, f"{each.observed:.2g}", f"{each.expected:g}")
         for each in load_measurement(folder / f"{TORQUE}.h5").orders
     ]
-    return markdown(("family", "made finer", "error", "observed", "expected", "points"), rows)
+    return markdown(("family", "error", "observed", "expected"), rows)
 
 
 def explicit_table(folder: Path) -> str:
@@ -144,10 +144,9 @@ def _first_number(point: Point) -> float:
 def facets_table(folder: Path) -> str:
     """Return what flat facets of the pinion do to the torque."""
     rows = [
-        (point.family, point.label, f"{point.error:.2g} %", f"{point.bias:+.2g} %")
-        for point in of_torque(folder, "shaping", "chord")
+        (point.family, point.label, f"{point.error:.2g} %") for point in of_torque(folder, "shaping", "chord")
     ]
-    return markdown(("family", "facets, material left over", "torque, RMS", "mean"), rows)
+    return markdown(("family", "facets, material left over", "torque, RMS"), rows)
 
 
 # --- contact law and size ----------------------------------------------------------------------------

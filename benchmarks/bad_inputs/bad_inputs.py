@@ -197,23 +197,14 @@ def inputs_table(folder: Path) -> str:
             counts[name]["lost"] += row["lost"] == "True"
             counts[name]["outside"] += row["outside"] == "True"
             counts[name]["alive"] += float(row["beyond_limit_s"]) > LATE or int(row["left_alive"]) > 0
-    total = counts.pop("**all**")
     columns = ("inputs", "refused", "tracebacks", "lost", "outside", "alive")
-    return markdown(
-        (
-            "bad",
-            "inputs",
-            "refused in sentences",
-            "tracebacks",
-            "lost",
-            "read outside",
-            "alive 2 s beyond limit",
-        ),
-        [
-            (name, *(count[column] for column in columns))
-            for name, count in [*counts.items(), ("**all**", total)]
-        ],
-    )
+    head = ("bad", "inputs", "refused", "tracebacks", "lost", "read outside", "alive 2 s beyond limit")
+    total = counts.pop("**all**")
+    rows = [(name, *(count[column] for column in columns)) for name, count in counts.items()]
+    odd = [row for row in rows if any(row[3:])]
+    fine = ", ".join(f"{row[0]} {row[2]} of {row[1]} refused" for row in rows)
+    rows = [*odd, ("**all**", *(total[column] for column in columns))]
+    return f"{markdown(head, rows)}\n\nBy kind: {fine}."
 
 
 TOPIC = Topic(

@@ -51,20 +51,25 @@ def ratios(rows: Sequence[Row], preset: str, peer: str, time: Time) -> list[floa
 
 # --- tables ------------------------------------------------------------------------------------------
 def peers_table(folder: Path) -> str:
-    """Errors and times of the settings that no other of the same program beats."""
+    """Errors and times of a middle and the most accurate setting that no other of a program beats."""
     rows = from_data(load_data(folder / DATA)["rows"])
     shown = [
-        (row.program, row.label, *(f"{x:.2g}" for x in (row.mean, row.error)), digits(row.whole_s))
+        (row.program, row.label, f"{row.error:.2g}", digits(row.whole_s))
         for program in dict.fromkeys(row.program for row in rows)
-        for row in front_of([row for row in rows if row.ok and row.program == program])
+        for row in ends(front_of([row for row in rows if row.ok and row.program == program]))
     ]
-    return markdown(("program", "settings", "mean %", "error %", "whole run CPU s"), shown)
+    return markdown(("program", "settings", "error %", "whole run CPU s"), shown)
 
 
 def front_of(rows: Sequence[Row]) -> list[Row]:
     """Rows that no other one beats in both time and error, quickest first."""
     best = pareto_front(np.array([row.whole_s for row in rows]), np.array([row.error for row in rows]))
     return sorted((row for row, one in zip(rows, best, strict=True) if one), key=whole)
+
+
+def ends(rows: Sequence[Row]) -> list[Row]:
+    """The middle row and the last."""
+    return [rows[i] for i in sorted({len(rows) // 2, len(rows) - 1}) if rows]
 
 
 def ratios_table(folder: Path) -> str:
@@ -88,13 +93,6 @@ def ratios_table(folder: Path) -> str:
 
 def _yes(kept: bool) -> str:
     return "yes" if kept else "**no**"
-
-
-def limits_table(folder: Path) -> str:
-    """The mean that each peer tends to, off the reference."""
-    limits = load_data(folder / DATA)["limits"]
-    rows = [(name, limit["settings"], f"{limit['mean']:+.2g} %") for name, limit in limits.items()]
-    return markdown(("peer", "finest settings", "mean"), rows)
 
 
 def search_table(folder: Path) -> str:
@@ -122,7 +120,6 @@ def versions_table(folder: Path) -> str:
 TABLES = {
     "peers": peers_table,
     "peer_ratios": ratios_table,
-    "peer_limits": limits_table,
     "peer_search": search_table,
     "peer_versions": versions_table,
 }

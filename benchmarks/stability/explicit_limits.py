@@ -333,22 +333,18 @@ def run(folder: Path, parts: Sequence[Callable[[], Iterator[Limit]]] = PARTS) ->
 
 
 def limits_table(folder: Path) -> str:
-    """Each line: its points, predicted steps, measured and simple ones compared with them."""
+    """Each line: predicted steps, and measured ones compared with them."""
     limits, rows = load_data(folder / DATA)["limits"], []
     for line in dict.fromkeys(limit["line"] for limit in limits):
         own = [limit for limit in limits if limit["line"] == line]
-        simple = [min(limit[n] for n in ("by_frequency", "by_damping") if limit[n]) / limit["measured"]
-                  for limit in own if limit["by_frequency"]]  # fmt: skip
         rows.append(
             (
                 line,
-                f"{own[0]['at']} to {own[-1]['at']}",
-                f"{_span([1e6 * limit['predicted'] for limit in own], '.3g')} µs",
+                f"{_span([1e6 * limit['predicted'] for limit in own], '.3g')}",
                 _span([limit["measured"] / limit["predicted"] for limit in own], ".2f"),
-                _span(simple, ".2f") if simple else "the same",
             )
         )
-    return markdown(("line", "over", "predicted", "measured / predicted", "simple / measured"), rows)
+    return markdown(("line", "predicted µs", "measured / predicted"), rows)
 
 
 def _span(values: Sequence[float], form: str) -> str:

@@ -168,7 +168,7 @@ def _largest(holds: Callable[[float], bool]) -> float:
 
 
 def limits_table(folder: Path) -> str:
-    """The worst point of each line: steps [deg], and steps per tooth pitch."""
+    """The largest right step [deg] at the worst point of each line."""
     steps = load_data(folder / DATA)["steps"]
     names = ("mean_5", "mean_1", "curve_1")
     rows = []
@@ -181,10 +181,7 @@ def limits_table(folder: Path) -> str:
 
 
 def _limit(step: dict[str, Any], name: str) -> str:
-    if step[name] >= COARSEST:
-        return f"{step[name]:g} deg, the largest allowed"
-    ratio = step["allowed"] / step[name]
-    return f"{step[name]:.3g} deg ({step['at']}), {STEPS_PER_PITCH * ratio:.1f} steps per pitch"
+    return "any" if step[name] >= COARSEST else f"{step[name]:.3g} deg"
 
 
 TOPIC = Topic(

@@ -310,20 +310,18 @@ def run(folder: Path, maps: Mapping[str, Callable[[], list[StabilityMap]]] = Map
 
 
 def cells_table(folder: Path) -> str:
-    """Cells of every map, and how many wrong ones of offered solvers pass the checks."""
+    """Cells of every map of an offered solver, and how many wrong ones pass the checks."""
     rows = []
     for file in sorted(folder.glob("*_*.json")):
         content = load_data(file)
         for each in content.get("maps", ()):
+            if not each["flagged"]:
+                continue
             cells = [cell for row in each["cells"] for cell in row]
             flags = [flag for row in each["flagged"] for flag in row]
-            unseen = (
-                sum(c == Cell.WRONG and not flag for c, flag in zip(cells, flags, strict=True))
-                if flags
-                else "-"
-            )
+            unseen = sum(c == Cell.WRONG and not flag for c, flag in zip(cells, flags, strict=True))
             counts = (cells.count(kind) for kind in list(Cell)[:4])
-            rows.append((content["name"], each["title"], *counts, unseen if flags else "not checked"))
+            rows.append((content["name"], each["title"].partition(",")[0], *counts, unseen))
     return markdown(("map", "method", *list(Cell)[:4], "wrong and not flagged"), rows)
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rps_exudyn.analysis.passes import Signals
-from rps_exudyn.analysis.rack_motion import rack_poses
+from rps_exudyn.analysis.rack_motion import NEEDED, rack_poses
 from rps_exudyn.base.compiled import called
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.rigid_motion import rotation_matrix
@@ -105,6 +105,59 @@ def _scale(stations: dict[str, np.ndarray], instant: np.ndarray, signals: Signal
         ratio = np.divide(signals[name], sums, out=np.ones(len(sums)), where=sums > 0)
         factors[chosen] = ratio[instant[chosen]]
     return factors
+
+
+# --- What the teeth bear over a record, in three numbers
+
+FACE_CELLS = 14  # in which the load along the face is counted
+"""Cells of the face width: 1 mm each on the default gear, as short as two contacts are wide."""
+
+
+def face_loading(gear: SteeringGear, signals: Signals) -> dict[str, float]:
+    """Return how the more loaded flanks bear their load along the face, from the contact forces; {} where the
+    record lacks the rack's motions or carries no load.
+
+    face_load_factor       largest over mean load per face width, averaged over the record, which has whole
+                           tooth pitches: K_H-beta of ISO 6336-1
+    load_centre            Z of the mean load, from the middle of the face [m]
+    contact_pressure_max   largest Hertzian pressure away from the lines' ends [Pa]
+    """
+    if not {*NEEDED, "pinion_angle"} <= {*signals}:
+        return {}
+    loads, pair = load_distribution(gear, signals), GearPair.of(gear)
+    side = max((-1, +1), key=lambda each: float(loads.force_on(each).sum()))
+    chosen = (loads.side == side) & (loads.load > 0)
+    force, face = (loads.load * loads.length)[chosen], loads.face[chosen]
+    if not force.size:
+        return {}
+    half = loads.length[chosen, None] * np.cos(pair.beta_b) / 2  # of a station, along the face
+    ends = np.linspace(-pair.face_width / 2, pair.face_width / 2, FACE_CELLS + 1)
+    reached = np.clip((ends - (face[:, None] - half)) / (2 * half), 0.0, 1.0)
+    cells = force @ np.diff(reached, axis=1)
+    return {
+        "face_load_factor": float(cells.max() / cells.mean()),
+        "load_centre": float(force @ face / force.sum()),
+        "contact_pressure_max": float(np.max(loads.pressure, where=~at_ends(loads), initial=0.0)),
+    }
+
+
+def at_ends(loads: LoadDistribution) -> np.ndarray:
+    """Return which stations stand within a contact's width of an end of their line, shape (k,).
+
+    An edge presses there, and all along a line shorter than two widths: the plane strain of Hertz's line
+    contact does not hold. So a line that is born at a tooth's corner, a tenth of a millimetre long, has no
+    pressure.
+    """
+    line = np.stack([loads.instant, loads.side, loads.tooth])
+    begins = np.flatnonzero(np.concatenate([[True], np.any(line[:, 1:] != line[:, :-1], axis=0)]))
+    counts = np.diff(np.append(begins, line.shape[1]))
+    reached = np.cumsum(loads.length)
+    whole = np.repeat(np.add.reduceat(loads.length, begins), counts)
+    place = reached - loads.length / 2 - np.repeat(reached[begins] - loads.length[begins], counts)
+    width = np.divide(  # 2a, from p = 2 F' / (pi a)
+        4 * loads.load, np.pi * loads.pressure, out=np.zeros(loads.load.size), where=loads.pressure > 0
+    )
+    return np.asarray(np.minimum(place, whole - place) <= width)
 
 
 # --- Stiffness of the mesh at each instant of a record: force on the rack per displacement of the rack

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.pitch_errors import pinion_errors
 from rps_exudyn.parameters.gear import SteeringGear
 
 
@@ -22,6 +23,7 @@ class FlankForm:
     crowning: float = 0.0  # taken off at both end faces, parabolically
     profile_slope: float = 0.0  # f_Halpha: surplus at the tip, linear from the form circle
     pitch_error: float = 0.0  # f_pt: shift of tooth 0 along the reference circle, polar angle ascending
+    pitch_errors: tuple[float, ...] = ()  # the same of every tooth
     lead_error: float = 0.0  # f_Hbeta: over the face width; > 0 where the helix angle is too large
 
     @classmethod
@@ -34,6 +36,7 @@ class FlankForm:
             pinion.crowning,
             pinion.profile_slope,
             pinion.pitch_error,
+            tuple(pinion_errors(gear).tolist()),
             pinion.lead_error,
         )
 
@@ -51,8 +54,10 @@ class FlankForm:
         return self.profile_slope * rise - self.tip_relief * into_relief**2 - self.crowning * across**2
 
     def turn(self, tooth: int, pair: GearPair) -> float:
-        """Angle by which the pitch error displaces a tooth [rad]."""
-        return self.pitch_error / pair.reference_radius if tooth % pair.teeth == 0 else 0.0
+        """Angle by which the pitch errors displace a tooth [rad]."""
+        number = tooth % pair.teeth
+        shift = self.pitch_errors[number] if self.pitch_errors else 0.0
+        return (shift + (self.pitch_error if number == 0 else 0.0)) / pair.reference_radius
 
     def twist(self, pair: GearPair) -> float:
         """Turn of the transverse section per axial length, lead error included [rad/m].

@@ -5,6 +5,7 @@ values and what an HDF5 result stores. Values are SI; text with a unit is conver
 """
 
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -74,12 +75,13 @@ class Unit:
 
 @dataclass(frozen=True)
 class Listed:
-    """A list of numbers that is kept as text, in SI with commas between; "none" without any. In TOML it may
-    be a list."""
+    """A list of numbers that is kept as text, in SI with commas between; "" without any, or "none". In TOML
+    it may be a list."""
 
     si: tuple[str, ...]  # of the numbers; the last one of all that follow
     counts: tuple[int, ...] = ()  # how many there may be; any number without
-    text: Callable[[str], bool] | None = None  # other texts that are allowed
+    largest: float = LARGEST  # size of each
+    text: Callable[[str], object] | None = None  # not None of another text that is allowed
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Lists and texts become one text before the field is checked."""
@@ -87,8 +89,10 @@ class Listed:
 
     def _as_text(self, value: object) -> str:
         if isinstance(value, str):
-            if value.strip() in ("", "none") or (self.text is not None and self.text(value)):
-                return value.strip() or "none"
+            if value.strip() in ("", "none"):
+                return ""
+            if self.text is not None and self.text(value) is not None:
+                return value.strip()
             value = value.split(",")
         parts = list(value) if isinstance(value, list | tuple) else [value]
         numbers = [
@@ -98,14 +102,36 @@ class Listed:
         if self.counts and len(numbers) not in self.counts:
             allowed = " or ".join(map(str, self.counts))
             raise ValueError(f"has {len(numbers)} numbers; it must have {allowed}")
-        if not all(math.isfinite(number) and abs(number) <= LARGEST for number in numbers):
-            raise ValueError("has numbers that are not finite; they must be")
+        for number in numbers:
+            if not abs(number) <= self.largest:
+                allowed = f"{self.largest:g} {self.si[0]} either way"
+                raise ValueError(f"has the number {number:g}; each must be at most {allowed}")
         return ", ".join(repr(number) for number in numbers)
 
 
 def numbers_in(text: str) -> tuple[float, ...]:
-    """Return the numbers of a `Listed` text; none of "none"."""
-    return () if text == "none" else tuple(float(part) for part in text.split(","))
+    """Return the numbers of a `Listed` text."""
+    return () if not text else tuple(float(part) for part in text.split(","))
+
+
+_CLASS = re.compile(r"\s*ISO 1328 class (\d{1,2}), seed (\d{1,9})\s*")
+
+
+def accuracy_class(text: str) -> tuple[int, int] | None:
+    """Return accuracy class and seed of a text such as "ISO 1328 class 8, seed 3"; None of any other.
+
+    Raises:
+        ValueError: a text about ISO 1328 that is no such class.
+    """
+    if "ISO" not in text:
+        return None
+    found = _CLASS.fullmatch(text)
+    if found is None or not 1 <= int(found[1]) <= 11:
+        raise ValueError(
+            f'is {text!r}; write "ISO 1328 class 8, seed 3", '
+            "with a class of 1 to 11 and a whole number as seed"
+        )
+    return int(found[1]), int(found[2])
 
 
 Count = Annotated[int, Field(strict=True)]
@@ -132,6 +158,7 @@ ViscousDrag = Annotated[float, Unit("N*s/m", "N*s/m")]
 Temperature = Annotated[float, Unit("K", "degC")]
 Expansion = Annotated[float, Unit("1/K", "1/K")]
 WearCoefficient = Annotated[float, Unit("m^2/N", "mm^3/N/m")]
+PitchErrors = Annotated[str, Listed(("m",), largest=1e-4, text=accuracy_class)]
 Stiffnesses = Annotated[str, Listed(("N/m", "N/m", "N/m", "N*m/rad"), counts=(6, 36))]
 
 
@@ -341,7 +368,7 @@ class Declared:
     def show(self, value: Any) -> str:
         """Return the value with the unit that a reader expects, or the words that stand for 0."""
         if self.unit is None:
-            return str(value)
+            return str(value) if value != "" else "none"
         return self.unit.zero if self.unit.zero and not value else self.unit.show(value)
 
 

@@ -26,6 +26,7 @@ from rps_exudyn.parameters.declaration import (
     LineStiffness,
     Mass,
     Number,
+    PitchErrors,
     Pressure,
     SpringRate,
     Table,
@@ -35,6 +36,8 @@ from rps_exudyn.parameters.declaration import (
     TorsionDamping,
     ViscousDrag,
     WearCoefficient,
+    accuracy_class,
+    numbers_in,
     parameter,
 )
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -134,6 +137,12 @@ class Pinion(Table):
     pitch_error: Length = parameter(
         0.0, "single pitch error f_pt: one tooth is displaced by it", "estimate", ge=-1e-4, le=1e-4
     )
+    pitch_errors: PitchErrors = parameter(
+        "none",
+        "pitch errors of all teeth, beside pitch_error: displacements in tooth order, or a class such as "
+        '"ISO 1328 class 8, seed 3"',
+        "estimate",
+    )
     profile_slope: Length = parameter(
         0.0, "profile slope deviation f_Halpha: surplus at the tip", "estimate", ge=-1e-4, le=1e-4
     )
@@ -173,6 +182,11 @@ class Rack(Table):
     length: Length = parameter("650 mm", "length of the bar", "estimate", gt=0)
     travel: Length = parameter("140 mm", "travel lock to lock", "paper", gt=0)
     density: Density = parameter(7850.0, "density of the bar", "estimate", gt=0)
+    pitch_errors: PitchErrors = parameter(
+        "none",
+        "pitch errors of all teeth: displacements along X in order of X, or a class as of the pinion",
+        "estimate",
+    )
     youngs_modulus: Pressure = parameter(
         "206 GPa", "Young's modulus of the bar, where it bends", "estimate", gt=0
     )
@@ -465,6 +479,13 @@ def _conflicts(gear: SteeringGear) -> Iterator[WrongValue]:
             ("pinion.lead_error", "pinion.face_width"),
             f"pinion.lead_error is {mm(pinion.lead_error)}; over pinion.face_width = {mm(pinion.face_width)} "
             f"it must be at most {mm(STEEPEST_LEAD * pinion.face_width)} either way.",
+        )
+    given = len(numbers_in(pinion.pitch_errors)) if accuracy_class(pinion.pitch_errors) is None else 0
+    if given and given != pinion.teeth:
+        yield WrongValue(
+            ("pinion.pitch_errors", "pinion.teeth"),
+            f"pinion.pitch_errors has {given} numbers; it must have {pinion.teeth}, one for each of "
+            "pinion.teeth.",
         )
     if bush.inner_diameter >= bush.outer_diameter:
         yield WrongValue(

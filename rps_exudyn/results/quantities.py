@@ -179,7 +179,9 @@ SIGNALS = {
     "mesh_normal_force_drive": _force("sum of the normal forces on the flanks that drive the rack along +X"),
     "mesh_normal_force_coast": _force("sum of the normal forces on the flanks that drive the rack along -X"),
     "mesh_penetration": _deflection("deepest penetration of the teeth"),
-    "mesh_pressure": Quantity("Pa", "MPa", "largest Hertzian pressure on the lines of contact"),
+    "mesh_pressure": Quantity(
+        "Pa", "MPa", "largest Hertzian pressure on the lines of contact; by law teeth away from their ends"
+    ),
     "seat_force": _force("force of the plunger on the rack along -Y, without the seat's friction"),
     "yokenut_force": _force(
         "contact force of the yokenut on the plunger along -Y, 0 while there is clearance"
@@ -252,6 +254,11 @@ _SUMMARY = {
         "above 100 % where less rubs under load"
     ),
     "efficiency_ratio": _ratio("efficiency_reverse / efficiency_forward"),
+    "face_load_factor": _number("largest over mean load along the face, from the contact forces: K_H-beta"),
+    "load_centre": _length("place of the mean load along the pinion's axis, from the middle of the face"),
+    "contact_pressure_max": Quantity(
+        "Pa", "MPa", "largest Hertzian pressure on the flanks, away from the ends of the lines of contact"
+    ),
     "push_force_mean": _force(
         "mean force along the motion that moves the rack, over the rack's displacement"
     ),

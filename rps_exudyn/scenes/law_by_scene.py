@@ -25,6 +25,8 @@ FLANK_DEVIATIONS = (
     "pinion.profile_slope",
     "pinion.lead_error",
     "pinion.pitch_error",
+    "pinion.pitch_errors",
+    "rack.pitch_errors",
 )
 """Parameters that shift load along a flank or from tooth to tooth, which takes the right stiffness."""
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from rps_exudyn.analysis.efficiency import LoadTest, describe_load_test, free_torque_of, measured_load_test
+from rps_exudyn.analysis.load_distribution import face_loading
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -51,7 +52,8 @@ def load_test(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     (further,) = _remarks(turned)
 
     def metrics(signals: Signals) -> dict[str, float]:
-        return _metrics(replace(turned, signals=signals))
+        on_face = face_loading(gear, signals) if fidelity.bends_teeth else {}
+        return _metrics(replace(turned, signals=signals)) | on_face
 
     run = run_and_confirm(gear, fidelity, weighted, options, metrics, SCENE.figure, loaded)
     return run.noting(*remarks(gear, run.signals), *further)

@@ -236,10 +236,12 @@ def whole_periods(gear: SteeringGear, angle: float) -> int | None:
     """Return how many periods of the gear an angle [rad] covers; None if not a whole number.
 
     Every tooth is alike, so that the curve repeats with the tooth pitch; errors that single out a tooth
-    or a direction of the pinion make it repeat with the turn. Along a bar that is not straight it does not.
+    or a direction of the pinion make it repeat with the turn. Along a bar that is not straight, or whose
+    teeth have errors, it does not.
     """
-    if gear.rack.bow:
+    if gear.rack.bow or gear.rack.pitch_errors:
         return None
-    alike = gear.pinion.runout == 0 and gear.pinion.pitch_error == 0
+    pinion = gear.pinion
+    alike = pinion.runout == 0 and pinion.pitch_error == 0 and not pinion.pitch_errors
     periods = angle / (2 * np.pi) * (gear.pinion.teeth if alike else 1)
     return round(periods) if periods > 0.5 and abs(periods - round(periods)) < 1e-9 * periods else None

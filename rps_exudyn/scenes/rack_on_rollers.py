@@ -25,7 +25,7 @@ _WITHOUT = (
 
 def on_rollers(gear: SteeringGear) -> SteeringGear:
     """Return the gear with rollers in the pinion's place: teeth and bearings that do not rub, no errors."""
-    return gear.replace(dict.fromkeys(_WITHOUT, 0.0))
+    return gear.replace(dict.fromkeys(_WITHOUT, 0.0) | {"pinion.pitch_errors": "none"})
 
 
 def rack_on_rollers(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:

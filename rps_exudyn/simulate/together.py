@@ -54,7 +54,8 @@ def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, value
     """Return why the gears of a table cannot be followed together, or ""."""
     usual = Fidelity.preset("quasi-static")
     same = fidelity.replace({"step_angle": usual.step_angle, "strip_stations": usual.strip_stations})
-    parts = gear.rack.bow or gear.rack.side_force or gear.installation.gravity
+    listed = gear.rack.pitch_errors or gear.pinion.pitch_errors
+    parts = gear.rack.bow or gear.rack.side_force or gear.installation.gravity or listed
     reasons = {
         "scene": scene_named(scene).test is None,
         "fidelity": same != usual,

@@ -115,7 +115,7 @@ def beyond_formulas(gear: SteeringGear) -> str:
             f"the formulas have no yokenut, and a runout of {1e6 * lift:.4g} um uses up "
             f"yoke.clearance = {1e6 * gear.yoke.clearance:.4g} um"
         )
-    unknown = {
+    unknown: dict[str, object] = {
         "installation.angle_error": gear.installation.angle_error,
         "installation.axis_offset": gear.installation.axis_offset,
         "installation.gravity": gear.installation.gravity,
@@ -124,6 +124,8 @@ def beyond_formulas(gear: SteeringGear) -> str:
         "pinion.tip_relief": pinion.tip_relief,
         "pinion.crowning": pinion.crowning,
         "pinion.pitch_error": pinion.pitch_error,
+        "pinion.pitch_errors": pinion.pitch_errors,
+        "rack.pitch_errors": gear.rack.pitch_errors,
         "pinion.profile_slope": pinion.profile_slope,
         "pinion.lead_error": pinion.lead_error,
     }

@@ -10,7 +10,7 @@ import numpy as np
 
 from rps_exudyn.base.compiled import inline, kernel
 from rps_exudyn.forces.rigid_motion import cross, plus, scaled, vector
-from rps_exudyn.gears.tooth_stiffness import HERTZ
+from rps_exudyn.gears.tooth_stiffness import EFFECTIVE_MODULUS, HERTZ
 from rps_exudyn.tooth_contact.contact_tangent import (
     add_to_patch,
     add_viscous,
@@ -68,24 +68,51 @@ def teeth_contact(angle, rate, position, rotation, velocity, spin, data, work, f
         begin_side(side, flank, work)
         for line in range(n):
             if lines.side[line] == side.sign:
-                _add_loads(lines, line, force, elastic, side, flank, work)
+                _add_loads(lines, n, line, force, elastic, side, flank, work)
         work.sums[ENERGY], energy = energy, 0.0
         end_side(angle, position, side, flank, work, slopes)
 
 
 @inline
-def _add_loads(lines, line, force, elastic, side, flank, work):  # type: ignore[no-untyped-def]
-    """Add the loads of one line."""
+def _add_loads(lines, n, line, force, elastic, side, flank, work):  # type: ignore[no-untyped-def]
+    """Add the loads of one of n lines.
+
+    No pressure is kept within a contact's width of a line's ends, nor on a line shorter than two widths:
+    there an edge presses, which Hertz's line contact does not describe.
+    """
     stations, count, pressed = lines.stations, flank.stations, False
+    before, end = _length(lines, line - 1, line, n, count), 0.0
+    for piece in range(line - 1, line + 2):
+        end += _length(lines, piece, line, n, count)
     for i in range(line * count, (line + 1) * count):
+        place = before + stations[LENGTH, i] / 2
+        before += stations[LENGTH, i]
         if force[i] > 0:
             pressed = True
             add_load(force[i], stations[P_R, i], stations[P_T, i], stations[P_Z, i], side, flank, work)
             work.sums[DAMPING_LOSS] += (force[i] - elastic[i]) * stations[RATE, i]
-            note_line_load(force[i] / stations[LENGTH, i], stations[ROLL, i], work)
+            load = force[i] / stations[LENGTH, i]
+            if contact_width(load, stations[ROLL, i] / flank.cos_base_helix) < min(place, end - place):
+                note_line_load(load, stations[ROLL, i], work)
     if pressed:
         work.sums[LINES] += 0 if _goes_on(lines, line, force, count) else 1
         work.sums[DEEPEST] = max(work.sums[DEEPEST], lines.deepest[line])
+
+
+@inline
+def _length(lines, piece, line, n, count):  # type: ignore[no-untyped-def]
+    """Return the length of a piece of one of n lines [m]; 0 if there is none or it is of another line."""
+    if piece < 0 or piece >= n:
+        return 0.0
+    if lines.tooth[piece] != lines.tooth[line] or lines.side[piece] != lines.side[line]:
+        return 0.0
+    return lines.stations[LENGTH, piece * count : (piece + 1) * count].sum()
+
+
+@inline
+def contact_width(load, radius):  # type: ignore[no-untyped-def]
+    """Return the width 2a of Hertz's contact [m] of a load per length [N/m] on a radius [m]."""
+    return 4 * np.sqrt(load * radius / (np.pi * EFFECTIVE_MODULUS))
 
 
 @inline

@@ -11,6 +11,7 @@ from rps_exudyn.forces.friction import LAW, Patches, law_of
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
+from rps_exudyn.gears.pitch_errors import MOST_TEETH, rack_errors
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.parameters.gear import SteeringGear
 
@@ -18,6 +19,8 @@ ALONG, ACROSS = 4, 2  # Gauss points: stations in each segment of a line, nodes 
 TOWARDS_ENDS = -0.13  # power that suits the loads of teeth that bend: on eleven gears 5 stations leave 0.05 %
 TURNS_ABOUT = 0.25  # smallest over mean sliding below which the friction turns within the stations' distance
 MOST_POINTS = 13  # of a rule, as `fidelity.strip_stations` and `strip_points` allow
+
+MOST_PINION_TEETH = 40  # as `pinion.teeth` allows
 
 FLANK = record_type(
     [
@@ -38,7 +41,10 @@ FLANK = record_type(
         ("relief_start", "f8"),  # tangent length where the tip relief begins
         ("relief", "f8"),  # taken off per squared tangent length from there on
         ("crowning", "f8"),  # taken off per squared axial length
-        ("pitch_error", "f8"),  # turn of tooth 0
+        ("turns", "f8", (MOST_PINION_TEETH,)),  # of the pinion's teeth by their pitch errors [rad]
+        ("has_rack_errors", "i8"),
+        ("rack_middle", "i8"),  # place of the rack's tooth 0 among ...
+        ("rack_shifts", "f8", (MOST_TEETH,)),  # ... displacements of its teeth along X [m]
         # how the pinion stands
         ("cos_delta", "f8"),
         ("sin_delta", "f8"),
@@ -94,9 +100,13 @@ def pack(
 
     Raises:
         ValueError: no involute is left between form and tip circle.
+        InputError: pitch errors that the rack's teeth do not have.
     """
     pair, form, mesh = GearPair.of(gear), FlankForm.of(gear), gear.mesh
-    unturned = replace(form, pitch_error=0.0)
+    unturned = replace(form, pitch_error=0.0, pitch_errors=())
+    of_rack, turns, shifts = rack_errors(gear), np.zeros(MOST_PINION_TEETH), np.zeros(MOST_TEETH)
+    turns[: pair.teeth] = [form.turn(tooth, pair) for tooth in range(pair.teeth)]
+    shifts[: len(of_rack)] = of_rack
     coast, drive = Flank(pair, 0, +1, unturned), Flank(pair, 0, -1, unturned)
     (q_form, q_tip), half_face = _tangent_lengths(coast), pair.face_width / 2
     normal = pair.rack_flank_normal(+1)
@@ -117,7 +127,10 @@ def pack(
         relief_start=q_tip - form.tip_relief_length if form.tip_relief else np.inf,
         relief=form.tip_relief / form.tip_relief_length**2,
         crowning=form.crowning / half_face**2,
-        pitch_error=form.turn(0, pair),
+        turns=turns,
+        has_rack_errors=int(bool(len(of_rack))),
+        rack_middle=len(of_rack) // 2,
+        rack_shifts=shifts,
         cos_delta=np.cos(pair.delta),
         sin_delta=np.sin(pair.delta),
         axis_offset=pair.axis_offset,

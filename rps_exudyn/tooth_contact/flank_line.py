@@ -194,13 +194,17 @@ def first_tooth(angle, side, data):  # type: ignore[no-untyped-def]
 def line_of(tooth, turn, side, data):  # type: ignore[no-untyped-def]
     """The line of one tooth against the flank of the rack that is nearest to it."""
     s, rb, p = side.sign, data.base_radius, data.normal_base_pitch
-    if tooth % data.teeth == 0:
-        turn += data.pitch_error
+    turn += data.turns[tooth % data.teeth]
     q_0 = s * rb * (turn + 2 * np.pi * tooth / data.teeth)
     q_1 = -s * rb * data.twist
     d_0 = side.offset + side.n_p * q_0
     rack_tooth = -s * np.rint(d_0 / p)
-    return Line(q_0, q_1, d_0 + s * rack_tooth * p, side.n_p * q_1 - side.n_z, rack_tooth)
+    d_0 += s * rack_tooth * p
+    if data.has_rack_errors:
+        place = int(rack_tooth) + data.rack_middle
+        if 0 <= place <= 2 * data.rack_middle:
+            d_0 += s * data.normal_x * data.rack_shifts[place]
+    return Line(q_0, q_1, d_0, side.n_p * q_1 - side.n_z, rack_tooth)
 
 
 @inline

@@ -12,9 +12,12 @@ from scipy.spatial.transform import Rotation
 from flank_points import wrench_by_points
 from flank_poses import ANGLES, FINE, PAPER, POSES, PRESS, ZONE, changed, difference, state
 from rps_exudyn.base.compiled import changed as changed_record
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
+from rps_exudyn.gears.pitch_errors import class_tolerances, pinion_errors, rack_errors
+from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.tooth_contact.flank_data import pack
@@ -30,6 +33,8 @@ from rps_exudyn.tooth_contact.wrench import (
     TORQUE,
 )
 from verification.contact_at import flank_contact
+
+PAIR = GearPair.of(PAPER)
 
 
 # --- three ways to one integral ----------------------------------------------------------------
@@ -289,12 +294,13 @@ def test_pitch_error_is_a_turn_of_one_tooth() -> None:
     gear, angle = changed(pinion__pitch_error="3 um"), 0.2
     plain, wrong = pack(PAPER, zone=ZONE), pack(gear, zone=ZONE)
     turn = FlankForm.of(gear).turn(0, GearPair.of(gear))
-    assert turn == wrong.pitch_error != 0
+    assert turn == wrong.turns[0] != 0
+    gone = np.eye(1, len(plain.turns))[0]
     a, w, p, r, v, s = state(PAPER, angle)
     for normal, away in ((NORMAL_DRIVE, 0.01), (NORMAL_COAST, -0.01)):
 
         def of_tooth_0(angle: float, normal: int = normal, away: float = away) -> float:
-            data = plain, changed_record(plain, pitch_error=away)
+            data = plain, changed_record(plain, turns=away * gone)
             every, others = (flank_contact(angle, w, p, r, v, s, one)[normal] for one in data)
             return float(every - others)
 
@@ -303,6 +309,75 @@ def test_pitch_error_is_a_turn_of_one_tooth() -> None:
             flank_contact(a, w, p, r, v, s, wrong)[normal] - flank_contact(a, w, p, r, v, s, plain)[normal]
         )
         assert change == pytest.approx(of_tooth_0(a + turn) - of_tooth_0(a), rel=1e-9)
+
+
+def test_pitch_errors_of_the_rack_are_shifts_of_its_teeth() -> None:
+    """Law: all teeth shifted by d are the rack shifted by d; each tooth by itself makes a part of that
+    change, and the parts add up where each line carries its own load."""
+    shift, angle = 2e-6, 0.2
+    teeth = len(RackBar.of(PAPER).teeth)
+    plain = pack(PAPER, zone=ZONE)
+    a, w, p, r, v, s = state(PAPER, angle)
+    before = flank_contact(a, w, p, r, v, s, plain)[:7]
+
+    def change(errors: np.ndarray) -> np.ndarray:
+        wrong = pack(changed(rack__pitch_errors=errors.tolist()), zone=ZONE)
+        return np.asarray(flank_contact(a, w, p, r, v, s, wrong)[:7] - before)
+
+    whole = change(np.full(teeth, shift))
+    along = np.array([shift, 0.0, 0.0])
+    of_rack = flank_contact(a, w, p + along, r, v, s, plain)[:7]
+    of_rack[4:] += np.cross(along, of_rack[1:4])  # about the same point
+    size = np.abs(before).max()
+    assert np.abs(whole - (of_rack - before)).max() < 1e-3 * np.abs(whole).max()
+    parts = [change(row) for row in shift * np.eye(teeth)]
+    assert np.abs(sum(parts) - whole).max() < 1e-9 * size
+    touched = [i - teeth // 2 for i, part in enumerate(parts) if np.abs(part).max() > 0]
+    pitches = -PAIR.gain * angle / PAIR.rack_pitch  # the tooth opposite the pinion's axis
+    assert 2 <= len(touched) <= 4
+    assert max(abs(tooth - pitches) for tooth in touched) < 2
+
+
+def test_a_list_with_one_error_is_the_single_pitch_error() -> None:
+    one, listed = changed(pinion__pitch_error="3 um"), changed(pinion__pitch_errors=[3e-6, 0, 0, 0, 0, 0])
+    assert (pack(one).turns == pack(listed).turns).all()
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("accuracy", [5, 8])
+def test_drawn_errors_are_as_large_as_their_class_allows(accuracy: int) -> None:
+    """ISO 1328-1:2013; class 8 of the default gear has f_pt 16.2 and F_p 43.0 um."""
+    text = f"ISO 1328 class {accuracy}, seed 3"
+    gear = SteeringGear().replace({"pinion.pitch_errors": text, "rack.pitch_errors": text})
+    single, whole = class_tolerances(GearPair.of(gear), accuracy)
+    if accuracy == 8:
+        assert (1e6 * single, 1e6 * whole) == pytest.approx((16.25, 43.05), abs=0.01)
+    pinion, rack = pinion_errors(gear), rack_errors(gear)
+    for errors, steps in ((pinion, np.diff(np.append(pinion, pinion[0]))), (rack, np.diff(rack))):
+        shares = np.abs(steps).max() / single, np.ptp(errors) / whole
+        assert max(shares) == pytest.approx(1.0)
+        assert errors.mean() == pytest.approx(0.0, abs=1e-12)
+    assert (rack_errors(gear) == rack).all()
+    other = gear.replace({"rack.pitch_errors": f"ISO 1328 class {accuracy}, seed 4"})
+    assert (rack_errors(other) != rack).any()
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("path", "value", "sentence"),
+    [
+        ("pinion.pitch_errors", [1e-6, 2e-6], "has 2 numbers; it must have 6"),
+        ("rack.pitch_errors", [1e-6, 2e-6], "has 2 numbers; it must have 31, one for each tooth"),
+        ("pinion.pitch_errors", "ISO 1328 class 14, seed 1", "with a class of 1 to 11"),
+        ("rack.pitch_errors", "ISO 1328 class 8", "with a class of 1 to 11 and a whole number as seed"),
+        ("rack.pitch_errors", ["1 mm"], "each must be at most 0.0001 m either way"),
+        ("rack.pitch_errors", "8 kg", "no quantity in m"),
+    ],
+)
+def test_wrong_pitch_errors_are_one_sentence(path: str, value: object, sentence: str) -> None:
+    with pytest.raises(InputError, match=sentence) as error:
+        rack_errors(SteeringGear().replace({path: value}))
+    assert len(error.value.problems) == 1
 
 
 def test_axis_offset_is_an_opposite_shift_of_the_rack() -> None:

@@ -132,7 +132,10 @@ def pass_values(block: CurveBlock, gear: SteeringGear, fidelity: Fidelity, sense
             raise NoPredictionError(run.outcome.message)
         angle, torque = run.signals["pinion_angle"], run.signals["pinion_torque"]
         return np.interp(block.grid, angle[::sense], torque[::sense])
-    true = gear.replace({"pinion.pitch_error": 0.0, "rack.bow": 0.0})
+    true = gear.replace(
+        dict.fromkeys(("pinion.pitch_error", "rack.bow"), 0.0)
+        | dict.fromkeys(("pinion.pitch_errors", "rack.pitch_errors"), "none")
+    )
     half, step = sense * TURN / 2, 2 * MEAN_STEP
     if gear.pinion.runout < SEEN:
         true, half, step = true.replace({"pinion.runout": 0.0}), half / gear.pinion.teeth, MEAN_STEP

@@ -18,6 +18,7 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.pitch_errors import rack_errors
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -88,6 +89,10 @@ def _straight_where_rigid(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Br
         repair = ({"bush": "condensed"} if chain else {}) | ({"mesh": "flank"} if contact else {})
         why = f"{part}, which holds for straight bars only,"
         yield Breach("rack.bow", 1e6 * gear.rack.bow, 0.0, why, repair, "{:.4g} um")
+    if gear.rack.pitch_errors and contact:
+        why = "fidelity.mesh = general-contact, whose racks have teeth without errors,"
+        size = 1e6 * float(np.abs(rack_errors(gear)).max())
+        yield Breach("the largest of rack.pitch_errors", size, 0.0, why, {"mesh": "flank"}, "{:.4g} um")
 
 
 def _contact_integrated(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:
