@@ -144,7 +144,8 @@ def references(plan: ScenePlan) -> tuple[dict[str, tuple[float, float]], str]:
         if isfinite(expectation.figure):
             right[figure] = expectation.figure, 0.0
             ripple = next((name for name in RIPPLES if name in right), "")
-            if ripple and isfinite(expectation.ripple):
+            alike = plan.fidelity.solver == "equilibrium" or expectation.method == "Runge-Kutta"
+            if ripple and alike and isfinite(expectation.ripple):  # else vibration adds to the ripple
                 right[ripple] = expectation.ripple, 0.0
     if plan.scene in BEHIND_COLUMN:
         try:

@@ -8,7 +8,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.metric_confirmation import run_and_confirm
 from rps_exudyn.scenes.metrics import figures_of_turning
-from rps_exudyn.scenes.remarks import remarks, unresolved_peaks
+from rps_exudyn.scenes.remarks import remarks
 from rps_exudyn.scenes.scene import RunOptions, Scene, SteadyTest
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state
@@ -27,9 +27,7 @@ def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptio
         return {**figures_of_turning(signals, gear), **formula}
 
     run = run_and_confirm(gear, fidelity, maneuvers, options, metrics, SCENE.figure)
-    unseen = unresolved_peaks(fidelity, run, "pinion_torque", "pinion_angle")
-    left_out = ("torque_peak_to_peak", "torque_tooth_order") if unseen else ()
-    return run.noting(*remarks(gear, run.signals), unseen).without(left_out)
+    return run.noting(*remarks(gear, run.signals))
 
 
 def _by_formula(gear: SteeringGear) -> dict[str, float]:

@@ -1,24 +1,27 @@
 """Whether the metrics of a run stand: each is confirmed as `quantities` declares, or left out.
 
-Every second instant of a record shows what its steps miss, at the cost of reading it twice; a steady motion
-is made again only where that doubts a metric. A motion to and fro, or with impacts, is made again in half the
-steps, a swing from another cycle before. What still changes is left out, and a run whose own figure changes
-is invalid.
+Every second instant of a record shows what its steps miss of means, a curve through the instants what its
+extremes miss between them, at the cost of reading the record again; a steady motion is made again only where
+these doubt a metric, or where equilibria take the rack's rolling late. A motion to and fro, or with impacts,
+is made again in half the steps, a swing from another cycle before. What still changes, or is not resolved by
+the finest steps, is left out, and a run whose own figure changes is invalid.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
+from rps_exudyn.analysis.curve import midpoints_added
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Remark, Status
-from rps_exudyn.results.quantities import ANOTHER_CYCLE, OTHER, SUMMARY
+from rps_exudyn.results.quantities import ANOTHER_CYCLE, OTHER, SPREADS, SUMMARY
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.refine import refine
+from rps_exudyn.scenes.remarks import unresolved_peaks
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
@@ -27,12 +30,14 @@ from rps_exudyn.solvers.prescribed_motion import Swing
 from rps_exudyn.solvers.record import COORDINATES
 from rps_exudyn.solvers.steering_column import WheelTorque
 
-Metrics = Callable[[Signals], dict[str, float]]
+Metrics = Callable[[Signals], dict[str, Any]]
 TORQUES = "torque_mean", "feel_running_torque", "torque_forward", "torque_jump", "breakaway_torque"
 """Metrics, the first of which that a run has is the size of its torque, unless rubbing teeth take more."""
 RUBBING = 0.1  # coefficient of friction by which the force on the teeth gives a run its sizes
 MOST_FINER = {"equilibrium": 2, "generalized-alpha": 1}
 """Solver -> times that the steps of a motion are halved for its metrics; formulas have none."""
+LEAST_ROLL = 1e-6  # range of a rack that does not roll [rad]
+LATE = 0.1  # half a step of the rack's rolling, over its range: ranges that friction shifts move by as much
 AGREED = 0.4  # of a metric's tolerance: where curves have kinks, as much again or more is left
 SLOW = 2 * np.pi * 20 / 60  # speed of the pinion up to which teeth that enter hardly shake the gear [rad/s]
 
@@ -58,9 +63,20 @@ def run_and_confirm(
         finer = [each.halved(halvings) for each in maneuvers]
         return run_maneuver(gear, fidelity, finer, options)
 
-    shakes = maneuvers[0].is_steady and fidelity.solver != "equilibrium" and gear.test.speed > SLOW
+    steady = maneuvers[0].is_steady
     run = first or run_maneuver(gear, fidelity, maneuvers, options)
-    return confirmed(run, metrics, made, figure, most=most_finer(fidelity, options), always=always or shakes)
+    if fidelity.solver == "equilibrium":
+        always = always or (steady and bool(run.signals) and bool(rolls_late(run.signals) > LATE))
+    else:
+        always = always or (steady and gear.test.speed > SLOW)
+    most = most_finer(fidelity, options)
+    run = confirmed(run, metrics, made, figure, most=most, always=always, smooth=steady)
+    if not steady:
+        return run
+    drive = maneuvers[0].drive
+    place = "pinion_angle" if drive.body == "pinion" else "rack_displacement"
+    unseen = unresolved_peaks(fidelity, run, drive.signal, place)
+    return run.noting(unseen).without(SPREADS if unseen else ())
 
 
 def most_finer(fidelity: Fidelity, options: RunOptions) -> int:
@@ -109,13 +125,41 @@ def figure_changes(metrics: Metrics, figure: str, run: SceneRun, later: SceneRun
     return float(change.get(figure, 0.0))
 
 
-def every_second(signals: Signals) -> Signals:
-    """Return a record of every second instant (..., n) of each of its maneuvers, their ends kept."""
-    time = signals["time"]
+def _parts(time: np.ndarray) -> Iterator[slice]:
+    """Yield the instants of each maneuver of a record."""
     begins = np.concatenate([[0], np.flatnonzero(np.diff(time) <= 0) + 1, [time.size]])
-    parts = [np.append(np.arange(i, j - 1, 2), j - 1) for i, j in pairwise(begins)]
+    return (slice(i, j) for i, j in pairwise(begins.tolist()))
+
+
+def every_second(signals: Signals, stride: int = 2) -> Signals:
+    """Return a record of every second instant (..., n) of each of its maneuvers, their ends kept; or of one
+    in `stride`."""
+    parts = [np.append(np.arange(i.start, i.stop - 1, stride), i.stop - 1) for i in _parts(signals["time"])]
     kept = np.concatenate(parts)
     return {name: values[..., kept] for name, values in signals.items()}
+
+
+def with_midpoints(signals: Signals) -> Signals:
+    """Return a record (..., n) with an instant more between any two of a maneuver, on the cubic through the
+    four around it."""
+    parts = list(_parts(signals["time"]))
+    return {
+        name: np.concatenate([midpoints_added(values[..., part]) for part in parts], axis=-1)
+        for name, values in signals.items()
+    }
+
+
+def rolls_late(signals: Signals) -> Any:
+    """Return half a step of the rack's rolling at its fastest, over the range of its roll; of many gears an
+    array (n,). So late is the rolling of equilibria, which take its rate by backward differences."""
+    late: Any = 0.0
+    if "rack_roll" not in signals:
+        return late
+    roll = signals["rack_roll"]
+    for part in _parts(signals["time"]):
+        steps = np.ptp(np.diff(roll[..., part]), axis=-1)
+        late = np.maximum(late, steps / 2 / np.maximum(np.ptp(roll[..., part], axis=-1), LEAST_ROLL))
+    return late
 
 
 def doubted(metrics: Metrics, signals: Signals, values: Mapping[str, Any]) -> dict[str, Any]:
@@ -128,6 +172,13 @@ def doubted(metrics: Metrics, signals: Signals, values: Mapping[str, Any]) -> di
     return changes({name: values[name] for name in values if name in fewer}, fewer, signals)
 
 
+def unresolved(metrics: Metrics, signals: Signals, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return by how much metrics change where a curve through the instants goes on between them, over their
+    tolerances: extremes may lie there, and vibration from instant to instant swings on."""
+    more = metrics(with_midpoints(signals))
+    return changes(values, {name: more[name] for name in values if name in more}, signals)
+
+
 def confirmed(
     run: SceneRun,
     metrics: Metrics,
@@ -136,6 +187,7 @@ def confirmed(
     *,
     most: int,
     always: bool = False,
+    smooth: bool = False,
 ) -> SceneRun:
     """Return a run with the metrics that stand, in finer steps where its own do not show them.
 
@@ -146,6 +198,8 @@ def confirmed(
         figure: name of the metric without which the run is invalid.
         most: how often they are halved at most; 0 leaves the metrics unconfirmed.
         always: whether a finer run is made even where the record raises no doubt.
+        smooth: whether its signals go on smoothly between the instants, so that they show what they miss;
+            then a finer run that was made is taken, else only where it changes a metric.
 
     Raises:
         Interrupted: Ctrl-C; it carries the last whole run.
@@ -155,8 +209,11 @@ def confirmed(
         return described
     begun = int(run.outcome.findings.get("halvings", 0))
 
+    def between(each: SceneRun) -> dict[str, float]:
+        return unresolved(metrics, each.signals, each.summary) if smooth else {}
+
     def doubts(each: SceneRun) -> dict[str, float]:
-        return doubted(metrics, each.signals, each.summary)
+        return larger(doubted(metrics, each.signals, each.summary), between(each))
 
     def changed(coarse: SceneRun, fine: SceneRun) -> dict[str, float]:
         return changes(coarse.summary, fine.summary, fine.signals)
@@ -178,14 +235,19 @@ def confirmed(
         change=lambda coarse, fine: max(changed(coarse, fine).values(), default=0.0),
         allowed=AGREED,
     )
-    if refined.confirmed and refined.times == 1:
+    finest = refined.finest
+    if refined.confirmed and refined.times == 1 and not smooth:
         return _counted(described, refined.runs, 0)
-    taken = refined.finest
     if refined.times and refined.failed is None:
-        left = _beyond(changed(refined.runs[-2], taken), 1.0)
+        left = _beyond(larger(changed(refined.runs[-2], finest), between(finest)), 1.0)
     else:
-        left = _beyond(first if not refined.times else doubts(taken), 1.0)
-    return _left_out(_counted(taken, refined.runs, begun + refined.times), left, figure)
+        left = _beyond(first if not refined.times else doubts(finest), 1.0)
+    return _left_out(_counted(finest, refined.runs, begun + refined.times), left, figure)
+
+
+def larger(some: Mapping[str, Any], others: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the larger of two changes of each metric."""
+    return {name: np.maximum(some.get(name, 0.0), others.get(name, 0.0)) for name in {**some, **others}}
 
 
 def _beyond(change: Mapping[str, float], allowed: float) -> dict[str, float]:
@@ -204,12 +266,24 @@ def _left_out(run: SceneRun, change: Mapping[str, float], figure: str) -> SceneR
     """Return a run without the metrics that change, with the reason; invalid without its figure."""
     if not change:
         return run
-    shown = ", ".join(_shown(name, value) for name, value in change.items())
-    by = ANOTHER_CYCLE if any(_how(name) == ANOTHER_CYCLE for name in change) else _how(next(iter(change)))
     if figure in change:
-        return run.invalid(Code.STEPS_TOO_COARSE, f"{figure} does not stand: {by} change {shown}")
-    why = Remark(Code.METRIC_NOT_CONFIRMED, f"{by} change what is left out: {shown}")
-    return run.without(change).noting(why)
+        shown = f"{figure} does not stand: {_by(change)} change {_all_shown(change)}"
+        return run.invalid(Code.STEPS_TOO_COARSE, shown)
+    return run.without(change).noting(not_confirmed(change))
+
+
+def not_confirmed(change: Mapping[str, float]) -> Remark:
+    """Return the remark on metrics that are left out, metric -> its change over its tolerance."""
+    text = f"{_by(change)} change what is left out: {_all_shown(change)}"
+    return Remark(Code.METRIC_NOT_CONFIRMED, text)
+
+
+def _by(change: Mapping[str, float]) -> str:
+    return ANOTHER_CYCLE if any(_how(name) == ANOTHER_CYCLE for name in change) else _how(next(iter(change)))
+
+
+def _all_shown(change: Mapping[str, float]) -> str:
+    return ", ".join(_shown(name, value) for name, value in change.items())
 
 
 def _how(name: str) -> str:

@@ -13,7 +13,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.metric_confirmation import run_and_confirm
 from rps_exudyn.scenes.metrics import figures_of_motion, without
-from rps_exudyn.scenes.remarks import remarks, unresolved_peaks
+from rps_exudyn.scenes.remarks import remarks
 from rps_exudyn.scenes.scene import RunOptions, Scene, SteadyTest, Turned
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 
@@ -31,9 +31,7 @@ def rack_push(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
         return _metrics(Turned(gear, signals, {}, gain, 0.0, fidelity.step_angle))
 
     run = run_and_confirm(gear, fidelity, maneuvers, options, metrics, SCENE.figure)
-    unseen = unresolved_peaks(fidelity, run, "rack_force", "rack_displacement")
-    left_out = ("push_force_peak_to_peak",) if unseen else ()
-    return run.noting(*remarks(gear, run.signals), unseen).without(left_out)
+    return run.noting(*remarks(gear, run.signals))
 
 
 def _metrics(turned: Turned) -> dict[str, float]:

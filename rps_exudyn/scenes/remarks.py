@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.analysis.curve import UNRESOLVED, unresolved
-from rps_exudyn.analysis.passes import Signals, first_angle, passes
+from rps_exudyn.analysis.passes import Signals, first_angle, passes, spread
 from rps_exudyn.gears.tooth_stiffness import BEARABLE_PRESSURE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -19,7 +19,8 @@ LIMITS = frozenset({Code.FLANK_LIFTED, Code.YOKE_STOPPED})
 GROWN = 0.7  # power of e by which a vibration may grow over a way unseen
 DIED = 1.0  # power of e by which what began before a way, or with it, should die over it ...
 UNRESOLVED_UNDAMPED = 0.015  # ... or else steps may miss no more of the mean than that
-UNSETTLED = 0.05  # of the largest force over the first pitch, which may depend on where the motion began
+UNSETTLED = 0.05  # of the force's variation, which may depend on where the motion began
+LEFT_OUT = "peak to peak values and ranges are left out"
 JUMP = 0.05  # of the mean between equilibria whose steps were halved as often as makes sense
 
 
@@ -70,21 +71,25 @@ def _yoke_stopped(gear: SteeringGear, signals: Signals) -> Iterator[Remark]:
 
 
 def unresolved_peaks(fidelity: Fidelity, run: SceneRun, signal: str, place: str) -> Remark | None:
-    """Return a remark on a run whose steps do not show how large its signal becomes over a place."""
+    """Return a remark on a run whose steps or whose start do not show how far its signal varies over a
+    place."""
     if fidelity.solver == "closed-form" or signal not in run.signals:
         return None
-    if (depends := run.outcome.findings.get("start_unsettled", 0.0)) > UNSETTLED:
+    ways = [each.signals for each in passes(run.signals)]
+    depends = run.outcome.findings.get("start_unsettled", 0.0)
+    varies = max((spread(way[signal]) for way in ways), default=0.0) / np.abs(run.signals[signal]).max()
+    if depends > UNSETTLED * varies:
         return Remark(
             Code.PEAKS_UNRESOLVED,
-            f"up to {depends:.1%} of the force over the first tooth pitch depends on where the motion began, "
-            "because teeth are missing before the start, so that its peak to peak is left out",
+            f"up to {depends:.2%} of the force over the first tooth pitch depends on where the motion began, "
+            f"of which {varies:.2%} is ripple, so that peak to peak values and ranges are left out",
         )
-    ways = [each.signals for each in passes(run.signals)]
-    share = max((unresolved(way[place], way[signal]) for way in ways), default=0.0)
+    size = max((abs(float(np.mean(way[signal]))) for way in ways), default=0.0)
+    share = max((unresolved(way[place], way[signal], size) for way in ways), default=0.0)
     seen = f"{signal} leaves the curve through its neighbours by up to {share:.1%} of its mean: "
     if fidelity.solver == "equilibrium":
-        seen += "the gear snaps over, which equilibria only jump across, so that its peak to peak is left out"
-        return Remark(Code.PEAKS_UNRESOLVED, seen) if share > JUMP else None
+        seen += "the gear snaps over, which equilibria only jump across, so that "
+        return Remark(Code.PEAKS_UNRESOLVED, seen + LEFT_OUT) if share > JUMP else None
     return _unresolved_vibration(run.outcome.findings, share, seen)
 
 
@@ -101,7 +106,7 @@ def _unresolved_vibration(found: dict[str, Any], share: float, seen: str) -> Rem
         return None
     return Remark(
         Code.PEAKS_UNRESOLVED,
-        f"{seen}, so that its peak to peak is left out; lower fidelity.step_angle, or choose the fidelity "
+        f"{seen}, so that {LEFT_OUT}; lower fidelity.step_angle, or choose the fidelity "
         "quasi-static, which has no vibration",
     )
 

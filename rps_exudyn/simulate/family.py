@@ -29,6 +29,7 @@ from rps_exudyn.scenes.checks.after_run import (
 from rps_exudyn.scenes.checks.before_run import largest_angle
 from rps_exudyn.scenes.checks.needs_finer import MEAN, PEAK, ROLLING, force_size
 from rps_exudyn.scenes.maneuver import Maneuver
+from rps_exudyn.scenes.remarks import UNSETTLED
 from rps_exudyn.scenes.run_maneuver import CLOSED
 from rps_exudyn.scenes.scene_run import Signals
 from rps_exudyn.solvers.gear_forces import gear_forces
@@ -71,6 +72,7 @@ class Family:
     lead: int  # of them before the record
     per_pitch: int  # of them in a tooth pitch, 0 if no whole number
     known: Known
+    unsettled: float  # by how much the reference's force over the first pitch depends on its start
     features: np.ndarray  # (n, f)
 
     @classmethod
@@ -129,10 +131,10 @@ class Family:
         first = _singly(maneuver, series, records[:1], angles)
         if first is None:
             return None
-        alike = Known.of(first[None], maneuver.time_step)
+        alike = Known.of(first[0][None], maneuver.time_step)
         found = series.follow(records, angles, per_pitch, alike, np.zeros((len(records), 0)))
         motion = series.beside_rigid(found, records, angles)
-        motion[0] = first
+        motion[0], unsettled = first
         for i in np.flatnonzero(~found.found[1:]) + 1:  # as where a contact's quadrature jumps
             own = replace(
                 series,
@@ -142,14 +144,14 @@ class Family:
             alone = _singly(maneuver, own, records[i : i + 1], angles)
             if alone is None:
                 return None
-            motion[i] = alone
+            motion[i] = alone[0]
             motion[i, :, Y] -= found.resting[i] + forces.approach
         sizes = np.array([each for _, each in steps])[:, None, None]
         known = Known.of(
             np.concatenate([motion[:1], (motion[1::2] - motion[2::2]) / (2 * sizes)]), maneuver.time_step
         )
         nodes, known = angles[before:], known.since(before)
-        given = gear, fidelity, series, maneuver, whole.periods, nodes, lead, per_pitch, known
+        given = gear, fidelity, series, maneuver, whole.periods, nodes, lead, per_pitch, known, unsettled
         return cls(*given, np.zeros((0, len(steps))))
 
     @property
@@ -216,9 +218,10 @@ def _perturbed(gear: SteeringGear, steps: Sequence[tuple[Ends, float]]) -> list[
 
 def _singly(
     maneuver: Maneuver, series: GearSeries, record: np.ndarray, angles: np.ndarray
-) -> np.ndarray | None:
+) -> tuple[np.ndarray, float] | None:
     """Places (k, 8) at the mesh, beside what rigid bodies do, of the gear of a series from a settled start,
-    by the path of single runs; None where it is not found or does not settle."""
+    by the path of single runs, and what its force depends on that start; None where it is not found or does
+    not settle."""
     travel = travel_per_radian(series.body, float(series.pair.gain))
     drive = Steady(series.body, travel * angles[0], travel * series.speed)
     time = maneuver.time_step * np.arange(len(angles))
@@ -229,7 +232,7 @@ def _singly(
     x = places[:, RACK].copy()
     places[:, Y] -= x * places[:, PITCH]
     places[:, Z] += x * places[:, YAW]
-    return np.asarray(places - series.rigid(record, angles)[0][0])
+    return np.asarray(places - series.rigid(record, angles)[0][0]), path.start.unsettled_behind
 
 
 # --- records of some gears -------------------------------------------------------------------------
@@ -308,6 +311,8 @@ class FamilyRecord:
             (drift * family.periods < allowed_drift) | (not family.maneuver.closes),
             self._works_ok(),
             self._turns_on(),
+            family.maneuver.closes
+            | (family.unsettled * np.abs(force).max(axis=-1) < SAFE * UNSETTLED * np.ptp(force, axis=-1)),
             # else finer strips must confirm it
             (signals["yokenut_force"].max(axis=-1) <= 0) | (gear.mesh.contact_law != "teeth"),
         )

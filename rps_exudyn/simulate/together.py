@@ -4,8 +4,8 @@ A row that is given is one that a single run ends ok; what cannot be judged here
 equilibrium, limits of the contact laws, records that ask for shorter steps, is left to single runs.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,18 @@ from rps_exudyn.results.outcome import Remark
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.scenes.maneuver import StepLimits
+from rps_exudyn.scenes.metric_confirmation import (
+    AGREED,
+    LATE,
+    MOST_FINER,
+    changes,
+    doubted,
+    every_second,
+    larger,
+    not_confirmed,
+    rolls_late,
+    unresolved,
+)
 from rps_exudyn.scenes.remarks import remarks
 from rps_exudyn.scenes.scene import SteadyTest, Turned
 from rps_exudyn.scenes.scene_run import Signals, one_after_another
@@ -40,8 +52,8 @@ GAIN = ("pinion.normal_module", "rack.tooth_angle")  # from lock to lock each ge
 UNSUPPORTED = {
     "scene": "the gears of this scene are run singly",
     "fidelity": "many gears are followed together only by the fidelity quasi-static",
-    "parts": "a bow, a side force or the weight of the rack asks for single runs",
-    "friction": "bristles ask for single runs",
+    "parts": "a bow, a side force, the weight of the rack or listed pitch errors ask for single runs",
+    "friction": "bristles, or friction of the plunger in its bore, ask for single runs",
     "conditions": "temperature, wear or a grease asks for single runs",
     "parameter": "gears that differ in {path} are run singly",
     "text": "the values of {path} are no plain numbers",
@@ -61,7 +73,8 @@ def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, value
         "fidelity": same != usual,
         "parts": bool(parts),
         "conditions": not is_new(gear),
-        "friction": any(getattr(gear, part).facts.has_state for part in RUBBING_PARTS),
+        "friction": any(getattr(gear, part).facts.has_state for part in RUBBING_PARTS)
+        or bool(gear.yoke.bore_friction or gear.yoke.bore_damping),
     }
     if reason := next((name for name, holds in reasons.items() if holds), ""):
         return UNSUPPORTED[reason]
@@ -122,7 +135,8 @@ def together(
         each = np.arange(begin, min(begin + at_once, len(common.records)))
         gears = [_existing(gear, _settings(table, row)) for row in common.rows[each].tolist()]
         exist = np.array([one is not None for one in gears], dtype=bool)
-        parts.append(_Part.of(common, each[exist], [one for one in gears if one is not None], signals))
+        followed = _Followed.of(common, each[exist], [one for one in gears if one is not None])
+        parts += [part.named(signals) for part in _confirmed(common, followed)]
     return _joined(parts, count)
 
 
@@ -136,6 +150,9 @@ class Common:
         recorded: how many of them make the record; the others go beside.
         rows: of the table, of gears that can exist, (n,).
         records: their constants, (n,).
+        figure: the metric without which a gear is left to a single run.
+        halved: how often steps are halved -> the same in those; None if the gear in the middle is not found.
+        halvings: how often they are halved here.
     """
 
     test: SteadyTest
@@ -143,6 +160,9 @@ class Common:
     recorded: int
     rows: np.ndarray
     records: np.ndarray
+    figure: str
+    halved: Callable[[int], "Common | None"]
+    halvings: int = 0
 
     @classmethod
     def of(
@@ -164,12 +184,18 @@ class Common:
             return None
         if weighted and not reference.test.load_mass > 0:
             return None
-        families = []
-        for maneuver in [*maneuvers, *([beside] if beside else [])]:
-            if (family := Family.of(maneuver, reference, fidelity, some, ranges)) is None:
-                return None
-            families.append(family)
-        return cls(test, families, len(maneuvers), rows, records)
+
+        def halved(times: int) -> "Common | None":
+            families = []
+            for maneuver in [*maneuvers, *([beside] if beside else [])]:
+                family = Family.of(maneuver.halved(times), reference, fidelity, some, ranges)
+                if family is None:
+                    return None
+                families.append(family)
+            figure = scene_named(scene).figure
+            return cls(test, families, len(maneuvers), rows, records, figure, halved, times)
+
+        return halved(0)
 
     def followed(self, chosen: np.ndarray) -> list[FamilyRecord]:
         """Follow the chosen ones of the gears over each maneuver."""
@@ -242,6 +268,126 @@ def can_exist(gear: SteeringGear, fidelity: Fidelity, settings: Mapping[str, flo
 
 
 @dataclass(frozen=True, eq=False)
+class _Followed:
+    """Gears of a table that were followed together and pass all checks.
+
+    Attributes:
+        common: what they have in common.
+        chosen: which of its gears, (n,).
+        gears: each of them.
+        signals: joined, of all gears or (n, m).
+        beside: those of the maneuver that is not recorded.
+        gain: rack travel per radian, (n,) [m].
+        load: that pulls at the rack's end, (n,) [N].
+        counters: what it took, (n,) each.
+    """
+
+    common: Common
+    chosen: np.ndarray
+    gears: list[SteeringGear]
+    signals: Signals
+    beside: Signals
+    gain: np.ndarray
+    load: np.ndarray
+    counters: dict[str, np.ndarray]
+
+    @classmethod
+    def of(cls, common: Common, chosen: np.ndarray, gears: list[SteeringGear]) -> "_Followed":
+        """Follow the chosen gears over all maneuvers; those found in each."""
+        recorded = common.recorded
+        ways = common.followed(chosen)
+        kept = np.logical_and.reduce([way.surely_ok() for way in ways])
+        if not kept.all():
+            ways = [way.some(kept) for way in ways]
+        some = [gears[i] for i in np.flatnonzero(kept).tolist()]
+        joined = one_after_another([way.whole() for way in ways[:recorded]])
+        beside = ways[recorded].whole() if len(ways) > recorded else {}
+        gain, load = ways[0].records["mesh"]["flank"]["gain"], ways[0].records["load"]["force"][:, 0]
+        counters = {
+            name: np.sum([way.counts[name] for way in ways[:recorded]], axis=0) for name in ways[0].counts
+        }
+        return cls(common, chosen[kept], some, joined, beside, gain, np.abs(load), counters)
+
+    def some(self, kept: np.ndarray) -> "_Followed":
+        """Return those of the gears that a mask (n,) keeps."""
+
+        def rows(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+            many = {name for name, each in self.signals.items() if each.ndim > 1} | {*self.counters}
+            return {name: each[kept] if name in many else each for name, each in columns.items()}
+
+        return replace(
+            self,
+            chosen=self.chosen[kept],
+            gears=[self.gears[i] for i in np.flatnonzero(kept).tolist()],
+            signals=rows(self.signals),
+            beside=rows(self.beside),
+            gain=self.gain[kept],
+            load=self.load[kept],
+            counters=rows(self.counters),
+        )
+
+    def turned(self, signals: Signals) -> Turned:
+        """Return what a record of theirs shows."""
+        family = self.common.families[0]
+        return Turned(family.gear, signals, self.beside, self.gain, self.load, family.fidelity.step_angle)
+
+    def metrics(self, signals: Signals) -> dict[str, np.ndarray]:
+        """Return the metrics of a record of theirs, (n,) each."""
+        found = self.common.test.metrics(self.turned(signals))
+        return {name: np.broadcast_to(values, len(self.gears)) for name, values in found.items()}
+
+    @property
+    def summary(self) -> dict[str, np.ndarray]:
+        """Their metrics, (n,) each."""
+        return self.metrics(self.signals)
+
+    def unresolved(self) -> dict[str, np.ndarray]:
+        """Return by how much metrics change between the instants, over their tolerances."""
+        return unresolved(self.metrics, self.signals, self.summary)
+
+    def asks(self) -> np.ndarray:
+        """Return whose metrics their own record doubts, (n,)."""
+        doubts = larger(doubted(self.metrics, self.signals, self.summary), self.unresolved())
+        return self._worst(doubts) > 1
+
+    def change(self, finer: "_Followed") -> dict[str, np.ndarray]:
+        """Return by how much metrics change from here to a finer run, over their tolerances."""
+        return changes(self.summary, finer.summary, finer.signals)
+
+    def agrees(self, change: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Return whose metrics changes leave as they are, (n,)."""
+        return self._worst(change) <= AGREED
+
+    def _worst(self, change: Mapping[str, np.ndarray]) -> np.ndarray:
+        none = np.zeros(len(self.gears))
+        return np.max([none, *(np.broadcast_to(each, none.shape) for each in change.values())], axis=0)
+
+    def described(self, change: Mapping[str, np.ndarray]) -> "_Part":
+        """Return the gears without the metrics that change, and without those whose figure does."""
+        if not self.gears:
+            return NO_GEARS
+        beyond = {name: np.broadcast_to(each, len(self.gears)) for name, each in change.items()}
+        stands = beyond.get(self.common.figure, np.zeros(len(self.gears))) <= 1
+        if not stands.all():
+            return self.some(stands).described({name: each[stands] for name, each in beyond.items()})
+        summary = dict(self.summary)
+        for name in summary.keys() & beyond.keys():
+            summary[name] = np.where(beyond[name] > 1, np.nan, summary[name])
+        noted: list[list[Remark]] = []
+        of_limits, of_test = _remarks(self.gears, self.signals), self.common.test.remarks
+        for i, (limits, own) in enumerate(zip(of_limits, of_test(self.turned(self.signals)), strict=True)):
+            left = {name: float(each[i]) for name, each in beyond.items() if each[i] > 1}
+            noted.append([*([not_confirmed(left)] if left else []), *limits, *own])
+        if self.common.test.formulas is not None:
+            figures = [self.common.test.formulas(each) for each in self.gears]
+            for name in dict.fromkeys(name for own in figures for name in own):
+                summary[name] = np.array([own.get(name, np.nan) for own in figures])
+        stride = 2**self.common.halvings
+        kept = every_second(self.signals, stride) if stride > 1 else self.signals
+        return _Part(self.common.rows[self.chosen], summary, self.counters, noted, kept)
+
+
+@dataclass(frozen=True, eq=False)
 class _Part:
     """Some gears of a table, described."""
 
@@ -251,37 +397,41 @@ class _Part:
     remarks: list[list[Remark]]
     signals: dict[str, np.ndarray]
 
-    @classmethod
-    def of(
-        cls, common: Common, chosen: np.ndarray, gears: list[SteeringGear], signals: Sequence[str] | None
-    ) -> "_Part":
-        """Follow the chosen gears over all maneuvers, and describe those found in each."""
-        test, families, recorded = common.test, common.families, common.recorded
-        ways = common.followed(chosen)
-        kept = np.logical_and.reduce([way.surely_ok() for way in ways])
-        rows = common.rows[chosen[kept]]
-        if not kept.any():
-            return cls(rows, {}, {}, [], {})
-        if not kept.all():
-            ways = [way.some(kept) for way in ways]
-        n, gear = int(kept.sum()), families[0].gear
-        joined = one_after_another([way.whole() for way in ways[:recorded]])
-        beside = ways[recorded].whole() if len(ways) > recorded else {}
-        gain, load = ways[0].records["mesh"]["flank"]["gain"], ways[0].records["load"]["force"][:, 0]
-        turned = Turned(gear, joined, beside, gain, np.abs(load), families[0].fidelity.step_angle)
-        metrics = {name: np.broadcast_to(values, n) for name, values in test.metrics(turned).items()}
-        own_gears = [gears[i] for i in np.flatnonzero(kept).tolist()]
-        of_limits = _remarks(own_gears, joined)
-        noted = [[*limits, *own] for limits, own in zip(of_limits, test.remarks(turned), strict=True)]
-        names = joined if signals is None else [name for name in signals if name in joined]
-        counters = {
-            name: np.sum([way.counts[name] for way in ways[:recorded]], axis=0) for name in ways[0].counts
-        }
-        if test.formulas is not None:
-            figures = [test.formulas(each) for each in own_gears]
-            for name in dict.fromkeys(name for own in figures for name in own):
-                metrics[name] = np.array([own.get(name, np.nan) for own in figures])
-        return cls(rows, metrics, counters, noted, {name: joined[name] for name in names})
+    def named(self, names: Sequence[str] | None) -> "_Part":
+        """Return the part with some of its signals; None keeps all."""
+        if names is None:
+            return self
+        return replace(self, signals={name: self.signals[name] for name in names if name in self.signals})
+
+
+NO_GEARS = _Part(np.zeros(0, dtype=np.intp), {}, {}, [], {})
+
+
+def _confirmed(common: Common, first: _Followed) -> Iterator[_Part]:
+    """Yield the gears with the metrics that stand, as `metric_confirmation.confirmed` does of a single one:
+    those whose record doubts a metric are followed again in half the steps. Their signals stay those of the
+    first instants, which all gears share."""
+    if not first.gears:
+        return
+    late = np.broadcast_to(rolls_late(first.signals) > LATE, len(first.gears))
+    late_ones, asks = first.chosen[late], first.asks() | late
+    yield first.some(~asks).described({})
+    coarse, most = first.some(asks), MOST_FINER[first.common.families[0].fidelity.solver]
+    for times in range(1, most + 1):
+        finer = common.halved(times) if coarse.gears else None
+        if finer is None:
+            return
+        fine = _Followed.of(finer, coarse.chosen, coarse.gears)
+        coarse = coarse.some(np.isin(coarse.chosen, fine.chosen))
+        if not fine.gears:
+            return
+        change, between = coarse.change(fine), fine.unresolved()
+        asks = fine.asks() | np.isin(fine.chosen, late_ones)
+        done = fine.agrees(change) | ~asks | (times == most)
+        left = larger(change, between)
+        of_these = {name: np.broadcast_to(each, done.shape)[done] for name, each in left.items()}
+        yield fine.some(done).described(of_these)
+        coarse = fine.some(~done)
 
 
 def _remarks(gears: list[SteeringGear], signals: Signals) -> list[list[Remark]]:

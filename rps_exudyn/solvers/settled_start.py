@@ -190,7 +190,11 @@ class _Search:
                 if len(found) > 1:
                     differ = _difference(found[-2], path, self.drive)
                     if self.alike(found[-2], path, distance):
-                        return self.with_teeth(path, distance)
+                        settled = self.with_teeth(path, distance)
+                        left = replace(
+                            settled.start, unsettled_behind=max(differ, settled.start.unsettled_behind)
+                        )
+                        return replace(settled, start=left)
             elif (lost := lost + 1) == MOST_LOST:
                 break
         if len(found) < 2:

@@ -5,7 +5,7 @@ import pytest
 
 from rps_exudyn.results.outcome import Code, Outcome, Status
 from rps_exudyn.results.quantities import SUMMARY
-from rps_exudyn.scenes.metric_confirmation import confirmed, every_second
+from rps_exudyn.scenes.metric_confirmation import confirmed, every_second, rolls_late, with_midpoints
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.scene_run import SceneRun
 
@@ -105,3 +105,43 @@ def test_every_metric_declares_its_confirmation() -> None:
     without = {name for name, each in SUMMARY.items() if each.confirmed is None}
     shown = ("closed_form", "_set", "residual", "sticking_speed", "sliding_damping", "margin", "cap_force")
     assert all(name.endswith(shown) or name.startswith("rattle_") for name in without), without
+
+
+def test_midpoints_lie_on_the_curve_of_each_maneuver() -> None:
+    """A cubic exactly but beside the ends, where the parabola through three misses h^3 / 16 of its third
+    derivative; nothing is added between two maneuvers."""
+    time = np.linspace(0.0, 1.0, 9)
+    both = {"time": np.append(time, 1 + time), "place": np.append(time**3, [0.0] * 9)}
+    found = with_midpoints(both)
+    assert found["time"] == pytest.approx([*np.linspace(0, 1, 17), *np.linspace(1, 2, 17)])
+    missed = np.abs(found["place"][:17] - np.linspace(0, 1, 17) ** 3)
+    assert missed[[1, -2]] == pytest.approx(6 / 8**3 / 16)
+    assert missed[2:-2].max() < 1e-12
+    assert not found["place"][17:].any()
+
+
+@pytest.mark.parametrize("smooth", [False, True])
+def test_extremes_that_every_second_instant_shows_too_may_lie_between_instants(smooth: bool) -> None:
+    """The vertex of a parabola lies between two of four instants, of which one in two shows the same: 2 of
+    2.25."""
+
+    def made(halvings: int) -> SceneRun:
+        time = np.linspace(0.0, 3.0, 3 * 2**halvings + 1)
+        return SceneRun(Outcome(Status.OK), {"time": time, "pinion_torque": -((time - 1.5) ** 2)})
+
+    def metrics(signals: dict[str, np.ndarray]) -> dict[str, float]:
+        return {"torque_peak_to_peak": float(np.ptp(signals["pinion_torque"])), "torque_mean": 1.0}
+
+    run = confirmed(made(0), metrics, made, "torque_mean", most=4, smooth=smooth)
+    assert (run.outcome.findings.get("halvings", 0) > 0) == smooth
+    assert run.summary["torque_peak_to_peak"] == pytest.approx(2.25 if smooth else 2.0)
+
+
+def test_a_late_rolling_is_half_a_step_of_its_fastest_over_its_range() -> None:
+    """Of a sine with n steps in a period pi / n; of many racks one each."""
+    time = np.linspace(0.0, 1.0, 41)
+    roll = np.stack([np.sin(2 * np.pi * time), np.sin(4 * np.pi * time)])
+    assert rolls_late({"time": time, "rack_roll": roll}) == pytest.approx(
+        np.pi / np.array([40, 20]), rel=0.02
+    )
+    assert rolls_late({"time": time}) == 0
