@@ -83,6 +83,8 @@ LONG = (  # files, folders or single tests that the everyday set leaves out
     "smoke/test_animation_in_browser.py",
     "smoke/test_cluster.py",
     "smoke/test_explore.py::test_crowd_is_answered_beside_a_slow_state",
+    "smoke/test_explore.py::test_sheet_picture_and_pattern_are_those_of_the_state",
+    "smoke/test_explore.py::test_state_is_in_the_address_and_a_file_can_be_dropped",
     "smoke/test_compiling.py::test_first_use_is_never_silent_and_its_total_is_right",
     "smoke/test_first_steps.py",
     "smoke/test_one_entry.py",

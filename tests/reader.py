@@ -11,7 +11,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from shell import in_fresh_process, reader_environment
 
@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "studies" / "examples"
 PAGES = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md")),
-    *sorted((ROOT / "docs").glob("*.md")),
+    *sorted((ROOT / "docs").rglob("*.md")),
     *sorted(EXAMPLES.rglob("*.md")),
 ]
 SHELLS = ("sh", "shell")
@@ -38,14 +38,19 @@ class Printed(NamedTuple):
     text: str
 
 
-def filled(markdown: str) -> str:
-    """Return the text of a page with the tables that the site generates; docs/ is no package."""
-    spec = importlib.util.spec_from_file_location("hooks", ROOT / "docs" / "hooks.py")
+def module_of(name: str) -> Any:
+    """Return a module by which the site makes its pages; docs/ is no package."""
+    spec = importlib.util.spec_from_file_location(name, ROOT / "docs" / f"{name}.py")
     assert spec is not None
     assert spec.loader is not None
-    hooks = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(hooks)
-    return str(hooks.filled(markdown))
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def filled(markdown: str) -> str:
+    """Return the text of a page with the tables that the site generates."""
+    return str(module_of("hooks").filled(markdown))
 
 
 def printed_in(page: Path) -> list[Printed]:

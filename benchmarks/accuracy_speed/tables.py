@@ -60,15 +60,15 @@ def models_table(folder: Path) -> str:
         if p.study == study and p.label.startswith(labels)
     ]
     rows = [
-        (p.family, p.label, digits(p.cost), f"{p.error:.2g}" if p.ok else p.status, _number(p.steps))
+        (
+            p.family,
+            p.label,
+            digits(p.cost),
+            *([f"{p.error:.2g}", f"{p.bias:+.2g}"] if p.ok else [p.status, ""]),
+        )
         for p in shown
     ]
-    return markdown(("family", "settings", "CPU s", "error %", "steps"), rows)
-
-
-def _number(value: float) -> str:
-    """A counter, nothing where there is none."""
-    return f"{value:.0f}" if np.isfinite(value) else ""
+    return markdown(("family", "settings", "CPU s", "error %", "of the mean %"), rows)
 
 
 def cheapest(points: Iterable[Point], family: str, error: float) -> Point | None:
@@ -144,9 +144,10 @@ def _first_number(point: Point) -> float:
 def facets_table(folder: Path) -> str:
     """Return what flat facets of the pinion do to the torque."""
     rows = [
-        (point.family, point.label, f"{point.error:.2g} %") for point in of_torque(folder, "shaping", "chord")
+        (point.family, point.label, f"{point.error:.2g} %", f"{point.bias:+.2g} %")
+        for point in of_torque(folder, "shaping", "chord")
     ]
-    return markdown(("family", "facets, material left over", "torque, RMS"), rows)
+    return markdown(("family", "facets, material left over", "torque, RMS", "mean"), rows)
 
 
 # --- contact law and size ----------------------------------------------------------------------------

@@ -11,7 +11,9 @@ NO_LOSS = ("work_drive", "work_load")
 
 PLACES = {
     "mesh": ("work_mesh_friction", "work_mesh_damping", "work_mesh_edges"),
-    "seat": ("work_seat_friction",),
+    "seat": ("work_seat_friction", "work_seat_damping"),
+    "yokenut": ("work_yokenut_damping",),
+    "bore": ("work_bore_friction", "work_bore_damping"),
     "bush": ("work_bush_friction",),
     "bearing": ("work_bearing_friction",),
     "support": ("work_support_friction",),

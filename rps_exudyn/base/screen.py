@@ -116,11 +116,15 @@ class Screen:
                 self._tasks[id(row)] = self._live.add_task("", total=None, row=row)
 
     def _write_lines(self) -> None:
-        """Write the row added last now and then, in a thread of its own."""
+        """Write the row added last where it has changed, in a thread of its own."""
+        written = ""
         while True:
             rows = self._rows
-            with suppress(OSError, ValueError):  # whoever reads the lines has ended
-                self.say(rows[-1].text if rows else "computing")
+            text = rows[-1].text if rows else "computing"
+            if text != written:
+                with suppress(OSError, ValueError):  # whoever reads the lines has ended
+                    self.say(text)
+            written = text
             if self._ended.wait(EVERY):
                 return
 

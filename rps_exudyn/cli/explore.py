@@ -12,7 +12,7 @@ from rps_exudyn.cli.output import DONE, say
 def explore(
     *, gear: GearOptions = PAPER_GEAR, host: str = "127.0.0.1", port: int = 0, browser: bool = True
 ) -> int:
-    """Serve a page with sliders on this machine: torque, losses, geometry and limits while they are dragged.
+    """Serve a page with sliders on this machine: curve, sheet, gear and limits while they are dragged.
 
     Args:
         host: address to listen at; another than this machine's own lets others compute here.

@@ -28,6 +28,7 @@ from rps_exudyn.cli.output import (
 
 if TYPE_CHECKING:
     from rps_exudyn.inference.fitting.fitted import Fit
+    from rps_exudyn.inference.fitting.production import Limits, Production
 
 PAGES = (".html", ".htm", ".json")
 _PRIOR = re.compile(r"(?P<value>.+?)\s*(?:\+-|\+/-|±)\s*(?P<sd>.+)")
@@ -62,13 +63,15 @@ def fit(
     free: Freed = (),
     column: Columns = (),
     single_law: Flag = False,
-    out: Path = Path("fitted.toml"),
+    out: Path | None = None,
     plot: Path | None = None,
     report: Path | None = None,
     series: Path | None = None,
     like: Path | None = None,
     plan: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
     minutes: Path | None = None,
+    batch: Path | None = None,
+    tolerance: str | None = None,
     jobs: Jobs = None,
     time_limit: str | None = None,
     every: All = False,
@@ -82,16 +85,18 @@ def fit(
             load-test@80kg, rack-push, rack-on-rollers, yoke-out or bearing; several of one test are its
             repeats.
         single_law: leave out the fit by another contact law, whose difference is added to the intervals.
-        out: gear file (.toml) with the estimates in place.
-        plot: picture (.png, .svg, .pdf) of measured and fitted torque.
-        report: the sheet as a page (.html) with pictures, intervals, correlations and what was assumed, or as
+        out: gear file (.toml) with the estimates in place, fitted.toml by default; of a batch its table
+        (.csv). plot: picture (.png, .svg, .pdf) of measured and fitted torque. report: the sheet as a page
+        (.html) with pictures, intervals, correlations and what was assumed, or as
             data (.json) of which `report` makes the page without its curves.
         series: file (.json) with what this fit leaves for the next gear of the series.
         like: such a file of another gear, with the same tests: this fit begins there.
         plan: instead of a fit, plan the tests that bring parameters to wanted intervals in the least time:
             PATH=HALF, half of the 95 % interval of the value, such as yoke.preload=15% mesh.friction=25%.
         minutes: TOML table of the bench's times for --plan: [free], setup = 5, run = 5, in minutes.
-        time_limit: of each simulation, for instance "20 s": one that takes longer is left out.
+        batch: instead of a fit, judge a production batch: a folder with a file of the free torque of each
+        gear. tolerance: of the free torque for --batch, such as "0.5 N*m to 0.8 N*m": limits with guard
+        bands, risks. time_limit: of each simulation, for instance "20 s": one that takes longer is left out.
         quiet: print nothing but errors.
     """
     if quiet and (every or json):
@@ -109,8 +114,15 @@ def fit(
         return print_plan(plan, gear, minutes, json)
     if minutes is not None:
         raise InputError("--minutes is the table of times of a plan; add --plan.")
+    if batch is not None:
+        if files:
+            raise InputError("--batch reads all files of its folder; leave out the measured files.")
+        return judge_batch(batch, tolerance, gear, out, checked_jobs(jobs), json)
+    if tolerance is not None:
+        raise InputError("--tolerance is that of a production batch; add --batch FOLDER.")
     if not files:
         raise InputError("fit needs at least one measured file, for instance rps-exudyn fit measured.csv.")
+    out = out or Path("fitted.toml")
     check_writable(out, (".toml",))
     for path, suffixes in ((plot, PICTURES), (report, PAGES), (series, (".json",))):
         if path:
@@ -253,6 +265,132 @@ def print_plan(targets: list[str], gear: GearOptions, minutes: Path | None, as_j
             "what tests compare although nobody measured it is known no better"
         )
     return status
+
+
+_TOLERANCE = re.compile(r"(?:(?P<low>.+?)\s+)?to(?:\s+(?P<high>.+))?")
+
+
+def parse_tolerance(text: str) -> "Limits":
+    """Return limits [N m] of "LOW to HIGH"; either may be left out.
+
+    Raises:
+        InputError: it is no tolerance.
+    """
+    from rps_exudyn.inference.fitting.production import Limits
+
+    found = _TOLERANCE.fullmatch(text.strip())
+    inf = float("inf")
+    try:
+        low, high = (
+            units.to_si(found[end], "N*m") if found and found[end] else None for end in ("low", "high")
+        )
+    except ValueError:
+        low = high = None
+    limits = Limits(-inf if low is None else low, inf if high is None else high)
+    if (low is None and high is None) or not limits.low < limits.high:
+        raise InputError(
+            f'--tolerance {text} is no tolerance; write for instance --tolerance "0.5 N*m to 0.8 N*m", or '
+            '"to 0.8 N*m".'
+        )
+    return limits
+
+
+def judge_batch(
+    folder: Path, tolerance: str | None, gear: GearOptions, out: Path | None, jobs: int, as_json: bool
+) -> int:
+    """Print what a production batch shows, and write the table of its gears.
+
+    Raises:
+        InputError: a folder, a tolerance or a file that cannot be.
+    """
+    from rps_exudyn.inference.fitting.findings import shown
+    from rps_exudyn.inference.fitting.production import GUARD, production_batch
+
+    limits = parse_tolerance(tolerance) if tolerance is not None else None
+    if out is not None:
+        check_writable(out, (".csv",))
+    with shown_progress(asked=False):
+        found = production_batch(folder, gear.load(), jobs=jobs)
+    guard = GUARD * found.sd
+    risks = [] if limits is None else [found.risks(limits, each) for each in (0.0, guard)]
+    rows = list(batch_rows(found, limits, guard))
+    if out is not None:
+        with replacing(out) as partial:
+            partial.write_text("".join(",".join(row) + "\n" for row in (BATCH_COLUMNS, *rows)), "utf-8")
+    alarms = found.drift.alarms
+    if as_json:
+        content = {
+            "gears": [dict(zip(BATCH_COLUMNS, row, strict=True)) for row in rows],
+            "mean": found.mean,
+            "mean_sd": found.mean_sd,
+            "scatter": dict(zip(("median", "low", "high"), found.scatter, strict=True)),
+            "parameters": found.parameters,
+            "scatter_alone": found.alone,
+            "drift_alarms": [found.gears[i].name for i in alarms],
+            "risks": [vars(each) | {"limits": [each.limits.low, each.limits.high]} for each in risks],
+            "refused": list(found.refused),
+        }
+        print_json(content)
+        return DONE
+    middle, low, high = (100 * each for each in found.scatter)
+    put(f"batch · {len(found.gears)} gears", "bold")
+    put(f"mean free torque {found.mean:.4g} +- {1.96 * found.mean_sd:.2g} N m (95 %)")
+    put(
+        f"scatter between gears {middle:.3g} % ({low:.3g} to {high:.3g} %, 95 %), without that of the "
+        f"measurement, {100 * found.sd / found.mean:.3g} %"
+    )
+    columns = ("parameter", "mean of the batch", "deviation", "scatter, if it alone makes that of the levels")
+    put_table(
+        columns,
+        [
+            (path, shown(path, value), f"{100 * sd:.3g} %", f"{100 * found.alone[path]:.3g} %")
+            for path, (value, sd) in found.parameters.items()
+            if path in found.alone
+        ],
+    )
+    for name, each in zip(("without guard bands", "with guard bands"), risks, strict=False):
+        put(
+            f"limits {name}, {each.limits.low:.4g} to {each.limits.high:.4g} N m: consumer's risk "
+            f"{100 * each.consumer:.2g} %, producer's risk {100 * each.producer:.2g} %"
+        )
+    if limits is not None:
+        rejected = [row[0] for row in rows if row[-2] == "rejected"]
+        put(f"{len(rejected)} rejected" + (f": {', '.join(rejected[:10])}" if rejected else ""))
+    drifts = f"from {found.gears[alarms[0]].name} on" if alarms.size else "none (false in 1 % of batches)"
+    put(f"drift of the moving average: {drifts}")
+    for sentence in found.refused:
+        put(f"note: left out: {sentence}")
+    print_files([out] if out is not None else [])
+    return DONE
+
+
+BATCH_COLUMNS = (
+    "gear", "level [N m]", "low [N m]", "high [N m]", "expected [N m]", "moving average [N m]", "P e [N mm]",
+    "P e found", "verdict", "drift",
+)  # fmt: skip
+
+
+def batch_rows(found: "Production", limits: "Limits | None", guard: float) -> Iterator[tuple[str, ...]]:
+    """The row of each gear, by `BATCH_COLUMNS`; the verdict is that of limits with guard bands."""
+    from rps_exudyn.inference.fitting.production import interval_of
+
+    alarms = set(found.drift.alarms.tolist())
+    for i, each in enumerate(found.gears):
+        low, high = interval_of(each)
+        runout = each.runout
+        verdict = ""
+        if limits is not None:
+            accepted = limits.guarded(guard)
+            verdict = "accepted" if accepted.low <= each.level <= accepted.high else "rejected"
+        numbers = (each.level, low, high, found.expected[i], found.drift.average[i])
+        yield (
+            each.name,
+            *(f"{number:.6g}" for number in numbers),
+            "" if runout is None else f"{1e3 * runout.stored:.4g}",
+            "" if runout is None else "yes" if runout.is_found else "no",
+            verdict,
+            "beyond" if i in alarms else "",
+        )
 
 
 def _written_files(

@@ -53,7 +53,7 @@ LIMIT, LOST, FORCES = 0, 1, 2
 TIME, PLACES = 0, 1
 MOST_COORDINATES = 93  # of a rack with as many modes as `rack.modes` allows, and a supported pinion
 PATCHES = PLACES + MOST_COORDINATES
-MOST_PATCHES = 6  # two sides of the teeth, seat, bush, bearings, shaft along its axis
+MOST_PATCHES = 7  # two sides of the teeth, seat, bush, bearings, shaft along its axis, plunger in its bore
 STATE_SIZE = PATCHES + MOST_PATCHES * (FORCES + 2 * MOST_ELEMENTS)
 
 # Sums over the points of a patch: what friction of size 1 along and across exerts, slip, N g, N, N g'

@@ -1,14 +1,15 @@
 """The yoke: a plunger that presses the rack into the mesh, its spring, and the yokenut behind it.
 
           yokenut (locked to the housing)
-         ----------------   clearance
-          | plunger    |    spring, preload P at rest, no damper
+         ----------------   clearance, damped contact
+        o | plunger    | o  spring, preload P at rest; O-rings in the bore that rub and damp
           |  .-~~~~-.  |
             (  rack  )      cylindrical seat, half angle phi_s, Coulomb friction
              `-....-'
        teeth   \\/\\/\\/
 
-The plunger slides along Y only; its coordinate counts from the preloaded rest position.
+The plunger slides along Y only; its coordinate counts from the preloaded rest position. Seat and yokenut
+press with k (d + tau d') at the depth d, never with less than nothing; what tau takes is lost.
 """
 
 import numpy as np
@@ -29,12 +30,15 @@ from rps_exudyn.forces.friction import (
     add_point,
     by_load,
     clear_patch,
+    constant_law,
     coulomb,
     law_of,
     on_patch,
     patch_slopes,
     rubbing,
+    slide,
     slide_patch,
+    slide_slopes,
     stribeck,
 )
 from rps_exudyn.forces.rigid_motion import (
@@ -71,17 +75,20 @@ SEAT = record_type(
         ("density", "f8"),  # stiffness per angle and length [N/m per rad m]
         ("points", "f8", (WHOLE, 4)),  # of the whole seat, rows as `seat_points` fills them
         ("law", LAW),
+        ("damping", "f8"),  # over stiffness [s]
         ("tilt", "f8"),  # by which the plunger follows the bar's slope in its bore, at most [rad]
     ]
 )
 """Record of a cylindrical seat fixed to the plunger, with its Gauss points where all of it touches."""
 
 SPRING = record_type([("rate", "f8"), ("preload", "f8")])  # [N/m], [N]
-NUT = record_type([("stiffness", "f8"), ("clearance", "f8")])  # [N/m], [m]
+NUT = record_type([("stiffness", "f8"), ("clearance", "f8"), ("damping", "f8")])  # [N/m], [m], [s]
+BORE = record_type([("friction", "f8"), ("damping", "f8"), ("law", LAW)])  # [N], [N s/m]
 
 SEAT_PART = Part("seat", ("rack", "plunger"), ("seat_normal_force", "seat_force", *FRICTION_STATE))
 SPRING_PART = Part("yoke_spring", ("plunger",), ("spring_force",))
 NUT_PART = Part("yokenut", ("plunger",), ("yokenut_force",))
+BORE_PART = Part("bore", ("plunger",), ("bore_force", *FRICTION_STATE))
 
 # Gauss rules of a piece of the arc and along the rack, over -1 .. 1: points and weights
 ARC, ARC_WEIGHT = leggauss(PIECE_POINTS)
@@ -213,10 +220,15 @@ def seat_force(q, v, data, memory, rubbed, points, out):  # type: ignore[no-unty
         depth = (q[1] + ay - points[i, 2] * tilt - q[6] + data.rest_gap) * ny + (q[2] + az) * nz
         if depth <= 0:
             continue
-        load = points[i, 3] * depth
+        elastic = load = points[i, 3] * depth
         # across the tilted bar, so that sliding along it does no work against the load
         nx = -(slope_y * ny + slope_z * nz)
         lx, ly, lz = along * axis_x, ay + data.bar_radius * ny, az + data.bar_radius * nz
+        if data.damping > 0:
+            ux, uy = v[0] + omega[1] * az - omega[2] * ay, v[1] - v[6] + omega[2] * lx - omega[0] * az
+            deeper = ux * nx + uy * ny + (v[2] + omega[0] * ay - omega[1] * lx) * nz
+            load = max(elastic + points[i, 3] * data.damping * deeper, 0.0)
+            out[9] += (load - elastic) * deeper
         # slip of the bar's surface over the seat: its velocity less the part along the normal
         vx = v[0] + omega[1] * lz - omega[2] * ly
         vy = v[1] - v[6] + omega[2] * lx - omega[0] * lz
@@ -245,7 +257,7 @@ def seat_force(q, v, data, memory, rubbed, points, out):  # type: ignore[no-unty
         moment_x += ly * fz - lz * fy + ay * pz - az * py
         moment_y += lz * fx - lx * fz + az * px - lx * pz
         moment_z += lx * fy - ly * fx + lx * py - ay * px
-        out[7] += 0.5 * load * depth
+        out[7] += 0.5 * elastic * depth
         out[8] += lost
         out[10] += load
         out[11] += load * ny
@@ -306,12 +318,18 @@ def add_seat_tangent(q, v, data, memory, rubbed, points, factor_q, factor_v, tan
         rub = plus(scaled(f_a, ahead_of), scaled(f_b, around))
         moment = cross(arm, normal)
         deeper = (normal[0], normal[1], normal[2], moment[0], moment[1], moment[2], -ny)
+        load, factor = stiffness * depth, factor_q
+        if data.damping > 0:
+            rate = dot(normal, plus(vector(v[0:3]), (0.0, -v[6], 0.0))) + dot(moment, omega)
+            load, factor = load + stiffness * data.damping * rate, factor_q + factor_v * data.damping
+            if load <= 0:
+                continue
         for j in range(7):
-            of_loads[0, j] += factor_q * stiffness * deeper[j]
-            of_loads[1, j] += factor_q * stiffness * ny * deeper[j]
+            of_loads[0, j] += factor * stiffness * deeper[j]
+            of_loads[1, j] += factor * stiffness * ny * deeper[j]
         add_seat_outer(
             tangent,
-            -factor_q * stiffness,
+            -factor * stiffness,
             plus(normal, rub),
             plus(moment, cross(surface, rub)),
             -ny - rub[1],
@@ -319,7 +337,7 @@ def add_seat_tangent(q, v, data, memory, rubbed, points, factor_q, factor_v, tan
             moment,
             -ny,
         )
-        drag = -factor_v * stiffness * depth
+        drag = -factor_v * load
         if drag != 0 and not law.has_state:
             on, beside = scaled(d_a, ahead_of), scaled(d_a, around)
             on, beside = plus(on, scaled(d_b, around)), plus(beside, scaled(-d_b, ahead_of))
@@ -371,6 +389,7 @@ def seat_record(
         law=law_of(
             yoke, patches or Patches(), yoke.friction, yoke.preload * seat_wedge_factor(yoke.seat_angle)
         ),
+        damping=yoke.seat_damping,
         tilt=yoke.bore_clearance / yoke.plunger_length,
     )
 
@@ -384,11 +403,41 @@ def spring_force(place, data, out):  # type: ignore[no-untyped-def]
 
 
 @inline
-def nut_force(place, data, out):  # type: ignore[no-untyped-def]
+def nut_force(place, rate, data, out):  # type: ignore[no-untyped-def]
     """Contact of plunger and yokenut once the clearance is used up; fills out (5,)."""
     depth = max(place - data.clearance, 0.0)
-    force = data.stiffness * depth
-    out[0], out[1], out[2], out[3], out[4] = -force, 0.5 * force * depth, 0.0, 0.0, force
+    elastic = force = data.stiffness * depth
+    if depth > 0 and data.damping > 0:
+        force = max(elastic + data.stiffness * data.damping * rate, 0.0)
+    out[0], out[1], out[2], out[3] = -force, 0.5 * elastic * depth, 0.0, (force - elastic) * rate
+    out[4] = force
+
+
+@inline
+def nut_slope(place, rate, data, factor_q, factor_v):  # type: ignore[no-untyped-def]
+    """Derivative of the nut's force on the plunger."""
+    depth = place - data.clearance
+    if depth <= 0 or (data.damping > 0 and depth + data.damping * rate <= 0):
+        return 0.0
+    return -data.stiffness * (factor_q + factor_v * data.damping)
+
+
+@inline
+def bore_force(rate, data, memory, out):  # type: ignore[no-untyped-def]
+    """Friction and damping of the plunger in its bore; fills out (7,), returns their derivative by the
+    rate."""
+    law = data.law
+    for i in range(7):
+        out[i] = 0.0
+    slope = -data.damping
+    if law.has_state:
+        drag, _, out[1], out[5] = slide(data.friction, rate, 0.0, law.place, law, memory)
+        ahead, _, _, _, _, _, _, _ = slide_slopes(data.friction, rate, 0.0, 0.0, law.place, law, memory)
+        out[0], out[2], out[6] = -drag, drag * rate, out[1]
+        slope -= ahead
+    out[0] -= data.damping * rate
+    out[3], out[4] = data.damping * rate * rate, -out[0]
+    return slope
 
 
 def spring_record(gear: SteeringGear) -> np.record:
@@ -398,7 +447,15 @@ def spring_record(gear: SteeringGear) -> np.record:
 
 def nut_record(gear: SteeringGear) -> np.record:
     """Return the record of the yokenut, a one-sided stop behind the plunger."""
-    return record(NUT, stiffness=gear.yoke.nut_stiffness, clearance=gear.yoke.clearance)
+    yoke = gear.yoke
+    return record(NUT, stiffness=yoke.nut_stiffness, clearance=yoke.clearance, damping=yoke.nut_damping)
+
+
+def bore_record(gear: SteeringGear, patches: Patches) -> np.record:
+    """Return the record of the plunger's O-rings in the bore."""
+    yoke = gear.yoke
+    law = constant_law(patches, yoke.bore_friction, yoke.bristle_travel)
+    return record(BORE, friction=yoke.bore_friction, damping=yoke.bore_damping, law=law)
 
 
 def seat_wedge_factor(half_angle: float) -> float:

@@ -261,6 +261,9 @@ class Yoke(LoadedFrictionLaw):
     seat_stiffness: SpringRate = parameter(
         "2e8 N/m", "stiffness of the seat against a press along the yoke axis", "estimate", gt=0
     )
+    seat_damping: Time = parameter(
+        0.0, "damping time of the seat: damping over stiffness", "estimate", ge=0, le=1e-2
+    )
     plunger_mass: Mass = parameter("60 g", "mass of the plunger", "estimate", gt=0)
     plunger_diameter: Length = parameter("30 mm", "diameter of the plunger", "estimate", gt=0)
     plunger_length: Length = parameter("25 mm", "length of the plunger", "estimate", gt=0)
@@ -281,6 +284,13 @@ class Yoke(LoadedFrictionLaw):
         ge=0,
         le=3e-4,
     )
+    bore_friction: Force = parameter(
+        0.0,
+        "friction of the plunger in its bore (O-ring); it turns about over the bristle travel",
+        "estimate",
+        ge=0,
+    )
+    bore_damping: ViscousDrag = parameter(0.0, "damping of the plunger in its bore", "estimate", ge=0, le=1e6)
     liner: Literal["ptfe", "pom", "none"] = parameter(
         "ptfe", "liner of the seat: ptfe rubs more when it is cold; of others no law is stated", "estimate"
     )
@@ -296,6 +306,9 @@ class Yoke(LoadedFrictionLaw):
     thread_friction: Number = parameter(0.15, "friction coefficient of that thread", "estimate", ge=0, le=1)
     nut_stiffness: SpringRate = parameter(
         "1e8 N/m", "stiffness of the contact plunger/yokenut", "estimate", gt=0
+    )
+    nut_damping: Time = parameter(
+        0.0, "damping time of that contact: damping over stiffness", "estimate", ge=0, le=1e-2
     )
 
 
@@ -375,7 +388,10 @@ class Mesh(LoadedFrictionLaw):
         "1e-8 mm^3/N/m", "wear coefficient of the flanks, of pinion and rack each", "estimate", ge=0, le=1e-12
     )
     line_stiffness: LineStiffness = parameter(
-        0.0, "load per length of contact line and depth, law line; 0: c' of ISO 6336-1", "estimate", ge=0
+        0.0,
+        "load per length of contact line and depth, law line; 0: at rest under the preload, from the gear",
+        "estimate",
+        ge=0,
     )
 
     @property

@@ -188,6 +188,7 @@ SIGNALS = {
     "yokenut_force": _force(
         "contact force of the yokenut on the plunger along -Y, 0 while there is clearance"
     ),
+    "bore_force": _force("force against the plunger's motion in its bore, along -Y"),
     "bush_force": _force("magnitude of the bush's force on the rack across X"),
     "upper_bearing_force": _force("radial force of the upper bearing on a supported pinion"),
     "lower_bearing_force": _force("the same of the lower bearing"),
@@ -202,6 +203,12 @@ SIGNALS = {
     "work_seat_friction": _energy(
         "work lost to friction between plunger and rack from the start of recording"
     ),
+    "work_seat_damping": _energy("work lost to damping of the seat from the start of recording"),
+    "work_yokenut_damping": _energy("work lost to damping of the yokenut from the start of recording"),
+    "work_bore_friction": _energy(
+        "work lost to friction of the plunger in its bore from the start of recording"
+    ),
+    "work_bore_damping": _energy("work lost to damping of the plunger there from the start of recording"),
     "work_bush_friction": _energy("work lost to the bush's drag from the start of recording"),
     "work_bearing_friction": _energy("work lost to the pinion's bearings from the start of recording"),
     "work_support_friction": _energy(
@@ -415,6 +422,8 @@ _SUMMARY = {
     "rattle_fastest_scatter": Quantity("m/s", "mm/s", "standard deviation of that speed over the phases"),
     "loss_share_mesh": _ratio("work lost between the teeth, of all work lost"),
     "loss_share_seat": _ratio("work lost between plunger and rack, of all work lost"),
+    "loss_share_yokenut": _ratio("work lost to the damping of the yokenut, of all work lost"),
+    "loss_share_bore": _ratio("work lost by the plunger in its bore, of all work lost"),
     "loss_share_bush": _ratio("work lost in the bush, of all work lost"),
     "loss_share_bearing": _ratio("work lost in the pinion's bearings, of all work lost"),
     "loss_share_support": _ratio("work lost against a supported pinion's axial motion, of all work lost"),
@@ -557,6 +566,8 @@ LABELS = {
 PARTS = {
     "mesh": "teeth",
     "seat": "yoke",
+    "yokenut": "yokenut",
+    "bore": "plunger in its bore",
     "bush": "bush",
     "bearing": "bearings",
     "support": "pinion along its axis",

@@ -213,7 +213,7 @@ def _tapped(gear: SteeringGear) -> SteeringGear:
     """Return the gear without memory of friction: bristles and the shaft's axial friction would hold what
     tapping lets go."""
     laws: dict[str, object] = {f"{part}.friction_law": PLAIN_LAW for part in RUBBING_PARTS}
-    return gear.replace(laws | {"pinion.axial_friction": 0.0})
+    return gear.replace(laws | {"pinion.axial_friction": 0.0, "yoke.bore_friction": 0.0})
 
 
 def moved_by_modes(gear: SteeringGear, fidelity: Fidelity, place: float) -> np.ndarray:

@@ -52,8 +52,8 @@ GAIN = ("pinion.normal_module", "rack.tooth_angle")  # from lock to lock each ge
 UNSUPPORTED = {
     "scene": "the gears of this scene are run singly",
     "fidelity": "many gears are followed together only by the fidelity quasi-static",
-    "parts": "a bow, a side force or the weight of the rack asks for single runs",
-    "friction": "bristles ask for single runs",
+    "parts": "a bow, a side force, the weight of the rack or listed pitch errors ask for single runs",
+    "friction": "bristles, or friction of the plunger in its bore, ask for single runs",
     "conditions": "temperature, wear or a grease asks for single runs",
     "parameter": "gears that differ in {path} are run singly",
     "text": "the values of {path} are no plain numbers",
@@ -73,7 +73,8 @@ def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, value
         "fidelity": same != usual,
         "parts": bool(parts),
         "conditions": not is_new(gear),
-        "friction": any(getattr(gear, part).facts.has_state for part in RUBBING_PARTS),
+        "friction": any(getattr(gear, part).facts.has_state for part in RUBBING_PARTS)
+        or bool(gear.yoke.bore_friction or gear.yoke.bore_damping),
     }
     if reason := next((name for name, holds in reasons.items() if holds), ""):
         return UNSUPPORTED[reason]

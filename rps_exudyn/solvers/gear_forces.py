@@ -88,7 +88,7 @@ class GearForces:
         """Return the names of the parts whose friction has a state."""
         gear = self.gear
         of_parts = {"mesh": gear.mesh.flank, "seat": gear.seat, "bush": gear.fit, "bearing": gear.bearing}
-        of_parts["support"] = gear.support
+        of_parts |= {"support": gear.support, "bore": gear.bore}
         return {name for name, part in of_parts.items() if part.law.has_state}
 
     @property
@@ -226,6 +226,8 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
     rest_gap = approach + gear.yoke.preload / gear.yoke.seat_stiffness
     gears["seat"] = yoke.seat_record(gear, friction_zone=zone, rest_gap=rest_gap, patches=patches)
     gears["spring"], gears["nut"] = yoke.spring_record(gear), yoke.nut_record(gear)
+    gears["bore"] = yoke.bore_record(gear, patches)
+    gears["has_bore"] = bool(gear.yoke.bore_friction or gear.yoke.bore_damping)
     gears["has_bristles"] = patches.needed
     made = GearForces(
         law=law,

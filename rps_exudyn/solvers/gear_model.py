@@ -54,12 +54,15 @@ from rps_exudyn.forces.pinion_support import (
 )
 from rps_exudyn.forces.sliding_fit import FIT, add_fit_tangent, carried_fit_force, held_fit_force
 from rps_exudyn.forces.yoke import (
+    BORE,
     MOST_POINTS,
     NUT,
     SEAT,
     SPRING,
     add_seat_tangent,
+    bore_force,
     nut_force,
+    nut_slope,
     seat_force,
     spring_force,
 )
@@ -90,6 +93,7 @@ PARTS = (
     external_load.LOAD,
     external_load.WEIGHT,
     pinion_support.PART,
+    yoke.BORE_PART,
 )
 COLUMNS: dict[str, slice] = {}
 """Part -> its columns of the outputs."""
@@ -97,7 +101,7 @@ for _part in PARTS:
     _first = max((each.stop for each in COLUMNS.values()), default=0)
     COLUMNS[_part.name] = slice(_first, _first + _part.columns)
 OUTPUTS = _first + _part.columns
-_MESH, _SEAT, _SPRING, _NUT, _BEARING, _BUSH, _LOAD, _WEIGHT, _SUPPORT = (
+_MESH, _SEAT, _SPRING, _NUT, _BEARING, _BUSH, _LOAD, _WEIGHT, _SUPPORT, _BORE = (
     each.start for each in COLUMNS.values()
 )
 RIGID = 8  # coordinates of pinion, rack and plunger
@@ -111,6 +115,8 @@ GEAR = record_type(
         ("seat", SEAT),
         ("spring", SPRING),
         ("nut", NUT),
+        ("bore", BORE),
+        ("has_bore", "i8"),  # which rubs or damps
         ("bearing", BEARING),
         ("fit", FIT),
         ("load", DEAD_FORCE),  # at the rack's end
@@ -293,7 +299,9 @@ def _add_others(gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
             work.of_mesh[i, j] = near[1 + i, 1 + j]
     seat_force(place[1:8], rate[1:8], gear.seat, memory, work.rubbed, work.points, out[_SEAT : _SEAT + 14])
     spring_force(place[7], gear.spring, out[_SPRING : _SPRING + 5])
-    nut_force(place[7], gear.nut, out[_NUT : _NUT + 5])
+    nut_force(place[7], rate[7], gear.nut, out[_NUT : _NUT + 5])
+    if gear.has_bore:
+        near[7, 7] += factor_v * bore_force(rate[7], gear.bore, memory, out[_BORE : _BORE + 7])
     bearing_force(rate[0], gear.bearing, memory, out[_BEARING : _BEARING + 7])
     if wanted:
         _add_yoke_and_bearing(gear, work, factor_q, factor_v)
@@ -307,8 +315,7 @@ def _add_yoke_and_bearing(gear, work, factor_q, factor_v):  # type: ignore[no-un
     at = gear.seat, memory, work.rubbed, work.points
     add_seat_tangent(q, v, *at, factor_q, factor_v, on_rack, work.of_loads)
     near[7, 7] -= factor_q * gear.spring.rate
-    if place[7] > gear.nut.clearance:
-        near[7, 7] -= factor_q * gear.nut.stiffness
+    near[7, 7] += nut_slope(place[7], rate[7], gear.nut, factor_q, factor_v)
     near[0, 0] += factor_v * bearing_slope(rate[0], gear.bearing, memory)
 
 
@@ -324,6 +331,8 @@ def _near_force(i, gear, work):  # type: ignore[no-untyped-def]
         force += out[_SEAT + i - 1]
     if i == 7:
         force += out[_SPRING] + out[_NUT]
+        if gear.has_bore:
+            force += out[_BORE]
     if i == 0:
         force += out[_BEARING]
     return force
@@ -565,7 +574,7 @@ def fill_outputs(law, coordinates, rates, time, begun, gears, pool, works, outpu
 
 def parts_of(gear: np.record) -> list[Part]:
     """Return the parts of a gear, in the order of their outputs."""
-    having = {"load": "has_load", "weight": "has_weight", "support": "is_supported"}
+    having = {"load": "has_load", "weight": "has_weight", "support": "is_supported", "bore": "has_bore"}
     return [each for each in PARTS if each.name not in having or gear[having[each.name]]]
 
 

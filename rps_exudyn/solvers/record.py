@@ -43,7 +43,12 @@ WORK = {
     "work_bush_friction",
     "work_bearing_friction",
     "work_support_friction",
+    "work_seat_damping",
+    "work_yokenut_damping",
+    "work_bore_friction",
+    "work_bore_damping",
 }
+WHERE_DAMPED = {"work_seat_damping", "work_yokenut_damping"}  # of parts that need not be
 # Of `instant_signals`, no signals of a result; the last before the name of a work summed up over steps
 MESH_ENERGY, LOAD_ENERGY, SO_FAR = "mesh_energy", "load_energy", "so_far_"
 MESH_TAKEN = f"{SO_FAR}mesh"  # what the teeth took from the bodies
@@ -58,6 +63,7 @@ SHOWN = {
     "mesh_pressure": "mesh_pressure",
     "seat_force": "seat_force",
     "yokenut_force": "yokenut_force",
+    "bore_force": "bore_force",
     "bush_force": "bush_lateral_force",
     "load_force": "load_force",
     **{name: name for name in pinion_support.OUTPUTS[:6]},
@@ -228,8 +234,9 @@ def instant_signals(record: Record) -> dict[str, np.ndarray]:
         else:
             energy = energy + energy_terms[..., ELASTIC_ENERGY]
         for loss, column in (("friction", FRICTION_POWER), ("damping", DAMPING_POWER)):
-            if f"work_{part.name}_{loss}" in WORK:
-                signals[f"work_{part.name}_{loss}"] = energy_terms[..., column]
+            name = f"work_{part.name}_{loss}"
+            if name in WORK and (name not in WHERE_DAMPED or np.any(energy_terms[..., column])):
+                signals[name] = energy_terms[..., column]
         signals |= {name: own[source] for name, source in SHOWN.items() if source in own}
     if not np.any(signals.get("mesh_pressure", 1.0)):  # a contact of spheres has no lines
         del signals["mesh_pressure"]
@@ -258,7 +265,8 @@ def _over_steps(record: Record) -> dict[str, np.ndarray]:
         if part.name in record.forces.with_bristles:
             works[SO_FAR + rubs] = out[:, part.size + ENERGY_TERMS + part.outputs.index(FRICTION_STATE[0])]
         elif part.name != "mesh":  # what its forces take is rubbed off or stored
-            works[SO_FAR + rubs] = taken - out[:, part.size + ELASTIC_ENERGY]
+            damped = _work(out[:, part.size + DAMPING_POWER], record.time)
+            works[SO_FAR + rubs] = taken - out[:, part.size + ELASTIC_ENERGY] - damped
     return works
 
 

@@ -58,7 +58,7 @@ def linearised_damping(gear: SteeringGear, fidelity: Fidelity) -> float:
     """Return the same with friction that depends on speed alone: the largest damping at which a vibration
     grows that more damping cures; 0 where the gear is stable without any, nan without an equilibrium."""
     laws = {f"{part}.friction_law": getattr(gear, part).facts.at_speed for part in RUBBING_PARTS}
-    gear = gear.replace(laws)
+    gear = gear.replace({**laws, "pinion.axial_friction": 0.0, "yoke.bore_friction": 0.0})
     model = reduced_gear(gear)
     most = RANGE * model.linear_limit(gear.test.speed)
     vibration = SlidingVibration.of(gear, fidelity) if most else None

@@ -6,11 +6,13 @@ from pathlib import Path
 import pytest
 
 import rps_exudyn as rps
+from reader import module_of
+from rps_exudyn.scenes import SCENE_NAMES
 
 ROOT = Path(__file__).parents[2]
 PAGES = [
     *(ROOT / f"{name}.md" for name in ("README", "CONTRIBUTING", "CHANGELOG")),
-    *sorted((ROOT / "docs").glob("*.md")),
+    *sorted((ROOT / "docs").rglob("*.md")),
     *sorted((ROOT / "results").rglob("*.md")),
 ]
 
@@ -46,13 +48,54 @@ def test_links_to_headings_are_found() -> None:
 
 
 def test_page_of_models_has_the_numbers_of_the_results() -> None:
-    """Times and changes of each row stand in the page that it names, else in that of the scenes' needs."""
+    """Times and changes of each row stand in the file that it names, else in the data of the needs."""
     page = (ROOT / "docs" / "models.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| .*\d.* \|$", page, re.M)
     for row in rows:
         target = re.search(r"\]\(\.\./([^)#]+)", row)
-        source = (ROOT / (target[1] if target else "results/scenes/needs.md")).read_text(encoding="utf-8")
+        source = (ROOT / (target[1] if target else "results/scenes/needs.json")).read_text(encoding="utf-8")
         for cell in row.strip("| ").split(" | ")[1:]:
             if re.fullmatch(r"[-+]?\d+\.\d+|[-+]\d+", cell):
                 assert re.search(rf"(?<![\d.]){re.escape(cell)}(?![\d.])", source), row
     assert len(rows) >= 12
+
+
+def test_tutorial_has_eight_pages_and_the_gallery_twenty_entries() -> None:
+    """All are in the site, which runs them when it is built; the entries' names differ."""
+    executed = module_of("executed")
+    pages = [path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs" / "tutorial").glob("*.md")]
+    settings = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    assert len(pages) == 8
+    assert all(f"- {page}" in settings for page in pages)
+    assert len({entry.name for entry in executed.GALLERY}) == 20
+    assert {entry.scene for entry in executed.GALLERY} <= set(SCENE_NAMES)
+
+
+def test_executed_blocks_show_what_they_print_and_draw(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    executed = module_of("executed")
+    monkeypatch.setattr(executed, "PLACE", tmp_path)
+    draw = "from pathlib import Path\n\nPath('a.png').touch()\nprint(2 + 3)\n"
+    page = f"```sh\necho one\n```\n\n```python\n{draw}```\n"
+    _, shown = executed.run_blocks("page", page)
+    assert [tuple(each) for each in shown] == [("one\n", []), ("5\n", ["a.png"])]
+    assert executed.run_blocks("page", page)[1] == shown
+    with pytest.raises(RuntimeError, match="exit 2"):
+        executed.run_blocks("page", "```sh\nexit 2\n```\n")
+
+
+def test_formulas_are_set_as_drawings_with_their_text() -> None:
+    page = '<p>with <span class="arithmatex">\\(\\mu N\\)</span>.</p>'
+    content = module_of("hooks").on_page_content(page)
+    assert content.startswith('<p>with <span class="formula-span"><svg')
+    assert 'aria-label="\\mu N"' in content
+    assert "arithmatex" not in content
+
+
+def test_pages_are_no_longer_than_stated() -> None:
+    """Words as `wc -w` counts them; README with its chart at most 700."""
+    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")]
+    words = {page: len(page.read_text(encoding="utf-8").split()) for page in pages}
+    assert sum(words.values()) <= 28_000
+    assert words[ROOT / "README.md"] <= 700

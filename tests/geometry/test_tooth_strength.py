@@ -9,6 +9,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_limits import transverse_contact_ratio
 from rps_exudyn.gears.tooth_strength import (
     ToothForm,
+    bearing_face,
     flank_stress,
     pinion_form,
     rack_form,
@@ -68,12 +69,13 @@ def test_root_stress_of_a_rack_is_that_of_a_calculation_by_hand() -> None:
     form = 6 * (lever / 2) * np.cos(ALPHA) / ((chord / 2) ** 2 * np.cos(ALPHA))
     slender, notch = chord / lever, chord / (2 * rho)
     correction = (1.2 + 0.13 * slender) * notch ** (1 / (1.21 + 2.3 / slender))
-    beta = abs(pair.beta_p)
+    beta, face = abs(pair.beta_r), 2 * np.sqrt(0.012**2 - (0.0085 + pair.rack_addendum) ** 2)
+    assert face == pytest.approx(12.21e-3, abs=0.02e-3)  # of a bar of 24 mm, reference line 8.5 mm high
     assert transverse_contact_ratio(pair) < 1  # one pair bears all: Y_epsilon is 1
-    overlap = min(pair.face_width * np.sin(beta) / (np.pi * module), 1.0)
+    overlap = min(face * np.sin(abs(pair.beta_p)) / (np.pi * module), 1.0)
     inclined = 1 - overlap * beta / np.deg2rad(120)
     force = 30.0 / pair.reference_radius
-    by_hand = force / (pair.face_width * module) * form * correction * inclined
+    by_hand = force / (face * module) * form * correction * inclined
     assert root_stress(GEAR, rack_form(pair), 30.0) == pytest.approx(by_hand, rel=1e-4)
 
 
@@ -110,11 +112,32 @@ def test_contact_stress_is_hertz_at_the_pitch_point_of_spur_teeth() -> None:
     contact ratio of 1 and no overlap the standard's factors are 1."""
     spur = GEAR.replace({"pinion.helix_angle": "0.001 deg", "rack.tooth_angle": 0.0, "pinion.teeth": 12})
     pair = GearPair.of(spur)
-    line_load = 30.0 / pair.reference_radius / np.cos(pair.alpha_n) / pair.face_width
+    line_load = 30.0 / pair.reference_radius / np.cos(pair.alpha_n) / bearing_face(pair)
     modulus = 206e9 / (2 * (1 - 0.3**2))
     hertz = np.sqrt(line_load * modulus / np.pi / (pair.reference_radius * np.sin(pair.alpha_n)))
-    ratio = max(transverse_contact_ratio(pair), 1.0)
+    ratio = transverse_contact_ratio(pair)
     assert flank_stress(spur, 30.0) == pytest.approx(hertz * np.sqrt((4 - ratio) / 3), rel=1e-5)
+
+
+def test_a_contact_ratio_below_1_raises_the_pressure() -> None:
+    """Fewer lines bear: of spur teeth Z_epsilon is sqrt((4 - eps) / 3), above 1 below a contact ratio of "
+    "1."""
+    pair = GearPair.of(GEAR)
+    ratio, overlap = transverse_contact_ratio(pair), bearing_face(pair) * np.sin(abs(pair.beta_p))
+    overlap /= np.pi * pair.module
+    sharing = np.sqrt((4 - ratio) / 3 * (1 - overlap) + overlap / ratio)
+    wide = GEAR.replace({"rack.reference_height": "6 mm"})  # the bar leaves the pinion's whole face
+    assert bearing_face(GearPair.of(wide)) == pair.face_width
+    assert sharing > 1.05
+    assert flank_stress(GEAR, 30.0) == pytest.approx(sharing / 1.0 * _unshared(GEAR, 30.0), rel=1e-9)
+
+
+def _unshared(gear: SteeringGear, torque: float) -> float:
+    """Z_H Z_E Z_beta sqrt(F_t / (d_1 b)), the modulus over 2 pi (1 - nu^2)."""
+    pair = GearPair.of(gear)
+    zone = np.sqrt(2 * np.cos(pair.beta_b) / (np.cos(pair.alpha_t) * np.sin(pair.alpha_t)))
+    square = torque / pair.reference_radius / (2 * pair.reference_radius * bearing_face(pair))
+    return float(zone * np.sqrt(206e9 / (2 * np.pi * 0.91) * square / np.cos(pair.beta_p)))
 
 
 def test_a_sharper_fillet_bears_less() -> None:

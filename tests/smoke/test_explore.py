@@ -16,8 +16,9 @@ from playwright import sync_api
 
 import rps_exudyn as rps
 from rps_exudyn.pages.explore import sliders as answers
+from rps_exudyn.pages.explore.on_request import on_request
 from rps_exudyn.pages.explore.server import LONGEST, TOO_LONG, Explorer
-from rps_exudyn.pages.explore.sliders import SLIDERS, Slider, answer, settings_of
+from rps_exudyn.pages.explore.sliders import SLIDERS, Slider, Wish, answer, scenes, settings_of
 from rps_exudyn.simulate.cases.run_cases import Task
 from watched_page import watched
 
@@ -30,9 +31,9 @@ CROWD = 200
 class Slow(Explorer):
     """A server of which one state takes much longer than allowed."""
 
-    def task(self, state: Any) -> Task:
+    def task(self, wish: Wish) -> Task:
         endless = partial(eval, "__import__('time').sleep(600)")
-        return Task(endless) if state == SLOW else super().task(state)
+        return Task(endless) if wish.state == SLOW else super().task(wish)
 
 
 @pytest.fixture(scope="module")
@@ -59,8 +60,9 @@ def test_curve_is_that_of_the_command(server: Explorer) -> None:
     result = rps.run("free-pinion-torque", GEAR.replace({"yoke.preload": 400}), fidelity="quasi-static")
     found = json.loads(content)
     assert status == 200
-    np.testing.assert_allclose(found["torque"], result["pinion_torque"], atol=1e-6)  # as it is rounded
-    assert sum(found["losses"].values()) == pytest.approx(100, abs=0.1)
+    (curve,) = found["curves"]
+    np.testing.assert_allclose(curve["y"], result["pinion_torque"], atol=1e-6)  # as it is rounded
+    assert sum(share for _, _, share in found["losses"]) == pytest.approx(100, abs=0.1)
 
 
 def test_what_follows_from_a_slider_follows(server: Explorer) -> None:
@@ -84,10 +86,10 @@ def test_random_states_have_values_or_sentences() -> None:
     drawn = [{s.path: float(np.round(rng.uniform(s.low, s.high), 6)) for s in SLIDERS} for _ in range(6)]
     ends = [{slider.path: end} for slider in SLIDERS for end in (slider.low, slider.high)]
     for state in [*drawn, *ends]:
-        found = answer(GEAR, state)
+        found = answer(GEAR, Wish(state))
         json.dumps(found, allow_nan=False)
         problems = found.get("problems", [])
-        assert problems or len(found["torque"]) > 10
+        assert problems or len(found["curves"][0]["y"]) > 10
         assert all(text.endswith(".") for text in problems)
 
 
@@ -103,7 +105,9 @@ def test_a_solver_that_breaks_is_a_sentence(monkeypatch: pytest.MonkeyPatch) -> 
         raise ZeroDivisionError("by zero")
 
     monkeypatch.setattr(answers, "simulate", broken)
-    assert answer(GEAR, {}) == {"problems": ["This state cannot be computed: ZeroDivisionError: by zero."]}
+    assert answer(GEAR, Wish({})) == {
+        "problems": ["This state cannot be computed: ZeroDivisionError: by zero."]
+    }
 
 
 @pytest.mark.parametrize(
@@ -160,9 +164,9 @@ def test_only_this_machine_is_listened_to(server: Explorer) -> None:
 
 
 def test_only_the_last_state_of_a_tab_is_computed(server: Explorer) -> None:
-    assert "torque" in server.computed({}, "a tab", 5)
-    assert server.computed({}, "a tab", 4) == {"stale": True}
-    assert "torque" in server.computed({}, "another", 1)
+    assert "curves" in server.computed(Wish({}), "a tab", 5)
+    assert server.computed(Wish({}), "a tab", 4) == {"stale": True}
+    assert "curves" in server.computed(Wish({}), "another", 1)
 
 
 @pytest.mark.cpu_limit(300)
@@ -180,7 +184,81 @@ def test_crowd_is_answered_beside_a_slow_state(server: Explorer) -> None:
         (slow, sentence), *others = crowd.map(one, range(CROWD))
     assert sentence["problems"] == [TOO_LONG]
     assert slow >= LONGEST
-    assert all("torque" in found for _, found in others)
+    assert all("curves" in found for _, found in others)
+
+
+def test_every_scene_of_equilibria_has_curves() -> None:
+    """In both directions where the scene turns steadily: two curves against the motion, of one sign."""
+    for scene in scenes():
+        found = answer(GEAR, Wish({}, scene))
+        json.dumps(found, allow_nan=False)
+        assert found.get("problems") or (len(found["curves"][0]["y"]) > 2 and found["rows"]), scene
+    both = answer(GEAR, Wish({}, is_both_ways=True))["curves"]
+    assert [curve["direction"] for curve in both] == [1, -1]
+    assert min(min(curve["y"]) for curve in both) > 0.5
+    assert answer(GEAR, Wish({}, "rattle"))["problems"] == ["'rattle' is no scene of this page."]
+
+
+def test_measured_file_is_read_with_the_signs_of_a_fit_or_refused() -> None:
+    table = [f"{angle};{0.7 if angle < 360 else -0.7}" for angle in [*range(0, 360, 2), *range(360, 0, -2)]]
+    text = "\n".join(["angle [deg];torque [N m]", *table])
+    found = on_request(GEAR, Wish({}, measured=text), "measured")["measured"]
+    assert [curve["direction"] for curve in found] == [1, -1]
+    assert max(found[0]["y"]) == pytest.approx(0.7)
+    refused = on_request(GEAR, Wish({}, measured="x;y\n1;2\n"), "measured")["problems"]
+    assert refused
+    assert not any("/tmp" in text for text in refused)
+
+
+def test_sheet_picture_and_pattern_are_those_of_the_state(server: Explorer) -> None:
+    status, content = asked(server, "POST", "/sheet", {"state": {"yoke.preload": 400}})
+    page = json.loads(content)["page"]
+    assert status == 200
+    assert "preload 400 N" in page
+    assert 'class="gear"' in page
+    picture = json.loads(asked(server, "POST", "/picture", {"state": {"yoke.preload": 400}})[1])
+    assert picture["image"].startswith("data:image/webp;base64,")
+    assert [label["value"] for label in picture["labels"] if label["name"] == "yoke"] == ["400 N"]
+    pattern = json.loads(asked(server, "POST", "/pattern", {"state": {}})[1])
+    assert pattern["image"].startswith("data:image/svg+xml;base64,")
+    undercut = json.loads(asked(server, "POST", "/picture", {"state": {"yoke.preload": -1}})[1])
+    assert undercut["problems"] == ["yoke.preload is -1; it must be from 0 to 1000."]
+
+
+def test_state_is_in_the_address_and_a_file_can_be_dropped(
+    browser: sync_api.Browser, server: Explorer
+) -> None:
+    page = browser.new_page()
+    page.goto(server.address)
+    page.locator("#chart polyline.now").first.wait_for()
+    page.get_by_label("yoke preload").fill("420")
+    page.get_by_label("both directions").check()
+    page.locator("#chart polyline.now.back").wait_for()
+    page.wait_for_url(lambda url: "420" in url)
+    other = browser.new_page()
+    other.goto(page.url)
+    other.locator("#chart polyline.now.back").wait_for()
+    assert other.get_by_label("yoke preload").input_value() == "420"
+    rows = [f"{angle};{0.8 + 0.01 * np.sin(angle):.4f}" for angle in range(-180, 181, 2)]
+    text = "\n".join(["angle [deg];torque [N m]", *rows])
+    other.evaluate(
+        """(text) => {
+          const data = new DataTransfer();
+          data.items.add(new File([text], "bench.csv"));
+          document.dispatchEvent(new DragEvent("drop", { dataTransfer: data, cancelable: true }));
+        }""",
+        text,
+    )
+    other.locator("#chart circle").first.wait_for(timeout=90_000)
+    assert other.locator("#chart circle").count() > 150  # brought onto 0 to 360 degrees by whole turns
+    places = other.locator("#chart circle").evaluate_all("all => all.map(one => one.cy.baseVal.value)")
+    assert min(places) > 0  # the ordinate holds them
+    assert "bench.csv" in other.locator("#caption").inner_text()
+    with other.expect_download() as download:
+        other.get_by_role("button", name="Python").click()
+    assert 'rps.run("free-pinion-torque"' in Path(download.value.path()).read_text()
+    page.close()
+    other.close()
 
 
 def test_page_in_a_browser(browser: sync_api.Browser, server: Explorer) -> None:

@@ -1,4 +1,5 @@
-"""A page with sliders on this machine: torque curve, losses, geometry and limits while they are dragged.
+"""A page with sliders on this machine: curve, sheet, losses, gear and limits while they are dragged.
 
-sliders.py lists what can be dragged, answer.py computes one state, server.py serves the page and its files.
+sliders.py lists what can be dragged and answers one state; on_request.py answers clicks; server.py serves the
+page and its files.
 """

@@ -7,6 +7,7 @@ than `LONGEST` is given up; until then, it holds one process, and the others ans
 
 import json
 import socket
+from dataclasses import replace
 from functools import partial
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -18,14 +19,18 @@ from typing import Any
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import pretty
-from rps_exudyn.pages.explore.sliders import SLIDERS, Answer, answer, settings_of
+from rps_exudyn.pages.explore.on_request import KINDS, on_request
+from rps_exudyn.pages.explore.sliders import SLIDERS, Answer, Wish, answer, scenes
 from rps_exudyn.parameters.gear import SteeringGear, gear_file
+from rps_exudyn.scenes.free_pinion_torque import SCENE
 from rps_exudyn.simulate.cases.processes import Processes
 from rps_exudyn.simulate.cases.run_cases import Task, available_processors
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 LARGEST_REQUEST = 20_000  # [bytes]
+LARGEST_FILE = 4_000_000  # of a request with a measured file [bytes]
 LONGEST = 10.0  # that a state may take [s]
+LONGEST_REQUESTED = 120.0  # that a band, a sheet or a fit may take [s]
 MOST_WAITING = 1024  # connections that wait to be accepted
 MOST_TABS = 4096  # of which the number of the last request is kept
 TOO_LONG = (
@@ -62,6 +67,10 @@ class Explorer(ThreadingHTTPServer):
         self.gear, self.newest = gear, dict[str, int]()
         self._processes = [Processes(1, LONGEST) for _ in range(max(2, available_processors()))]
         self._free: SimpleQueue[Processes] = SimpleQueue()
+        self._patient: dict[str, SimpleQueue[Processes]] = {kind: SimpleQueue() for kind in KINDS}
+        self._begun_by_clicks = [Processes(1, LONGEST_REQUESTED) for _ in KINDS]
+        for queue, processes in zip(self._patient.values(), self._begun_by_clicks, strict=True):
+            queue.put(processes)
         self.local = host in LOOPBACK
         if ":" in host:
             self.address_family = socket.AF_INET6
@@ -85,15 +94,24 @@ class Explorer(ThreadingHTTPServer):
 
     def warm_up(self) -> None:
         """Compile here if need be, where a command shows it; the processes start in the background."""
-        answer(SteeringGear(), {})
+        answer(SteeringGear(), Wish({}))
         for processes in self._processes:
-            Thread(target=self._ask, args=(processes, self.task({})), daemon=True).start()
+            arguments = (processes, self._free, self.task(Wish({})))
+            Thread(target=self._ask, args=arguments, daemon=True).start()
 
-    def task(self, state: Any) -> Task:
+    def task(self, wish: Wish) -> Task:
         """The call that answers a state."""
-        return Task(partial(answer, self.gear, state), warm_up=partial(answer, self.gear, {}))
+        return Task(partial(answer, self.gear, wish), warm_up=partial(answer, self.gear, Wish({})))
 
-    def computed(self, state: Any, tab: str, number: int) -> Answer:
+    def requested(self, wish: Wish, kind: str) -> Answer:
+        """The answer to a click, one after the other."""
+        usual = replace(wish, state={})  # what is compiled for it has no time limit
+        warm_up = partial(on_request, self.gear, usual, kind)
+        task = Task(partial(on_request, self.gear, wish, kind), warm_up=warm_up)
+        queue = self._patient[kind]
+        return self._ask(queue.get(), queue, task)
+
+    def computed(self, wish: Wish, tab: str, number: int) -> Answer:
         """One state's answer; "stale" where the same tab has asked for another meanwhile."""
         self.newest[tab] = max(number, self.newest.pop(tab, 0))
         while len(self.newest) > MOST_TABS:
@@ -102,9 +120,9 @@ class Explorer(ThreadingHTTPServer):
         if number < self.newest.get(tab, number):
             self._free.put(processes)
             return {"stale": True}
-        return self._ask(processes, self.task(state)) | {"number": number}
+        return self._ask(processes, self._free, self.task(wish)) | {"number": number}
 
-    def _ask(self, processes: Processes, task: Task) -> Answer:
+    def _ask(self, processes: Processes, free: "SimpleQueue[Processes]", task: Task) -> Answer:
         """The answer of a process, which is free afterwards."""
         try:
             ((_, found),) = processes.run(iter([task]))
@@ -114,12 +132,12 @@ class Explorer(ThreadingHTTPServer):
         except InputError as error:
             return {"problems": list(error.problems)}
         finally:
-            self._free.put(processes)
+            free.put(processes)
 
     def server_close(self) -> None:
         """End the processes, too."""
         super().server_close()
-        for processes in self._processes:
+        for processes in [*self._processes, *self._begun_by_clicks]:
             processes.__exit__()
 
 
@@ -132,7 +150,7 @@ class _Handler(BaseHTTPRequestHandler):
         if not self.server.allows(self.headers.get("Host", "")):
             self._refuse(HTTPStatus.MISDIRECTED_REQUEST, "this server answers its own address only")
         elif self.path == "/sliders":
-            self._send(HTTPStatus.OK, "application/json", json.dumps(_sliders(self.server.gear)).encode())
+            self._send(HTTPStatus.OK, "application/json", json.dumps(_controls(self.server.gear)).encode())
         elif self.path in FILES:
             name, kind = FILES[self.path]
             self._send(HTTPStatus.OK, kind, (_FOLDER / name).read_bytes())
@@ -144,7 +162,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._refuse(HTTPStatus.MISDIRECTED_REQUEST, "this server answers its own address only")
         elif self.headers.get_content_type() != "application/json":
             self._refuse(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "a request must be JSON")
-        elif self.path not in ("/curve", "/gear"):
+        elif self.path.removeprefix("/") not in ("curve", "gear", *KINDS):
             self._refuse(HTTPStatus.NOT_FOUND, "there is no such page")
         else:
             self._answer()
@@ -152,19 +170,28 @@ class _Handler(BaseHTTPRequestHandler):
     def _answer(self) -> None:
         try:
             length = int(self.headers.get("Content-Length", ""))
-            if not 0 < length <= LARGEST_REQUEST:
+            largest = LARGEST_FILE if self.path in ("/measured", "/fit") else LARGEST_REQUEST
+            if not 0 < length <= largest:
                 raise ValueError
             asked = json.loads(self.rfile.read(length))
-            state, tab, number = asked["state"], str(asked.get("tab", ""))[:40], int(asked.get("number", 0))
+            scene, both_ways = str(asked.get("scene", SCENE.name)), bool(asked.get("both_ways"))
+            wish = Wish(asked["state"], scene, both_ways, str(asked.get("measured", "")))
+            tab, number = str(asked.get("tab", ""))[:40], int(asked.get("number", 0))
         except (ValueError, KeyError, TypeError, AttributeError, RecursionError, OverflowError):
             self._refuse(HTTPStatus.BAD_REQUEST, "a request must be JSON with a state")
             return
-        if self.path == "/curve":
-            content = self.server.computed(state, tab, number)
-            self._send(HTTPStatus.OK, "application/json", json.dumps(content, allow_nan=False).encode())
+        if self.path == "/gear":
+            self._answer_gear(wish)
             return
+        if self.path == "/curve":
+            content = self.server.computed(wish, tab, number)
+        else:
+            content = self.server.requested(wish, self.path.removeprefix("/"))
+        self._send(HTTPStatus.OK, "application/json", json.dumps(content, allow_nan=False).encode())
+
+    def _answer_gear(self, wish: Wish) -> None:
         try:
-            text = gear_file(self.server.gear.replace(settings_of(state)))
+            text = gear_file(Wish(wish.state).gear(self.server.gear))
         except InputError as error:
             self._refuse(HTTPStatus.UNPROCESSABLE_ENTITY, " ".join(error.problems))
             return
@@ -185,10 +212,10 @@ class _Handler(BaseHTTPRequestHandler):
         """Print nothing: the terminal is the user's."""
 
 
-def _sliders(gear: SteeringGear) -> Any:
+def _controls(gear: SteeringGear) -> Any:
     """What the page builds itself from."""
     items = {item.path: item for item in gear.declared()}
-    return [
+    sliders = [
         {
             "path": slider.path,
             "name": slider.name,
@@ -201,3 +228,4 @@ def _sliders(gear: SteeringGear) -> Any:
         }
         for slider in SLIDERS
     ]
+    return {"sliders": sliders, "scenes": scenes()}

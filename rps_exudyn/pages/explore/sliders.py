@@ -6,15 +6,18 @@ from typing import Any
 
 import numpy as np
 
+from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError, raise_wrapped
-from rps_exudyn.base.units import words
+from rps_exudyn.base.units import pretty, words
 from rps_exudyn.gears.geometry_report import geometry_report
+from rps_exudyn.pages.report.sheet import REMARK, WORK_LOST, loss_shares, sheet_of
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.quantities import GEOMETRY, SIGNALS, SUMMARY
+from rps_exudyn.results.quantities import GEOMETRY, PARTS, SIGNALS
 from rps_exudyn.results.result import Result
+from rps_exudyn.scenes import SCENE_NAMES, scene_named
 from rps_exudyn.scenes.free_pinion_torque import SCENE
 from rps_exudyn.simulate.run import simulate
 
@@ -66,6 +69,7 @@ SLIDERS = (
     Slider("installation.axis_offset", -100, 100, 5, "um"),
     Slider("installation.angle_error", -1, 1, 0.05, "deg"),
 )
+LEAST_TURN = 1e-6  # of the pinion, over which a curve can be drawn [rad]
 BY_PATH = {slider.path: slider for slider in SLIDERS}
 
 
@@ -95,18 +99,9 @@ def settings_of(state: Any) -> dict[str, Any]:
     return settings
 
 
-# --- The answer: torque over a turn, losses, geometry; or why there is none
+# --- The answer: the scene's curve, numbers, losses, geometry; or why there is none
 
 FIDELITY = "quasi-static"
-NUMBERS = (
-    "torque_mean",
-    "torque_peak_to_peak",
-    "torque_first_order",
-    "rack_gain",
-    "rack_lift_range",
-    "yoke_force_max",
-)
-LOSSES = ("loss_share_mesh", "loss_share_seat", "loss_share_bush", "loss_share_bearing")
 SIZES = (
     "transverse_contact_ratio",
     "overlap_ratio",
@@ -118,21 +113,55 @@ SIZES = (
 Answer = dict[str, Any]
 
 
-def answer(gear: SteeringGear, state: Any) -> Answer:
+@dataclass(frozen=True)
+class Wish:
+    """What a page asks for.
+
+    Attributes:
+        state: path -> number in the slider's unit.
+        scene: name of a scene.
+        is_both_ways: whether the rig turns there and back.
+        measured: text of a measured file.
+    """
+
+    state: Any
+    scene: str = SCENE.name
+    is_both_ways: bool = False
+    measured: str = ""
+
+    def gear(self, gear: SteeringGear) -> SteeringGear:
+        """The gear with the state of the sliders.
+
+        Raises:
+            InputError: the state cannot be, or the scene is none of this page.
+        """
+        if self.scene not in scenes():
+            raise InputError(f"{units.shown(self.scene)} is no scene of this page.")
+        path = {"test.path": "there-and-back"} if self.is_both_ways else {}
+        return gear.replace(settings_of(self.state) | path)
+
+
+def scenes() -> dict[str, str]:
+    """Scenes of equilibria -> their titles; those that need inertia are run by commands."""
+    found = {name: scene_named(name) for name in SCENE_NAMES}
+    return {name: scene.title for name, scene in found.items() if not scene.needs_inertia}
+
+
+def answer(gear: SteeringGear, wish: Wish) -> Answer:
     """Compute one state of the sliders; whatever it is, the answer is a table for the page.
 
     Args:
         gear: what the sliders change.
-        state: path -> number in the slider's unit.
+        wish: their state, and the scene.
 
     Returns:
-        "problems": sentences, if this gear cannot exist or be computed; else curve, numbers and remarks.
+        "problems": sentences, if this gear cannot exist or be computed; else curves, numbers and remarks.
     """
     began = perf_counter()
     try:
-        chosen = gear.replace(settings_of(state))
+        chosen = wish.gear(gear)
         report = geometry_report(chosen)
-        result = simulate(SCENE.name, chosen, FIDELITY)
+        result = simulate(wish.scene, chosen, FIDELITY)
     except InputError as error:
         return {"problems": list(error.problems)}
     except Exception as error:  # whatever a state nobody has tried does to a solver: the page goes on
@@ -148,25 +177,52 @@ def answer(gear: SteeringGear, state: Any) -> Answer:
     }
     if result.status is not Status.OK:
         return shown | {"problems": [f"{result.status}: {result.message} {result.status.remedy}".strip()]}
-    return shown | _curve(result) | {"ms": 1e3 * (perf_counter() - began)}
+    return shown | _drawn(result) | {"ms": 1e3 * (perf_counter() - began)}
 
 
-def _curve(result: Result) -> Answer:
-    angle = SIGNALS["pinion_angle"].displayed(result["pinion_angle"])
-    torque = SIGNALS["pinion_torque"].displayed(result["pinion_torque"])
-    summary = result.summary
+def _drawn(result: Result) -> Answer:
+    """Curves, rows of the sheet, losses."""
     error = law_error(result.gear, result.fidelity)
+    signal = scene_named(result.scene).signal
+    along = abscissa(result)
     return {
-        "angle": np.round(angle, 3).tolist(),
-        "torque": np.round(torque, 6).tolist(),
-        "numbers": {words(name): SUMMARY[name].show(summary[name]) for name in NUMBERS if name in summary},
-        "losses": {
-            words(name.removeprefix("loss_share_")): round(100 * summary[name], 2)
-            for name in LOSSES
-            if name in summary
-        },
-        "error": error.largest if error else None,
+        "curves": curves_of(result, signal, along),
+        "along": _label(along),
+        "across": _label(signal),
+        "rows": [
+            [row.value, row.words] for row in sheet_of(result).rows if row.value not in (WORK_LOST, REMARK)
+        ],
+        "losses": [[part, PARTS[part], 100 * share] for part, share in loss_shares(result).items()],
+        "error": error.largest if error and signal == "pinion_torque" else None,
         "accuracy": (error.sentence if error else "")
-        + " Quasi-static: equilibria at each angle, without inertia; friction coefficients are yours.",
+        + " Quasi-static: equilibria at each instant, without inertia; friction coefficients are yours.",
         "remarks": result.message,
     }
+
+
+def _label(name: str) -> dict[str, str]:
+    return {"name": words(name), "unit": pretty(SIGNALS[name].display)}
+
+
+def abscissa(result: Result) -> str:
+    """The signal over which the scene's own is drawn: the pinion's angle where that moves."""
+    angle = result.signals.get("pinion_angle")
+    return "pinion_angle" if angle is not None and np.ptp(angle) > LEAST_TURN else "time"
+
+
+def curves_of(result: Result, signal: str, along: str) -> list[Answer]:
+    """Curves for the page in display units; of a torque in both directions each against its motion."""
+    parts = [(1, result.signals)]
+    if along == "pinion_angle" and scene_named(result.scene).steady:
+        parts = [(each.direction, each.signals) for each in passes(result.signals)]
+    sign = len({direction for direction, _ in parts}) > 1
+    return [
+        {
+            "direction": direction,
+            "x": np.round(SIGNALS[along].displayed(signals[along]), 4).tolist(),
+            "y": np.round(
+                SIGNALS[signal].displayed((direction if sign else 1) * signals[signal]), 6
+            ).tolist(),
+        }
+        for direction, signals in parts
+    ]

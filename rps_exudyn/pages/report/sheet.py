@@ -29,7 +29,6 @@ MEANS = (
     "torque_mean_backward",
 )  # with the law's error
 REMARK, WORK_LOST = "remark", "work lost"
-LONGEST = 110  # letters of a remark
 LEAST_SHARE = 0.005  # of the work lost, below which a part is not named
 NEGLIGIBLE = 1e-5  # of the unit that is shown: rounding errors of the solver
 SMALLER = {"N*m": ("N*mm", 1e3), "J": ("mJ", 1e3), "N*s": ("mN*s", 1e3), "mm": ("um", 1e3)}
@@ -136,8 +135,10 @@ def _band(band: "Band | None") -> Iterable[Row]:
 
 
 def _remark(result: Result) -> Iterable[Row]:
-    if result.message:
-        yield Row(REMARK, short(result.message, LONGEST))
+    """The first remark as a whole, and how many there are beside it."""
+    first, *others = result.message.split("; ")
+    if first:
+        yield Row(REMARK, first + f"; and {len(others)} more: --all" * bool(others))
 
 
 def _unit_of(text: str) -> str:

@@ -5,6 +5,8 @@ const SVG = "http://www.w3.org/2000/svg";
 const by = (id) => document.getElementById(id);
 const TAB = String(Math.random()).slice(2);
 let sliders = [], number = 0, busy = false, wanted = false, first = null, axis = null, sent = 0;
+let latest = null, band = null, measured = null, file = null, resting = 0;
+const REST = 500; // after which the address and the gear's picture follow the sliders [ms]
 
 function make(kind, attributes = {}, text) {
   const item = document.createElement(kind);
@@ -46,7 +48,7 @@ function slider(item) {
     const near = Math.abs(Number(input.value) - item.value) < item.step / 2;
     input.value = near ? item.value : shown(Math.min(item.low + steps * item.step, item.high));
     tell();
-    ask();
+    changed();
   });
   input.addEventListener("keydown", (event) => {
     const way = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1, PageUp: 10, PageDown: -10 }[event.key];
@@ -59,6 +61,20 @@ function slider(item) {
   return { item, input, tell, row };
 }
 
+const asked = () => ({ state: state(), scene: by("scene").value, both_ways: by("both-ways").checked, tab: TAB });
+
+const post = (path, content) => fetch(path, {
+  method: "POST",
+  headers: { "Content-Type": "application/json" },
+  body: JSON.stringify(content),
+});
+
+// A band belongs to the state for which it was computed
+function changed() {
+  band = null;
+  ask();
+}
+
 async function ask() {
   wanted = true;
   if (busy) return;
@@ -67,21 +83,52 @@ async function ask() {
     wanted = false;
     sent = performance.now();
     try {
-      const reply = await fetch("/curve", {
-        method: "POST",
-        headers: { "Content-Type": "application/json" },
-        body: JSON.stringify({ state: state(), tab: TAB, number: ++number }),
-      });
-      show(await reply.json());
+      show(await (await post("/curve", { ...asked(), number: ++number })).json());
     } catch {
       show({ problems: ["The server does not answer any more; start rps-exudyn explore again."] });
     }
   }
   busy = false;
+  clearTimeout(resting);
+  resting = setTimeout(rest, REST);
 }
 
+// When the sliders rest, address and picture follow
+function rest() {
+  const { state: moved, scene, both_ways } = asked();
+  history.replaceState(null, "", `#${encodeURIComponent(JSON.stringify({ state: moved, scene, both_ways }))}`);
+  click("picture", null, (found) => {
+    const image = make("img", { src: found.image, alt: found.alt });
+    const labels = found.labels.map(({ name, value, part, side, left, top }) => {
+      const label = make("span", { class: side });
+      label.append(make("b", { class: part }, name), ` ${value}`);
+      label.style.left = `${left}%`;
+      label.style.top = `${top}%`;
+      return label;
+    });
+    by("picture").replaceChildren(image, ...labels);
+  });
+}
+
+// What takes longer than a curve: asked for by a click, answered beside the curves
+async function click(kind, button, use, more = {}) {
+  if (button) button.disabled = true;
+  document.body.dataset.waiting = kind;
+  try {
+    const found = await (await post(`/${kind}`, { ...asked(), ...more })).json();
+    if (found.problems) said(found.problems);
+    else use(found);
+  } catch {
+    said(["The server does not answer any more; start rps-exudyn explore again."]);
+  }
+  delete document.body.dataset.waiting;
+  if (button) button.disabled = false;
+}
+
+const said = (sentences) => by("said").replaceChildren(...sentences.map((text) => make("p", {}, text)));
+
 function terms(holder, values) {
-  holder.replaceChildren(...Object.entries(values || {}).map(([name, value]) => {
+  holder.replaceChildren(...values.map(([name, value]) => {
     const pair = make("div");
     pair.append(make("dt", {}, name), make("dd", {}, value));
     return pair;
@@ -93,12 +140,13 @@ function show(answer) {
   document.body.classList.toggle("stale", Boolean(answer.problems));
   by("problems").replaceChildren(...(answer.problems || []).map((text) => make("p", {}, text)));
   if (answer.gear) by("gear").textContent = answer.gear;
-  if (answer.geometry) terms(by("geometry"), answer.geometry);
+  if (answer.geometry) terms(by("geometry"), Object.entries(answer.geometry));
   by("warnings").replaceChildren(...(answer.warnings || []).map((text) => make("li", {}, text)));
   if (!answer.problems) {
+    latest = answer;
     first = first || answer;
-    chart(answer);
-    terms(by("numbers"), answer.numbers);
+    chart();
+    terms(by("rows"), answer.rows);
     losses(answer.losses);
     by("remarks").textContent = answer.remarks;
     by("accuracy").textContent = answer.accuracy;
@@ -110,13 +158,13 @@ function show(answer) {
 }
 
 function losses(shares) {
-  by("losses").replaceChildren(...Object.entries(shares).map(([name, share]) => {
+  by("losses").replaceChildren(...shares.map(([part, name, share]) => {
     const bar = make("div", { class: "bar" }), svg = document.createElementNS(SVG, "svg");
     svg.setAttribute("viewBox", "0 0 100 10");
     svg.setAttribute("preserveAspectRatio", "none");
     svg.setAttribute("aria-hidden", "true");
-    drawn(svg, "rect", { width: Math.max(share, 0), height: 10 });
-    bar.append(make("span", {}, name), svg, make("span", {}, `${share.toFixed(1)} %`));
+    drawn(svg, "rect", { width: Math.max(share, 0), height: 10, class: part });
+    bar.append(make("span", {}, name), svg, make("span", {}, `${share.toFixed(0)} %`));
     return bar;
   }));
 }
@@ -126,72 +174,185 @@ function step(span, most) {
   return [1, 2, 5, 10].map((each) => each * power).find((each) => each >= span / most) || power;
 }
 
-// The ordinate starts at zero and changes only where the curve leaves it, so that it does not jump
-function ordinate(torques) {
-  const [low, high] = [Math.min(0, ...torques), Math.max(...torques)];
-  if (!axis || high > axis[1] || high < 0.4 * axis[1] || low < axis[0]) {
-    const by = step(1.25 * (high - low) || 1, 5);
-    axis = [by * Math.floor(low / by), by * Math.ceil((1.15 * high) / by) || by];
+// The ordinate holds all data and changes only where they leave it or fill less than a third, so that it does not jump
+function ordinate(values) {
+  const low = values.reduce((a, b) => Math.min(a, b)), high = values.reduce((a, b) => Math.max(a, b));
+  const span = high - low || Math.abs(high) || 1;
+  if (!axis || high > axis[1] || low < axis[0] || span < 0.3 * (axis[1] - axis[0])) {
+    const by = step(1.2 * span, 5);
+    axis = [by * Math.floor((low - 0.1 * span) / by), by * Math.ceil((high + 0.1 * span) / by)];
   }
   return axis;
 }
 
-function chart(answer) {
-  const width = Math.max(by("chart").clientWidth, 280), height = Math.min(330, 0.62 * width);
+// Measured angles are brought onto the simulated ones by whole turns
+function wrapped(x, [begin, end]) {
+  if (end - begin < 359) return x;
+  return x >= begin && x <= end ? x : begin + ((((x - begin) % 360) + 360) % 360);
+}
+
+function chart() {
+  const answer = latest, same = first.across.name === answer.across.name && first.along.name === answer.along.name;
+  const width = Math.max(by("chart").clientWidth, 280), height = Math.min(340, 0.66 * width);
   const svg = document.createElementNS(SVG, "svg");
   svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-  const [left, right, top, bottom] = [46, width - 14, 20, height - 30];
-  const [low, high] = ordinate([...answer.torque, ...first.torque]);
-  const end = answer.angle.at(-1), begin = answer.angle[0];
-  const x = (angle) => left + ((angle - begin) / (end - begin || 1)) * (right - left);
-  const y = (torque) => bottom - ((torque - low) / (high - low)) * (bottom - top);
+  const [left, right, top, bottom] = [52, width - 14, 22, height - 32];
+  const older = same && first !== answer ? first.curves : [];
+  const points = measured && answer.across.name === "pinion torque" && answer.along.name === "pinion angle" ? measured : [];
+  const xs = answer.curves.flatMap((curve) => curve.x);
+  const [begin, end] = [xs.reduce((a, b) => Math.min(a, b)), xs.reduce((a, b) => Math.max(a, b))];
+  const shades = band ? band.band.flatMap((part) => [...part.low, ...part.high]) : [];
+  const ys = [...answer.curves, ...older, ...points].flatMap((curve) => curve.y);
+  const [low, high] = ordinate([...ys, ...shades]);
+  const x = (value) => left + ((value - begin) / (end - begin || 1)) * (right - left);
+  const y = (value) => bottom - ((value - low) / (high - low)) * (bottom - top);
   const by_ = step(high - low, 5);
-  for (let at = low; at <= high + 1e-9; at += by_) {
+  for (let at = low; at <= high + 1e-9 * by_; at += by_) {
     drawn(svg, "line", { x1: left, x2: right, y1: y(at), y2: y(at), class: "grid" });
     drawn(svg, "text", { x: left - 6, y: y(at) + 4, "text-anchor": "end" }, shown(at.toFixed(9)));
   }
-  for (let at = 0; at <= 360; at += width < 420 ? 90 : 60) {
-    drawn(svg, "text", { x: x(at), y: bottom + 16, "text-anchor": "middle" }, String(at));
+  const turns = answer.along.unit === "\u00b0" && end - begin > 100;
+  const along = turns ? (width < 420 ? 90 : 60) * Math.ceil((end - begin) / 400) : step(end - begin, 5);
+  for (let at = along * Math.ceil(begin / along - 1e-9); at <= end + 1e-9 * along; at += along) {
+    drawn(svg, "text", { x: x(at), y: bottom + 16, "text-anchor": "middle" }, shown(at.toFixed(9)));
   }
-  drawn(svg, "text", { x: 2, y: 12 }, "torque [N m]");
-  drawn(svg, "text", { x: right, y: height - 2, "text-anchor": "end" }, "pinion angle [°]");
-  if (answer.error) {
-    const mean = answer.torque.reduce((sum, value) => sum + value, 0) / answer.torque.length;
+  const zero = low > 0 || high < 0 ? "; axis does not begin at 0" : "";
+  drawn(svg, "text", { x: 2, y: 12 }, `${answer.across.name}, ${answer.across.unit}${zero}`);
+  drawn(svg, "text", { x: right, y: height - 2, "text-anchor": "end" }, `${answer.along.name}, ${answer.along.unit}`);
+  for (const part of band ? band.band : []) {
+    for (const [name, a, b] of [["outer", "low", "high"], ["inner", "inner_low", "inner_high"]]) {
+      const there = part.x.map((value, k) => `${x(value).toFixed(1)},${y(part[a][k]).toFixed(1)}`);
+      const back = part.x.map((value, k) => `${x(value).toFixed(1)},${y(part[b][k]).toFixed(1)}`).reverse();
+      drawn(svg, "polygon", { points: [...there, ...back].join(" "), class: name });
+    }
+  }
+  if (answer.error && answer.curves.length === 1) {
+    const mean = answer.curves[0].y.reduce((sum, value) => sum + value, 0) / answer.curves[0].y.length;
     const [a, b] = [y(mean * (1 + answer.error)), y(mean * (1 - answer.error))];
     drawn(svg, "rect", { x: left, width: right - left, y: Math.min(a, b), height: Math.abs(b - a), class: "band" });
   }
-  const line = (curve) => curve.angle.map((angle, k) => `${x(angle).toFixed(1)},${y(curve.torque[k]).toFixed(1)}`).join(" ");
-  if (first !== answer) drawn(svg, "polyline", { points: line(first), class: "start" });
-  drawn(svg, "polyline", { points: line(answer), class: "now" });
+  for (const part of points) {
+    const some = Math.ceil(part.x.length / 400);
+    part.x.forEach((value, k) => {
+      const at = wrapped(value, [begin, end]);
+      if (k % some || at < begin || at > end) return;
+      drawn(svg, "circle", { cx: x(at).toFixed(1), cy: y(part.y[k]).toFixed(1), r: part.direction > 0 ? 2 : 1.4, class: part.direction > 0 ? "measured" : "measured back" });
+    });
+  }
+  const line = (curve) => curve.x.map((value, k) => `${x(value).toFixed(1)},${y(curve.y[k]).toFixed(1)}`).join(" ");
+  const way = (curve) => (curve.direction < 0 ? " back" : "");
+  for (const curve of older) drawn(svg, "polyline", { points: line(curve), class: `start${way(curve)}` });
+  for (const curve of answer.curves) drawn(svg, "polyline", { points: line(curve), class: `now${way(curve)}` });
   by("chart").replaceChildren(svg);
+  const parts = [];
+  if (answer.curves.length > 1) parts.push("line: towards +X, dashed: towards \u2212X, each against the motion");
+  if (older.length) parts.push("thin: the gear at the start");
+  if (answer.error && answer.curves.length === 1) parts.push("shaded: the mean with the error of the contact law");
+  if (band) parts.push(`grey: ${band.levels[1]} % and ${band.levels[0]} % of ${band.gears} gears of a series`);
+  if (points.length) parts.push(`dots: ${file.name}`);
+  by("caption").textContent = parts.join("; ");
+}
+
+function keep(name, content, kind) {
+  const link = make("a", { href: URL.createObjectURL(new Blob([content], { type: kind })), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
 async function save() {
-  const reply = await fetch("/gear", {
-    method: "POST",
-    headers: { "Content-Type": "application/json" },
-    body: JSON.stringify({ state: state() }),
-  });
+  const reply = await post("/gear", asked());
   if (!reply.ok) {
     show(await reply.json());
     return;
   }
-  const link = make("a", { href: URL.createObjectURL(await reply.blob()), download: "gear.toml" });
-  link.click();
-  by("command").textContent = "gear.toml is written by your browser; go on with: rps-exudyn run --gear gear.toml";
+  keep("gear.toml", await reply.text(), "application/toml");
+  const ways = by("both-ways").checked ? " --set test.path=there-and-back" : "";
+  by("command").textContent = `gear.toml is written by your browser; go on with: rps-exudyn run ${by("scene").value} --gear gear.toml${ways}`;
+}
+
+function python() {
+  const ways = by("both-ways").checked ? '.replace({"test.path": "there-and-back"})' : "";
+  keep("explored.py", `import rps_exudyn as rps
+
+gear = rps.SteeringGear.from_toml("gear.toml")${ways}  # the gear file of the same page
+result = rps.run("${by("scene").value}", gear, fidelity="quasi-static")
+print(result.summary)
+`, "text/x-python");
+}
+
+async function take(chosen) {
+  if (!chosen) return;
+  const text = await chosen.text();
+  await click("measured", null, (found) => {
+    file = { name: chosen.name, text };
+    measured = found.measured;
+    by("fit").hidden = by("forget").hidden = false;
+    said([`${chosen.name}: ${found.assumed.join("; ")}.`]);
+    if (latest) chart();
+  }, { measured: text });
+}
+
+function set(values) {
+  for (const { item, input, tell } of sliders) {
+    if (!(item.path in values) || !Number.isFinite(Number(values[item.path]))) continue;
+    input.value = values[item.path];
+    tell();
+  }
+}
+
+function fromAddress() {
+  try {
+    const found = JSON.parse(decodeURIComponent(location.hash.slice(1)));
+    set(found.state ?? {});
+    if ([...by("scene").options].some(({ value }) => value === found.scene)) by("scene").value = found.scene;
+    by("both-ways").checked = found.both_ways === true;
+  } catch {
+    // an address without a state
+  }
 }
 
 async function begin() {
-  sliders = (await (await fetch("/sliders")).json()).map(slider);
+  const found = await (await fetch("/sliders")).json();
+  sliders = found.sliders.map(slider);
   by("sliders").replaceChildren(...sliders.map(({ row }) => row));
+  by("scene").replaceChildren(...Object.entries(found.scenes).map(([value, title]) => make("option", { value }, title)));
+  for (const id of ["scene", "both-ways"]) {
+    by(id).addEventListener("change", () => {
+      first = axis = null;
+      changed();
+    });
+  }
   by("save").addEventListener("click", save);
-  by("reset").addEventListener("click", () => {
-    for (const { item, input, tell } of sliders) {
-      input.value = item.value;
-      tell();
-    }
-    ask();
+  by("python").addEventListener("click", python);
+  by("sheet").addEventListener("click", ({ target }) => click("sheet", target, ({ page }) => keep("sheet.html", page, "text/html")));
+  by("band").addEventListener("click", ({ target }) => click("band", target, (answer) => { band = answer; chart(); }));
+  by("pattern").addEventListener("click", ({ target }) => click("pattern", target, ({ image }) => {
+    by("pattern-picture").replaceChildren(make("img", { src: image, alt: "contact pattern of the flanks" }));
+  }));
+  by("fit").addEventListener("click", ({ target }) => click("fit", target, (answer) => {
+    set(answer.state);
+    said(answer.sentences);
+    changed();
+  }, { measured: file?.text }));
+  by("forget").addEventListener("click", () => {
+    file = measured = null;
+    by("fit").hidden = by("forget").hidden = true;
+    said([]);
+    chart();
   });
+  by("file").addEventListener("change", ({ target }) => take(target.files[0]));
+  document.addEventListener("dragover", (event) => { event.preventDefault(); document.body.classList.add("over"); });
+  document.addEventListener("dragleave", () => document.body.classList.remove("over"));
+  document.addEventListener("drop", (event) => {
+    event.preventDefault();
+    document.body.classList.remove("over");
+    take(event.dataTransfer.files[0]);
+  });
+  by("reset").addEventListener("click", () => {
+    set(Object.fromEntries(sliders.map(({ item }) => [item.path, item.value])));
+    changed();
+  });
+  fromAddress();
   ask();
 }
 

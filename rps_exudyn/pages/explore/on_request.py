@@ -1,0 +1,140 @@
+"""What the page asks for when its user clicks: band, sheet, picture, contact pattern, measured curve, fit."""
+
+import base64
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from rps_exudyn.analysis.passes import passes
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.inference.fitting import findings
+from rps_exudyn.inference.fitting.bench_tests import with_signs
+from rps_exudyn.inference.fitting.fit import fit
+from rps_exudyn.inference.measured.reading import read_measured_torque
+from rps_exudyn.inference.uncertainty.band import band_of_runs
+from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
+from rps_exudyn.inference.uncertainty.statistics import LEVELS
+from rps_exudyn.pages.charts.analyses import pattern_figure
+from rps_exudyn.pages.explore.sliders import (
+    BY_PATH,
+    FIDELITY,
+    Answer,
+    Wish,
+    abscissa,
+    curves_of,
+)
+from rps_exudyn.pages.report.gear_picture import gear_picture
+from rps_exudyn.pages.report.html import page
+from rps_exudyn.pages.report.pictures import picture
+from rps_exudyn.pages.report.result_page import result_article
+from rps_exudyn.parameters.fidelity import FOR_MEANS
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.results.result import MeasuredTorque
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.free_pinion_torque import SCENE
+from rps_exudyn.simulate.run import simulate
+
+SAMPLES = 24  # gears of a band
+
+
+def on_request(gear: SteeringGear, wish: Wish, kind: str) -> Answer:
+    """Answer one of `KINDS`; "problems" are sentences why there is no answer."""
+    try:
+        return KINDS[kind](gear, wish)
+    except InputError as error:
+        return {"problems": list(error.problems)}
+
+
+def _band(gear: SteeringGear, wish: Wish) -> Answer:
+    """Quantiles of the scene's curve over gears of a series."""
+    chosen = wish.gear(gear)
+    band = band_of_runs(wish.scene, chosen, FOR_MEANS, uncertain_inputs(chosen, None, {}), SAMPLES)
+    if band.curves is None:
+        return {"problems": ["The runs have no common curve, and no band of it."]}
+    signal = scene_named(wish.scene).signal
+    along = abscissa(band.nominal)
+    ends = {"low": 0, "inner_low": 1, "inner_high": -2, "high": -1}
+    found: list[Answer] = []
+    for name, at in ends.items():
+        signals = {**band.nominal.signals, signal: band.curves.quantiles[at]}
+        curves = curves_of(replace(band.nominal, signals=signals), signal, along)
+        found = found or [{"direction": each["direction"], "x": each["x"]} for each in curves]
+        for part, each in zip(found, curves, strict=True):
+            part[name] = each["y"]
+    inner, outer = (100 * (LEVELS[-1 - k] - LEVELS[k]) for k in (1, 0))
+    return {"band": found, "levels": [round(inner), round(outer)], "gears": len(band.drawn.samples)}
+
+
+def _sheet(gear: SteeringGear, wish: Wish) -> Answer:
+    """The sheet of the state as a page."""
+    result = simulate(wish.scene, wish.gear(gear), FIDELITY)
+    article = result_article(result, Path(f"{wish.scene}.h5"))
+    return {"page": page(article.title, [article])}
+
+
+def _picture(gear: SteeringGear, wish: Wish) -> Answer:
+    """The gear as a still."""
+    found = gear_picture(wish.gear(gear))
+    if found is None:
+        return {"problems": ["This gear cannot be drawn."]}
+    return {"image": found.image, "alt": found.alt, "labels": [vars(each) for each in found.labels]}
+
+
+def _pattern(gear: SteeringGear, wish: Wish) -> Answer:
+    """The contact pattern of the free turning gear."""
+    result = simulate(SCENE.name, Wish(wish.state).gear(gear), FIDELITY)
+    drawn = picture(pattern_figure(result), "Contact pattern").svg.encode()
+    return {"image": f"data:image/svg+xml;base64,{base64.b64encode(drawn).decode('ascii')}"}
+
+
+def _read(wish: Wish, folder: str) -> tuple[Path, MeasuredTorque]:
+    file = Path(folder) / "measured.csv"
+    file.write_text(wish.measured, encoding="utf-8", errors="replace")
+    try:
+        return file, with_signs(read_measured_torque(file))
+    except InputError as error:
+        raise InputError([text.replace(f"{file}", "the file") for text in error.problems]) from None
+
+
+def _measured(gear: SteeringGear, wish: Wish) -> Answer:
+    """The curves of a measured file, each against its motion."""
+    with TemporaryDirectory() as folder:
+        _, measured = _read(wish, folder)
+    found = [
+        {
+            "direction": each.direction,
+            "x": np.round(SIGNALS["pinion_angle"].displayed(each.angle), 3).tolist(),
+            "y": np.round(each.direction * each.signals["pinion_torque"], 6).tolist(),
+        }
+        for each in passes(measured.signals)
+    ]
+    return {"measured": found, "assumed": list(measured.assumed)}
+
+
+def _fit(gear: SteeringGear, wish: Wish) -> Answer:
+    """A fit to the measured file: values of sliders, and sentences."""
+    chosen = Wish(wish.state).gear(gear)
+    with TemporaryDirectory() as folder:
+        file, _ = _read(wish, folder)
+        found = fit([file], chosen, other_law=False)
+    state = {each.path: BY_PATH[each.path].of(found.gear) for each in found.estimates if each.path in BY_PATH}
+    sentences = [findings.level_sentence(found), *findings.open_sentences(found)]
+    return {
+        "state": {
+            path: min(max(value, BY_PATH[path].low), BY_PATH[path].high) for path, value in state.items()
+        },
+        "sentences": [f"{text[:1].upper()}{text[1:]}." for text in sentences if text],
+    }
+
+
+KINDS = {
+    "band": _band,
+    "sheet": _sheet,
+    "picture": _picture,
+    "pattern": _pattern,
+    "measured": _measured,
+    "fit": _fit,
+}

@@ -1,0 +1,120 @@
+"""Damping of seat and yokenut, friction of the plunger in its bore: closed forms, work, none by default."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import rps_exudyn as rps
+from part_law import PartLaw
+from rps_exudyn.forces.force_element import DAMPING_POWER, ELASTIC_ENERGY
+from rps_exudyn.forces.yoke import nut_force, nut_record, seat_wedge_factor
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.solvers.gear_forces import gear_forces
+
+GEAR = rps.SteeringGear().replace({"mesh.law": "line"})
+FLANK, QUASI_STATIC = (Fidelity.preset(name) for name in ("flank", "quasi-static"))
+SHARP: dict[str, object] = {"yoke.bristle_travel": "1 um"}
+DAMPED = {"yoke.nut_damping": "20 us", "yoke.seat_damping": "5 us", "yoke.bore_damping": "20 N*s/m"}
+
+
+def restitution(mass: float, stiffness: float, damping: float) -> float:
+    """Coefficient of restitution of a contact max(k (d + tau d'), 0) (Schwager, Poschel 2007)."""
+    natural, rate = np.sqrt(stiffness / mass), damping * stiffness / (2 * mass)
+    swing = np.sqrt(natural**2 - rate**2)
+    lasting = np.pi - np.arctan2(2 * rate * swing, swing**2 - rate**2)
+    return float(np.exp(-rate / swing * lasting))
+
+
+@pytest.mark.parametrize("damping", ["1 us", "10 us", "30 us"])
+def test_restitution_of_the_yokenut(damping: str) -> None:
+    gear = GEAR.replace({"yoke.nut_damping": damping})
+    data, mass, out = nut_record(gear), gear.yoke.plunger_mass, np.zeros(5)
+
+    def motion(_: float, state: np.ndarray) -> list[float]:
+        nut_force.py_func(state[0], state[1], data, out)
+        return [state[1], out[0] / mass]
+
+    start, quarter = [gear.yoke.clearance - 1e-7, 0.05], np.pi / 2 * np.sqrt(mass / data.stiffness)
+    thrown = solve_ivp(motion, (0, 4 * quarter), start, max_step=quarter / 400, rtol=1e-9, atol=1e-12)
+    expected = restitution(mass, float(data.stiffness), gear.yoke.nut_damping)
+    assert -thrown.y[1, -1] / 0.05 == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize("part", ["seat", "yokenut", "bore"])
+def test_damping_takes_what_its_force_does_not_store(part: str) -> None:
+    """Power of the force = change of the stored energy + what is lost, at any place and rate."""
+    frictionless = {"yoke.friction": 0.0, "yoke.clearance": 0.0}
+    law = PartLaw.of(gear_forces(GEAR.replace(DAMPED | frictionless), FLANK), part)
+    rng = np.random.default_rng(4)
+    lost = []
+    for _ in range(20):
+        q = rng.uniform(-1, 1, law.size) * np.array([1e-2, 2e-5, 1e-5, 1e-3, 1e-4, 1e-4, 2e-5])[-law.size :]
+        v = rng.uniform(-1, 1, law.size) * np.array([1e-2, 0.1, 0.1, 1.0, 0.1, 0.1, 0.1])[-law.size :]
+        out, step = law.evaluate(q, v), 1e-9
+        ahead, behind = (law.evaluate(q + way * step * v, v) for way in (1, -1))
+        at = law.size + ELASTIC_ENERGY
+        stored = (ahead[at] - behind[at]) / (2 * step)
+        power = out[law.size + DAMPING_POWER]
+        assert -out[: law.size] @ v == pytest.approx(stored + power, rel=1e-3, abs=1e-4)
+        assert power >= 0
+        lost.append(power)
+    assert max(lost) > 0.01
+
+
+def test_tangent_with_damping_is_that_of_differences() -> None:
+    balance = gear_forces(GEAR.replace(DAMPED), FLANK).statics
+    q, v = np.zeros(8), np.zeros(8)
+    q[2], q[7], v[0], v[1], v[2], v[7] = -2e-5, 6e-5, -1.5, 8e-3, 0.05, 0.08
+    q[2] += 8e-5
+    lengths = np.outer(balance.lengths, balance.lengths)
+    for factors in ((1.0, 0.0), (0.0, 1.0)):
+        ours, theirs = (
+            each(q, v, *factors) / lengths for each in (balance.tangent, balance.difference_tangent)
+        )
+        assert np.abs(ours - theirs).max() < 0.01 * np.abs(theirs).max()
+
+
+def test_friction_in_the_bore_is_a_preload_more_or_less() -> None:
+    """A runout lifts the plunger against P + F and lets it down against P - F: the torque of such preloads,
+    of a spring whose rate counts too."""
+    runout = {"pinion.runout": "20 um", "test.turns": 1.0, "yoke.spring_rate": 0.0} | SHARP
+    fidelity = QUASI_STATIC.replace({"step_angle": "1 deg"})
+    rubbed, *limits = (
+        rps.run("free-pinion-torque", GEAR.replace(runout | changes), fidelity=fidelity)
+        for changes in ({"yoke.bore_friction": 30.0}, {"yoke.preload": 330.0}, {"yoke.preload": 270.0})
+    )
+    plunger = rubbed.signals["plunger_displacement"]
+    rate = np.gradient(plunger, rubbed.signals["time"])
+    for direction, limit in zip((1, -1), limits, strict=True):
+        moving = direction * rate > 0.7 * rate.max()
+        ours, theirs = (each.signals["pinion_torque"][moving].mean() for each in (rubbed, limit))
+        assert ours == pytest.approx(theirs, rel=0.01)
+    assert abs(rubbed.signals["bore_force"]).max() == pytest.approx(30.0, rel=1e-6)
+    lost = rubbed.signals["work_bore_friction"][-1]
+    turning = 4e-6  # over which the element's force turns about
+    assert lost == pytest.approx(30 * 2 * (np.ptp(plunger) - turning), rel=0.05)
+    assert seat_wedge_factor(GEAR.yoke.seat_angle) > 1  # all of it presses the seat
+
+
+@pytest.mark.parametrize(
+    ("changes", "share"),
+    [
+        ({"yoke.nut_damping": "20 us"}, "loss_share_yokenut"),
+        ({"yoke.bore_friction": "30 N"}, "loss_share_bore"),
+        ({"yoke.bore_damping": "50 N*s/m"}, "loss_share_bore"),
+        ({"yoke.seat_damping": "5 us"}, "loss_share_seat"),
+    ],
+)
+def test_an_impact_loses_work_there(changes: dict[str, object], share: str) -> None:
+    result = rps.run("yoke-impact", GEAR.replace(changes), fidelity=FLANK.replace({"rack": "free"}))
+    name = {"yokenut": "work_yokenut_damping", "bore": "work_bore", "seat": "work_seat_damping"}[share[11:]]
+    lost = sum(values[-1] for signal, values in result.signals.items() if signal.startswith(name))
+    assert lost > 1e-4
+    assert abs(result.summary["energy_residual"]) < 2e-3
+
+
+def test_without_them_no_result_has_their_signals() -> None:
+    plain = rps.run("yoke-impact", GEAR, fidelity=FLANK.replace({"rack": "free"}))
+    assert not {"work_yokenut_damping", "work_seat_damping", "work_bore_friction", "bore_force"} & set(
+        plain.signals
+    )
