@@ -187,6 +187,13 @@ class Rack(Table):
         "pitch errors of all teeth: displacements along X in order of X, or a class as of the pinion",
         "estimate",
     )
+    back_parallelism: Angle = parameter(
+        0.0,
+        "slope of the bar's back against its teeth: above 0 the bar is thicker towards +X",
+        "estimate",
+        ge=-0.005,
+        le=0.005,
+    )
     youngs_modulus: Pressure = parameter(
         "206 GPa", "Young's modulus of the bar, where it bends", "estimate", gt=0
     )
