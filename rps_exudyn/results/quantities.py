@@ -42,7 +42,6 @@ class Confirmation:
 
 
 HALF_STEPS = "half the steps"
-BESIDE_SCATTER = "half the steps, beside twice their scatter,"
 ANOTHER_CYCLE = "half the steps and another cycle before"
 MEAN, OTHER = 0.02, 0.05  # tolerances of means of torque and force, and of all others
 
@@ -59,17 +58,16 @@ class Quantity:
     long_name: str
     confirmed: Confirmation | None = None
 
-    def change(self, value: Any, right: Any, size: Any = 0.0, scatter: float = 0.0) -> Any:
+    def change(self, value: Any, right: Any, size: Any = 0.0) -> Any:
         """Return how far a metric is from the right value, over its tolerance; 0 without a confirmation.
 
         Of many gears these are arrays (n,). `size` is what the run has of this unit, beside which a small
-        metric is judged; `scatter` is by how much a statistical one may differ besides.
+        metric is judged.
         """
         if self.confirmed is None:
             return 0.0 * np.abs(right)
         least = np.maximum(LEAST_SHARE * size, LEAST_CHANGED.get(self.display, np.finfo(float).tiny))
-        apart = np.maximum(np.abs(value - right) - scatter, 0.0)
-        return apart / np.maximum(np.abs(right), least) / self.confirmed.tolerance
+        return np.abs(value - right) / np.maximum(np.abs(right), least) / self.confirmed.tolerance
 
     def show(self, value: float) -> str:
         """Return the value for a reader, for instance "0.593 N m"; counts are whole numbers.
@@ -450,15 +448,6 @@ _NOT_FROM_STEPS = {
 }  # fmt: skip
 
 
-SCATTER = {
-    "rattle_impulse_per_cycle": "rattle_impulse_uncertainty",
-    "rattle_force_rms": "rattle_force_rms_uncertainty",
-    "rattle_energy_per_cycle": "rattle_energy_uncertainty",
-    "rattle_impacts_per_cycle": "rattle_impacts_scatter",
-    "rattle_fastest_impact": "rattle_fastest_scatter",
-    "rattle_threshold_force": "rattle_threshold_scatter",
-}
-"""Metric of motion that is chaotic -> the metric that is its scatter."""
 SPREADS = frozenset(
     name
     for name in _SUMMARY
@@ -468,11 +457,10 @@ SPREADS = frozenset(
 
 
 def _confirmation(name: str) -> Confirmation | None:
-    """Return how a metric is confirmed; None of a formula, a setting, a check, and of a scatter."""
-    if name in _NOT_FROM_STEPS or name in SCATTER.values():
+    """Return how a metric is confirmed; None of a formula, a setting, a check, and of rattle, whose metrics
+    are given with their scatter."""
+    if name in _NOT_FROM_STEPS or name.startswith("rattle_"):
         return None
-    if name in SCATTER:
-        return Confirmation(BESIDE_SCATTER, OTHER)
     by = ANOTHER_CYCLE if name in _OF_CYCLES else HALF_STEPS
     return Confirmation(by, MEAN if name in _MEANS else OTHER)
 

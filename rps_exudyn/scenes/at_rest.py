@@ -21,7 +21,6 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Status
-from rps_exudyn.scenes.metric_confirmation import confirmed, most_finer
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, outcome_of_path
 from rps_exudyn.solvers.balance import SIZE, Balance
@@ -111,32 +110,9 @@ def bending(fidelity: Fidelity) -> Fidelity:
 
 
 def run_at_rest(
-    gear: SteeringGear,
-    fidelity: Fidelity,
-    drive: Drive,
-    loads: Callable[[int], OutsideLoads],
-    options: RunOptions,
-    metrics: Callable[[Signals], dict[str, float]],
-    figure: str,
-) -> SceneRun:
-    """Find the equilibria under loads, the drive's body held, with the metrics that half the steps from load
-    to load confirm: a place that they change is not the only one.
-
-    `loads` are those in steps that are divided by a number; the other arguments are those of
-    `metric_confirmation.confirmed`.
-    """
-
-    def made(halvings: int) -> SceneRun:
-        return _under_loads(gear, fidelity, drive, loads(2**halvings), options)
-
-    run = _under_loads(gear, fidelity, drive, loads(1), options)
-    return confirmed(run, metrics, made, figure, most=most_finer(fidelity, options), always=True)
-
-
-def _under_loads(
     gear: SteeringGear, fidelity: Fidelity, drive: Drive, loads: OutsideLoads, options: RunOptions
 ) -> SceneRun:
-    """Find the equilibria under the loads; the run has no summary yet."""
+    """Find the equilibria under the loads, the drive's body held; the run has no summary yet."""
     gear = _tapped(gear)
     gear = gear.replace({"rack.modes": max(gear.rack.modes, LEAST_MODES)}) if gear.rack.modes else gear
     place, start, interrupted = RackBar.of(gear).x_min, process_time(), False

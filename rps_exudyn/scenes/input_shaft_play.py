@@ -38,22 +38,17 @@ def input_shaft_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions
         )
     check_travel(gear, (gear.test.start_angle,), "test.start_angle")
     chosen = chosen.replace({"bush": "condensed"} if chosen.bush == "chain" else {})
+    across = to_and_fro(gear.test.shaft_force, STEPS)
+    along = to_and_fro(gear.test.shaft_axial_force, STEPS)
+    force = np.zeros((3 * len(across) - 1, 3))
+    force[1 : 1 + len(across), 1] = across
+    force[len(across) : 2 * len(across), 0] = across
+    force[2 * len(across) - 1 :, 2] = along
     drive = Steady("pinion", gear.test.start_angle, 0.0)
-
-    def loads(parts: int) -> OutsideLoads:
-        across = to_and_fro(gear.test.shaft_force, STEPS * parts)
-        along = to_and_fro(gear.test.shaft_axial_force, STEPS * parts)
-        force = np.zeros((3 * len(across) - 1, 3))
-        force[1 : 1 + len(across), 1] = across
-        force[len(across) : 2 * len(across), 0] = across
-        force[2 * len(across) - 1 :, 2] = along
-        return OutsideLoads.of_shaft(force)
-
-    def metrics(signals: Signals) -> dict[str, float]:
-        return {**shaft_figures(signals), **balance(signals)}
-
-    run = run_at_rest(gear, chosen, drive, loads, options, metrics, SCENE.figure)
-    return run.noting(*remarks(gear, run.signals))
+    run = run_at_rest(gear, chosen, drive, OutsideLoads.of_shaft(force), options)
+    return run.noting(*remarks(gear, run.signals)).described(
+        lambda signals: {**shaft_figures(signals), **balance(signals)}
+    )
 
 
 def shaft_figures(signals: Signals) -> dict[str, float]:

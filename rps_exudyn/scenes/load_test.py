@@ -40,13 +40,8 @@ def load_test(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     loaded = run_maneuver(gear, fidelity, weighted, options)
     if not loaded.ok:
         return _blamed(loaded, weight, gear)
-    pitch = 2 * np.pi / gear.pinion.teeth
-
-    def of_free_run(signals: Signals) -> dict[str, float]:
-        return {"free_torque": free_torque_of(signals, pitch)}
-
     try:
-        unloaded = run_and_confirm(gear, fidelity, [free], options, of_free_run, "free_torque")
+        unloaded = run_maneuver(gear, fidelity, free, options=options)
     except Interrupted as interrupt:
         raise Interrupted(replace(loaded, outcome=interrupt.recorded.outcome)) from None
     if not unloaded.ok:

@@ -18,7 +18,7 @@ from rps_exudyn.analysis.curve import midpoints_added
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Remark, Status
-from rps_exudyn.results.quantities import ANOTHER_CYCLE, OTHER, SCATTER, SPREADS, SUMMARY
+from rps_exudyn.results.quantities import ANOTHER_CYCLE, OTHER, SPREADS, SUMMARY
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.remarks import unresolved_peaks
@@ -38,8 +38,6 @@ MOST_FINER = {"equilibrium": 2, "generalized-alpha": 1}
 """Solver -> times that the steps of a motion are halved for its metrics; formulas have none."""
 LEAST_ROLL = 1e-6  # range of a rack that does not roll [rad]
 LATE = 0.1  # half a step of the rack's rolling, over its range: ranges that friction shifts move by as much
-NO_FIGURE = ""  # of a run that stands without any of its metrics, which are left out where they change
-COVERAGE = 2.0  # of the standard uncertainty, within which a metric that scatters is the same
 AGREED = 0.4  # of a metric's tolerance: where curves have kinks, as much again or more is left
 SLOW = 2 * np.pi * 20 / 60  # speed of the pinion up to which teeth that enter hardly shake the gear [rad/s]
 
@@ -110,13 +108,8 @@ def changes(values: Mapping[str, Any], finer: Mapping[str, Any], signals: Signal
     size = sizes(signals)
     torque = np.abs(next((finer[name] for name in TORQUES if name in finer), 0.0))
     size["N*m"] = np.maximum(size.get("N*m", 0.0), torque)
-
-    def scatter(name: str) -> float:
-        both = (np.nan_to_num(each.get(SCATTER.get(name, ""), 0.0)) for each in (values, finer))
-        return COVERAGE * float(np.hypot(*both))
-
     return {
-        name: item.change(values[name], finer[name], size.get(item.unit, 0.0), scatter(name))
+        name: item.change(values[name], finer[name], size.get(item.unit, 0.0))
         if name in values and name in finer
         else np.inf
         for name, item in declared.items()

@@ -30,17 +30,16 @@ def rack_lift(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
         InputError: a model in which the rack has no freedom in its guides, or a start beyond its teeth.
     """
     check_travel(gear, (gear.test.start_angle,), "test.start_angle")
+    torque = to_and_fro(gear.test.lift_torque, STEPS)
     drive = Steady("rack", float(GearPair.of(gear).gain) * gear.test.start_angle, 0.0)
-
-    def loads(parts: int) -> OutsideLoads:
-        return OutsideLoads.of_torque(to_and_fro(gear.test.lift_torque, STEPS * parts))
-
-    def metrics(signals: Signals) -> dict[str, float]:
-        formula = {"rack_lift_closed_form": lift_of_torque(gear, gear.test.lift_torque)}
-        return {**lift_figures(signals), **formula, **balance(signals)}
-
-    run = run_at_rest(gear, bending(fidelity), drive, loads, options, metrics, SCENE.figure)
-    return run.noting(*remarks(gear, run.signals))
+    run = run_at_rest(gear, bending(fidelity), drive, OutsideLoads.of_torque(torque), options)
+    return run.noting(*remarks(gear, run.signals)).described(
+        lambda signals: {
+            **lift_figures(signals),
+            "rack_lift_closed_form": lift_of_torque(gear, gear.test.lift_torque),
+            **balance(signals),
+        }
+    )
 
 
 def lift_figures(signals: Signals) -> dict[str, float]:

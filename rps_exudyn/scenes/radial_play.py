@@ -36,19 +36,14 @@ def radial_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
     """
     chosen = bending(fidelity)
     check_travel(gear, (gear.test.start_angle,), "test.start_angle")
+    force = to_and_fro(gear.test.play_force, STEPS)
+    still = np.zeros_like(force)
+    along = np.concatenate([np.stack([force, still], 1), np.stack([still, force], 1)[1:]])
     drive = Steady("pinion", gear.test.start_angle, 0.0)
-
-    def loads(parts: int) -> OutsideLoads:
-        force = to_and_fro(gear.test.play_force, STEPS * parts)
-        still = np.zeros_like(force)
-        along = np.concatenate([np.stack([force, still], 1), np.stack([still, force], 1)[1:]])
-        return OutsideLoads.of_end_force(along)
-
-    def metrics(signals: Signals) -> dict[str, float]:
-        return {**play_figures(signals), **balance(signals)}
-
-    run = run_at_rest(gear, chosen, drive, loads, options, metrics, SCENE.figure)
-    return run.noting(*remarks(gear, run.signals), None if chosen.rack == "flexible" else RIGID)
+    run = run_at_rest(gear, chosen, drive, OutsideLoads.of_end_force(along), options)
+    return run.noting(*remarks(gear, run.signals), None if chosen.rack == "flexible" else RIGID).described(
+        lambda signals: {**play_figures(signals), **balance(signals)}
+    )
 
 
 def play_figures(signals: Signals) -> dict[str, float]:

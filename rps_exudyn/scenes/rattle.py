@@ -21,8 +21,8 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.checks.before_run import check_travel
 from rps_exudyn.scenes.maneuver import Maneuver
-from rps_exudyn.scenes.metric_confirmation import NO_FIGURE, run_and_confirm
 from rps_exudyn.scenes.metrics import balance
+from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.prescribed_motion import Steady
@@ -84,6 +84,7 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
     chosen, test = with_float(gear, fidelity.with_bending()), gear.test
     chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, WIDEST_ZONE)})
     maneuvers = list(shaken_by_road(gear, chosen.swing_steps or STEPS_PER_SWING))
+    run = run_maneuver(gear, chosen, maneuvers, options)
     growing = test.road_shape == GROWING
     band = FrequencyBand(test.band_low, test.band_high)
 
@@ -93,8 +94,7 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
         of_cycles = describe_rattle(signals, 1 / test.road_frequency, gear.yoke.plunger_mass, band)
         return of_cycles | balance(signals)
 
-    run = run_and_confirm(gear, chosen, maneuvers, options, figures, NO_FIGURE, always=True)
-    described = run.noting(None if chosen.rack == "flexible" else RIGID)
+    described = run.described(figures).noting(None if chosen.rack == "flexible" else RIGID)
     if growing:
         described = described.noting(_threshold_remark(gear, described.summary))
     return replace(described, signals=_thinned(described.signals, maneuvers))

@@ -4,14 +4,8 @@ import numpy as np
 import pytest
 
 from rps_exudyn.results.outcome import Code, Outcome, Status
-from rps_exudyn.results.quantities import SCATTER, SUMMARY
-from rps_exudyn.scenes.metric_confirmation import (
-    NO_FIGURE,
-    confirmed,
-    every_second,
-    rolls_late,
-    with_midpoints,
-)
+from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.scenes.metric_confirmation import confirmed, every_second, rolls_late, with_midpoints
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.scene_run import SceneRun
 
@@ -151,24 +145,3 @@ def test_a_late_rolling_is_half_a_step_of_its_fastest_over_its_range() -> None:
         np.pi / np.array([40, 20]), rel=0.02
     )
     assert rolls_late({"time": time}) == 0
-
-
-@pytest.mark.parametrize("scatter", [0.0, 0.3])
-def test_a_metric_that_scatters_stands_within_twice_its_scatter(scatter: float) -> None:
-    """Two runs of a chaotic motion differ by 0.5: twice the scatter of both is 0.85 or none.
-    No metric makes the run invalid."""
-
-    def metrics(signals: dict[str, np.ndarray]) -> dict[str, float]:
-        value = 1.0 if signals["time"].size == 41 else 1.5
-        return {"rattle_force_rms": value, "rattle_force_rms_uncertainty": scatter}
-
-    run = confirmed(recorded(), metrics, lambda n: recorded(2**n), NO_FIGURE, most=1, always=True)
-    assert run.ok
-    assert ("rattle_force_rms" in run.summary) == (scatter > 0)
-
-
-def test_each_metric_of_a_simulation_declares_its_confirmation() -> None:
-    """Besides formulas, settings, checks and the scatter itself."""
-    unconfirmed = {name for name, item in SUMMARY.items() if item.confirmed is None}
-    assert not unconfirmed & {*SCATTER}
-    assert {*SCATTER.values()} <= unconfirmed
