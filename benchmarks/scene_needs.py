@@ -64,6 +64,7 @@ CHANGES = {
     "pitch errors of the rack: ISO 1328 class 8": Change(
         gear={"rack.pitch_errors": "ISO 1328 class 8, seed 3"}
     ),
+    "rack: back slopes by 0.3 mrad": Change(gear={"rack.back_parallelism": 0.3e-3}),
     "friction zone half as wide": Change({"zone_ratio": Fidelity().zone_ratio / 2}),
     "step half as long": Change({"step_angle": Fidelity().step_angle / 2}),
     "friction: bristles of 5 um": Change(gear=BRISTLES),

@@ -38,6 +38,7 @@ ERRORS: dict[str, Range] = {
     "pinion.tip_relief_length": Even(0.2e-3, 1.2e-3),
     "pinion.crowning": Seldom(0.25, Even(0, 15e-6)),
     "pinion.pitch_errors": Choice({"none": 6, "ISO 1328 class 7, seed 3": 1}),
+    "rack.back_parallelism": Seldom(0.1, Even(-3e-4, 3e-4)),
     "rack.pitch_errors": Choice({"none": 6, "ISO 1328 class 7, seed 3": 1}),
     "pinion.pitch_error": Seldom(0.25, Even(-15e-6, 15e-6)),
     "pinion.lead_error": Seldom(0.25, Even(-20e-6, 20e-6)),

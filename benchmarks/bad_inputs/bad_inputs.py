@@ -202,9 +202,8 @@ def inputs_table(folder: Path) -> str:
     total = counts.pop("**all**")
     rows = [(name, *(count[column] for column in columns)) for name, count in counts.items()]
     odd = [row for row in rows if any(row[3:])]
-    fine = ", ".join(f"{row[0]} {row[2]} of {row[1]} refused" for row in rows)
     rows = [*odd, ("**all**", *(total[column] for column in columns))]
-    return f"{markdown(head, rows)}\n\nBy kind: {fine}."
+    return markdown(head, rows)
 
 
 TOPIC = Topic(

@@ -13,7 +13,7 @@ from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import Flag
 from rps_exudyn.cli.output import DONE, FAILED
 
-PUBLISHED = 0.6196
+PUBLISHED = 0.6199
 """Mean free pinion torque of the default gear by `quasi-static` [N m], as the README states it."""
 AGREES = 1e-4  # half a unit of the last digit stated
 

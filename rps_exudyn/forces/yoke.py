@@ -76,6 +76,7 @@ SEAT = record_type(
         ("points", "f8", (WHOLE, 4)),  # of the whole seat, rows as `seat_points` fills them
         ("law", LAW),
         ("damping", "f8"),  # over stiffness [s]
+        ("back", "f8"),  # slope of the bar's back against its axis
         ("tilt", "f8"),  # by which the plunger follows the bar's slope in its bore, at most [rad]
     ]
 )
@@ -175,7 +176,7 @@ def seat_stance(q, v, plunger, data, points):  # type: ignore[no-untyped-def]
     """How the bar stands in its seat: the rack's turn and spin, its slopes, the plunger's tilt; fills the
     Gauss points and returns their number behind."""
     turn = turn_of(q[3:6])
-    slope_y, slope_z = turn.axis[1] / turn.axis[0], turn.axis[2] / turn.axis[0]
+    slope_y, slope_z = turn.axis[1] / turn.axis[0] + data.back, turn.axis[2] / turn.axis[0]
     gap = (q[1] - q[0] * slope_y - plunger + data.rest_gap, q[2] - q[0] * slope_z)
     # a plunger with play in its bore lies along the bar, until it touches the bore: then it bears a moment
     tilt = min(max(slope_y, -data.tilt), data.tilt)
@@ -188,8 +189,8 @@ def _whole_load(points, count, q, axis, tilt, data):  # type: ignore[no-untyped-
     """Sum of the seat's normal forces [N]."""
     total = 0.0
     for i in range(count):
-        along = (points[i, 2] - q[0]) / axis[0]
-        depth = (q[1] + along * axis[1] - points[i, 2] * tilt - q[6] + data.rest_gap) * points[i, 0]
+        along, rise = (points[i, 2] - q[0]) / axis[0], data.back * (points[i, 2] - q[0])
+        depth = (q[1] + along * axis[1] + rise - points[i, 2] * tilt - q[6] + data.rest_gap) * points[i, 0]
         depth += (q[2] + along * axis[2]) * points[i, 1]
         total += points[i, 3] * max(depth, 0.0)
     return total
@@ -216,7 +217,7 @@ def seat_force(q, v, data, memory, rubbed, points, out):  # type: ignore[no-unty
         ny, nz = points[i, 0], points[i, 1]
         # the point of the bar's axis that stands at this station of the housing
         along = (points[i, 2] - q[0]) / axis_x
-        ay, az = along * axis_y, along * axis_z
+        ay, az = along * axis_y + data.back * (points[i, 2] - q[0]), along * axis_z
         depth = (q[1] + ay - points[i, 2] * tilt - q[6] + data.rest_gap) * ny + (q[2] + az) * nz
         if depth <= 0:
             continue
@@ -300,6 +301,7 @@ def add_seat_tangent(q, v, data, memory, rubbed, points, factor_q, factor_v, tan
     for i in range(count):
         ny, nz, stiffness = points[i, 0], points[i, 1], points[i, 3]
         arm = scaled((points[i, 2] - q[0]) / axis[0], axis)
+        arm = plus(arm, (0.0, data.back * (points[i, 2] - q[0]), 0.0))
         depth = (q[1] + arm[1] - points[i, 2] * tilt - q[6] + data.rest_gap) * ny + (q[2] + arm[2]) * nz
         if depth <= 0:
             continue
@@ -390,6 +392,7 @@ def seat_record(
             yoke, patches or Patches(), yoke.friction, yoke.preload * seat_wedge_factor(yoke.seat_angle)
         ),
         damping=yoke.seat_damping,
+        back=gear.rack.back_parallelism,
         tilt=yoke.bore_clearance / yoke.plunger_length,
     )
 

@@ -12,7 +12,7 @@ x up to 1 lie at the edge of what it was fitted to: an error of 10 % must be exp
 default gear give 14.3, the standard 13.8 N/(mm um).
 """
 
-from math import asin, cos, degrees, inf, pi, sin
+from math import asin, cos, degrees, inf, pi, radians, sin, tan
 from typing import TYPE_CHECKING
 
 from rps_exudyn.parameters.gear import SteeringGear
@@ -110,18 +110,29 @@ def mesh_stiffness_of_pair(pair: "GearPair") -> float:
     return mesh_stiffness_transverse(stiffness_of_pair(pair), transverse_contact_ratio(pair))
 
 
-def line_stiffness(gear: SteeringGear) -> float:
-    """Return the load per length of line and depth [N/m^2]: `mesh.line_stiffness`, or c' where that is 0.
+# --- Load per length of line and depth, by law "line"
 
-    The standard's c' counts per face width and along the line of action; per length of line and normal to the
-    flank the same stiffness is c' / cos beta_b, 9 % more for the default gear, less than its uncertainty.
+AT_REST = (26.5, -10.0, 9.1)  # [N/(mm um)]: constant, per profile shift, per tangent of the helix angle
+SHIFTS, HELICES = (0.5, 1.0), (15.0, 36.0)  # of the gears it was fitted to [-, deg]; beyond, the end counts
+
+
+def rest_stiffness(profile_shift: float, helix: float) -> float:
+    """Return k = 26.5 - 10 x + 9.1 tan(beta_p) N/(mm um) of a pinion of helix angle `helix` [rad] [N/m^2].
+
+    With it both flanks of a gear at rest under its preload yield as finite elements of whole teeth do, within
+    6 % on fourteen gears, 9 % on each left out of the fit. The standard's c' is a third to a half less: it
+    has one pair of flanks, where drive and coast flank bend the same tooth against each other.
     """
-    if given := gear.mesh.line_stiffness:
-        return given
-    pinion, dedendum = gear.pinion, gear.basic_rack.dedendum
-    return rack_stiffness(
-        pinion.teeth, pinion.helix_angle, pinion.pressure_angle, pinion.profile_shift, dedendum
-    )
+    constant, per_shift, per_tangent = AT_REST
+    shift = min(max(profile_shift, SHIFTS[0]), SHIFTS[1])
+    angle = min(max(degrees(helix), HELICES[0]), HELICES[1])
+    return PER_MM_UM * (constant + per_shift * shift + per_tangent * tan(radians(angle)))
+
+
+def line_stiffness(gear: SteeringGear) -> float:
+    """Return the load per length of line and depth [N/m^2]: `mesh.line_stiffness`, or that at rest where that
+    is 0."""
+    return gear.mesh.line_stiffness or rest_stiffness(gear.pinion.profile_shift, gear.pinion.helix_angle)
 
 
 DERIVED = {"mesh.line_stiffness": line_stiffness}

@@ -187,6 +187,13 @@ class Rack(Table):
         "pitch errors of all teeth: displacements along X in order of X, or a class as of the pinion",
         "estimate",
     )
+    back_parallelism: Angle = parameter(
+        0.0,
+        "slope of the bar's back against its teeth: above 0 the bar is thicker towards +X",
+        "estimate",
+        ge=-0.005,
+        le=0.005,
+    )
     youngs_modulus: Pressure = parameter(
         "206 GPa", "Young's modulus of the bar, where it bends", "estimate", gt=0
     )
@@ -388,7 +395,10 @@ class Mesh(LoadedFrictionLaw):
         "1e-8 mm^3/N/m", "wear coefficient of the flanks, of pinion and rack each", "estimate", ge=0, le=1e-12
     )
     line_stiffness: LineStiffness = parameter(
-        0.0, "load per length of contact line and depth, law line; 0: c' of ISO 6336-1", "estimate", ge=0
+        0.0,
+        "load per length of contact line and depth, law line; 0: at rest under the preload, from the gear",
+        "estimate",
+        ge=0,
     )
 
     @property

@@ -236,10 +236,10 @@ def whole_periods(gear: SteeringGear, angle: float) -> int | None:
     """Return how many periods of the gear an angle [rad] covers; None if not a whole number.
 
     Every tooth is alike, so that the curve repeats with the tooth pitch; errors that single out a tooth
-    or a direction of the pinion make it repeat with the turn. Along a bar that is not straight, or whose
-    teeth have errors, it does not.
+    or a direction of the pinion make it repeat with the turn. Along a bar that is not straight, whose
+    teeth have errors, or whose back slopes it does not.
     """
-    if gear.rack.bow or gear.rack.pitch_errors:
+    if gear.rack.bow or gear.rack.pitch_errors or gear.rack.back_parallelism:
         return None
     pinion = gear.pinion
     alike = pinion.runout == 0 and pinion.pitch_error == 0 and not pinion.pitch_errors

@@ -52,7 +52,8 @@ GAIN = ("pinion.normal_module", "rack.tooth_angle")  # from lock to lock each ge
 UNSUPPORTED = {
     "scene": "the gears of this scene are run singly",
     "fidelity": "many gears are followed together only by the fidelity quasi-static",
-    "parts": "a bow, a side force, the weight of the rack or listed pitch errors ask for single runs",
+    "parts": "a bow, a side force, the weight of the rack, listed pitch errors or a back that slopes ask for "
+    "single runs",
     "friction": "bristles, or friction of the plunger in its bore, ask for single runs",
     "conditions": "temperature, wear or a grease asks for single runs",
     "parameter": "gears that differ in {path} are run singly",
@@ -66,7 +67,7 @@ def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, value
     """Return why the gears of a table cannot be followed together, or ""."""
     usual = Fidelity.preset("quasi-static")
     same = fidelity.replace({"step_angle": usual.step_angle, "strip_stations": usual.strip_stations})
-    listed = gear.rack.pitch_errors or gear.pinion.pitch_errors
+    listed = gear.rack.pitch_errors or gear.pinion.pitch_errors or gear.rack.back_parallelism
     parts = gear.rack.bow or gear.rack.side_force or gear.installation.gravity or listed
     reasons = {
         "scene": scene_named(scene).test is None,

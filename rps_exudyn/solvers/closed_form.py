@@ -126,6 +126,7 @@ def beyond_formulas(gear: SteeringGear) -> str:
         "pinion.pitch_error": pinion.pitch_error,
         "pinion.pitch_errors": pinion.pitch_errors,
         "rack.pitch_errors": gear.rack.pitch_errors,
+        "rack.back_parallelism": gear.rack.back_parallelism,
         "pinion.profile_slope": pinion.profile_slope,
         "pinion.lead_error": pinion.lead_error,
     }

@@ -286,6 +286,7 @@ class _Following:
         first = rows.coordinates[0].copy()
         first[: balance.size] = starting_guess(pair, drive.pinion_angle(pair.gain, time[0]), balance.size)
         first[RACK + 1] += TYPICAL_APPROACH - pair.axis_offset - balance.approach
+        first[PLUNGER] -= float(balance.gears[0]["seat"]["back"]) * first[RACK]
         first[balance.size - len(balance.supported) : balance.size] = balance.supported
         steady = np.zeros(len(first))
         steady[: balance.size] = steady_rates(pair, following.speed, balance.size)

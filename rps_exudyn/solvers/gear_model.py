@@ -138,7 +138,8 @@ WORK = record_type(
         ("out", "f8", (OUTPUTS,)),
         # of pinion, of a straight rack that touches the bar at the mesh, of plunger, of the supports
         ("place", "f8", (NEAR,)),
-        ("rate", "f8", (NEAR,)),
+        ("rate", "f8", (NEAR,)),  # where friction has a state: means over the step
+        ("ended", "f8", (NEAR,)),  # where it has none: those at its end
         ("near", "f8", (NEAR, NEAR)),  # tangent by these
         ("beside", "f8", (2, 6)),  # place and rate of that rack, where `place` has those seen by the pinion
         ("carry", "f8", (6, 11)),  # derivatives of these by the rack's coordinates and the pinion's place
@@ -164,7 +165,12 @@ LAW_POINTER = pointer(*LAW)
 # --- assembly --------------------------------------------------------------------------------------
 @inline
 def _begin(q, v, gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
-    """Fill where the laws find the bodies and how these slip; return the factor of the rates' derivative."""
+    """Fill where the laws find the bodies and how these slip; return the factor of the derivative by `rate`.
+
+    Friction with a state slips by the mean rates of the step, by which it stores what is taken from the
+    bodies. Friction that depends on the rate itself takes that at the step's end: by the mean, a step that
+    stops a slip would hand it on with the other sign, and rates would swing from step to step undamped.
+    """
     memory, h = work.contact.memory, 0.0
     if gear.has_bristles:
         h = duration(memory)
@@ -173,7 +179,7 @@ def _begin(q, v, gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def
     for i in range(q.size):
         work.slip[i] = (q[i] - memory[0, PLACES + i]) / h if h > 0 else v[i]
     for i in range(8):
-        work.place[i], work.rate[i] = q[i], work.slip[i]
+        work.place[i], work.rate[i], work.ended[i] = q[i], work.slip[i], v[i]
     for i in range(near_size(gear)):
         for j in range(near_size(gear)):
             work.near[i, j] = 0.0
@@ -187,11 +193,18 @@ def near_size(gear):  # type: ignore[no-untyped-def]
 
 
 @inline
-def go_beside_pinion(q, gear, work):  # type: ignore[no-untyped-def]
+def rates_of(law, work):  # type: ignore[no-untyped-def]
+    """Return the rates of `place` that a part's friction takes."""
+    return work.rate if law.has_state else work.ended
+
+
+@inline
+def go_beside_pinion(q, v, gear, work):  # type: ignore[no-untyped-def]
     """Let the teeth see the rack from a supported pinion; `leave_pinion` goes back."""
-    first, place, rate = q.size - HELD, work.place, work.rate
+    first, place, rate = q.size - HELD, work.place, rates_of(gear.mesh.flank.law, work)
     for i in range(HELD):
-        place[RIGID + i], rate[RIGID + i] = q[first + i], work.slip[first + i]
+        place[RIGID + i] = q[first + i]
+        work.rate[RIGID + i], work.ended[RIGID + i] = work.slip[first + i], v[first + i]
     for i in range(6):
         work.beside[0, i], work.beside[1, i] = place[1 + i], rate[1 + i]
     p, p_rate, out = np.empty(HELD), np.empty(HELD), work.out
@@ -214,10 +227,11 @@ def go_beside_pinion(q, gear, work):  # type: ignore[no-untyped-def]
 
 
 @inline
-def leave_pinion(gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+def leave_pinion(gear, work, factor_q, by_rate):  # type: ignore[no-untyped-def]
     """Turn the teeth's forces and tangent into those by the rack's own coordinates and the supports', and add
     the supports' own."""
-    place, rate, out, near, memory = work.place, work.rate, work.out, work.near, work.contact.memory
+    place, out, near, memory = work.place, work.out, work.near, work.contact.memory
+    rate = rates_of(gear.mesh.flank.law, work)
     for i in range(6):
         place[1 + i], rate[1 + i] = work.beside[0, i], work.beside[1, i]
     by = np.zeros((7, NEAR))  # of what the teeth see
@@ -237,14 +251,14 @@ def leave_pinion(gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def
         elif j >= RIGID:
             out[_SUPPORT + 10 + j] = work.on_support[j]
     stored = np.empty(3)
-    friction, braking = axial_friction(rate[RIGID + 2], gear.support, memory, stored)
+    friction, braking = axial_friction(work.rate[RIGID + 2], gear.support, memory, stored)
     for i in range(HELD):
         for k in range(HELD):
             work.on_support[RIGID + i] += work.by_seat[k, i] * (gear.support.pressed[k] - work.held[k])
     work.on_support[RIGID + 2] += friction
     out[_SUPPORT] += stored[2]
     out[_SUPPORT + 1], out[_SUPPORT + 9], out[_SUPPORT + 10] = stored[0], stored[1], stored[2]
-    if factor_q == 0 and factor_v == 0:
+    if factor_q == 0 and by_rate == 0:
         return
     half = np.zeros((7, NEAR))
     for i in range(7):
@@ -261,62 +275,62 @@ def leave_pinion(gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def
         for j in range(HELD):
             for k in range(HELD):
                 near[RIGID + i, RIGID + j] -= factor_q * work.by_seat[k, i] * work.held_slope[k, j]
-    near[RIGID + 2, RIGID + 2] += factor_v * braking
+    near[RIGID + 2, RIGID + 2] += by_rate * braking
 
 
 @inline
 def begin(q, v, gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
     """The same of a rack that is straight and rigid, as the pinion sees it."""
-    factor_v = _begin(q, v, gear, work, factor_q, factor_v)
+    by_rate = _begin(q, v, gear, work, factor_q, factor_v)
     if gear.is_supported:
-        go_beside_pinion(q, gear, work)
-    return factor_v
+        go_beside_pinion(q, v, gear, work)
+    return by_rate
 
 
 @inline
 def begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
     """The same with the pose of a straight rack that touches the bar where mesh and yoke stand, at X = 0."""
-    factor_v = _begin(q, v, gear, work, factor_q, factor_v)
+    by_rate = _begin(q, v, gear, work, factor_q, factor_v)
     pose, sections = np.empty((3, 6)), np.empty((4, gear.bar.modes + 2))
     bar_sections(-q[1], gear.bar, pool, sections)
+    fill_pose(q, v, sections, -1.0, gear.bar, pose)
+    for i in range(6):
+        work.ended[1 + i] = pose[RATE, i]
     fill_pose(q, work.slip, sections, -1.0, gear.bar, pose)
     for i in range(6):
         work.place[1 + i], work.rate[1 + i] = pose[POSE, i], pose[RATE, i]
     if gear.is_supported:
-        go_beside_pinion(q, gear, work)
-    return factor_v
+        go_beside_pinion(q, v, gear, work)
+    return by_rate
 
 
 @inline
-def _add_others(gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
-    """Fill the outputs of yoke and bearing, and their tangents if they are wanted."""
-    place, rate, out, near, memory = work.place, work.rate, work.out, work.near, work.contact.memory
-    wanted = factor_q != 0 or factor_v != 0
+def _add_others(gear, work, factor_q, factor_v, by_rate):  # type: ignore[no-untyped-def]
+    """Fill the outputs of yoke and bearing, and add their tangents if they are wanted."""
+    place, out, near, memory = work.place, work.out, work.near, work.contact.memory
+    rate, turning = rates_of(gear.seat.law, work), rates_of(gear.bearing.law, work)[0]
     if gear.is_supported:
-        leave_pinion(gear, work, factor_q, factor_v)
+        leave_pinion(gear, work, factor_q, by_rate)
     for i in range(2):
         for j in range(2):
             work.of_mesh[i, j] = near[1 + i, 1 + j]
     seat_force(place[1:8], rate[1:8], gear.seat, memory, work.rubbed, work.points, out[_SEAT : _SEAT + 14])
     spring_force(place[7], gear.spring, out[_SPRING : _SPRING + 5])
-    nut_force(place[7], rate[7], gear.nut, out[_NUT : _NUT + 5])
+    nut_force(place[7], work.ended[7], gear.nut, out[_NUT : _NUT + 5])
     if gear.has_bore:
-        near[7, 7] += factor_v * bore_force(rate[7], gear.bore, memory, out[_BORE : _BORE + 7])
-    bearing_force(rate[0], gear.bearing, memory, out[_BEARING : _BEARING + 7])
-    if wanted:
-        _add_yoke_and_bearing(gear, work, factor_q, factor_v)
-
-
-@inline
-def _add_yoke_and_bearing(gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
-    """Add the tangents of seat, spring, nut and bearing."""
-    place, rate, near, memory = work.place, work.rate, work.near, work.contact.memory
-    q, v, on_rack = place[1:8], rate[1:8], near[1:8, 1:8]
+        sliding = rates_of(gear.bore.law, work)[7]
+        by_bore = by_rate if gear.bore.law.has_state else factor_v
+        near[7, 7] += by_bore * bore_force(sliding, gear.bore, memory, out[_BORE : _BORE + 7])
+    bearing_force(turning, gear.bearing, memory, out[_BEARING : _BEARING + 7])
+    if factor_q == 0 and factor_v == 0:
+        return
     at = gear.seat, memory, work.rubbed, work.points
-    add_seat_tangent(q, v, *at, factor_q, factor_v, on_rack, work.of_loads)
+    by_sliding = by_rate if gear.seat.law.has_state else factor_v
+    add_seat_tangent(place[1:8], rate[1:8], *at, factor_q, by_sliding, near[1:8, 1:8], work.of_loads)
     near[7, 7] -= factor_q * gear.spring.rate
-    near[7, 7] += nut_slope(place[7], rate[7], gear.nut, factor_q, factor_v)
-    near[0, 0] += factor_v * bearing_slope(rate[0], gear.bearing, memory)
+    near[7, 7] += nut_slope(place[7], work.ended[7], gear.nut, factor_q, factor_v)
+    by_turning = by_rate if gear.bearing.law.has_state else factor_v
+    near[0, 0] += by_turning * bearing_slope(turning, gear.bearing, memory)
 
 
 @inline
@@ -348,16 +362,19 @@ def _add_loads(q, gear, out):  # type: ignore[no-untyped-def]
 
 
 @inline
-def finish(q, gear, work, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+def finish(q, v, gear, work, factor_q, factor_v, by_rate, total, tangent):  # type: ignore[no-untyped-def]
     """Add the forces of all other parts to those of the teeth; of a rack that is straight and rigid."""
-    _add_others(gear, work, factor_q, factor_v)
-    rack, rate, out, memory = q[1:7], work.rate[1:7], work.out, work.contact.memory
+    _add_others(gear, work, factor_q, factor_v, by_rate)
+    rack, rate, out, memory = q[1:7], rates_of(gear.fit.law, work)[1:7], work.out, work.contact.memory
+    segment, by_sliding = np.empty(6), by_rate if gear.fit.law.has_state else factor_v
     bush = out[_BUSH : _BUSH + 13]
     for i in range(8):
         total[i] = _near_force(i, gear, work)
     if gear.is_carried:
         on_carrier = work.on_carrier
-        carried_fit_force(rack, rate, q[8:14], work.slip[8:14], gear.fit, memory, bush, on_carrier)
+        for i in range(6):
+            segment[i] = work.slip[8 + i] if gear.fit.law.has_state else v[8 + i]
+        carried_fit_force(rack, rate, q[8:14], segment, gear.fit, memory, bush, on_carrier)
         for i in range(6):
             total[8 + i] = on_carrier[i]
     else:
@@ -377,9 +394,9 @@ def finish(q, gear, work, factor_q, factor_v, total, tangent):  # type: ignore[n
     if gear.has_weight:
         add_dead_tangent(rack, gear.weight, factor_q, work.near[1:7, 1:7])
     if gear.is_carried:
-        _carried_tangent(q, gear, work, factor_q, factor_v, tangent)
+        _carried_tangent(q, rate, segment, gear, work, factor_q, by_sliding, tangent)
     else:
-        add_fit_tangent(rack, rate, gear.fit, memory, factor_q, factor_v, work.near[1:7, 1:7])
+        add_fit_tangent(rack, rate, gear.fit, memory, factor_q, by_sliding, work.near[1:7, 1:7])
         size = near_size(gear)
         for i in range(size):
             for j in range(size):
@@ -395,12 +412,12 @@ def _add_support(gear, work, total):  # type: ignore[no-untyped-def]
 
 
 @inline
-def _carried_tangent(q, gear, work, factor_q, factor_v, tangent):  # type: ignore[no-untyped-def]
+def _carried_tangent(q, rate, segment, gear, work, factor_q, factor_v, tangent):  # type: ignore[no-untyped-def]
     """Fill the tangent of a rack in a segment (14, 14), and of supports behind: the fit moves with the rack
     against the segment."""
     rack, relative, fit = np.empty(6), np.empty(6), np.zeros((6, 6))
     for i in range(6):
-        rack[i], relative[i] = q[1 + i], work.slip[1 + i] - work.slip[8 + i]
+        rack[i], relative[i] = q[1 + i], rate[i] - segment[i]
     add_fit_tangent(rack, relative, gear.fit, work.contact.memory, factor_q, factor_v, fit)
     n = tangent.shape[0]
     for i in range(n):
@@ -426,9 +443,9 @@ def _carried_tangent(q, gear, work, factor_q, factor_v, tangent):  # type: ignor
 
 
 @inline
-def finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+def finish_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v, by_rate, total, tangent):  # type: ignore[no-untyped-def]
     """The same of a rack that bends or is not straight, see `bent_rack`."""
-    _add_others(gear, work, factor_q, factor_v)
+    _add_others(gear, work, factor_q, factor_v, by_rate)
     bar, out, memory, n = gear.bar, work.out, work.contact.memory, q.size
     wanted = factor_q != 0 or factor_v != 0
     pose, sections, forces = np.empty((3, 6)), np.empty((4, bar.modes + 2)), np.empty(6)
@@ -441,7 +458,7 @@ def finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent)
         for i in range(n):
             for j in range(n):
                 tangent[i, j] = 0.0
-        add_elasticity_tangent(bar, pool, factor_q, factor_v, tangent)
+        add_elasticity_tangent(bar, pool, factor_q, by_rate, tangent)
     add_elasticity(total, q, work.slip, bar, pool)
 
     bar_sections(-q[1], bar, pool, sections)
@@ -459,13 +476,17 @@ def finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent)
         add_geometric(tangent, forces, sections, -1.0, factor_q, bar)
 
     bar_sections(gear.fit.station - q[1], bar, pool, sections)
-    fill_pose(q, work.slip, sections, -1.0, bar, pose)
+    by_sliding = by_rate if gear.fit.law.has_state else factor_v
+    if gear.fit.law.has_state:
+        fill_pose(q, work.slip, sections, -1.0, bar, pose)
+    else:
+        fill_pose(q, v, sections, -1.0, bar, pose)
     held_fit_force(pose[POSE], pose[RATE], gear.fit, memory, out[_BUSH : _BUSH + 13])
     for i in range(6):
         forces[i] = out[_BUSH + i]
     add_to_bar(total, forces, pose, sections, -1.0, bar)
     if wanted:
-        add_fit_tangent(pose[POSE], pose[RATE], gear.fit, memory, factor_q, factor_v, local)
+        add_fit_tangent(pose[POSE], pose[RATE], gear.fit, memory, factor_q, by_sliding, local)
         fill_pose_by_bar(pose, sections, -1.0, bar, by)
         add_products(by[1:7], 6, local, tangent)
         add_geometric(tangent, forces, sections, -1.0, factor_q, bar)
@@ -488,60 +509,66 @@ def finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent)
 def line_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with the contact law "line"."""
     gear, work = gears[g], works[0]
-    factor_v = begin(q, v, gear, work, factor_q, factor_v)
-    at = work.place, work.rate, gear.mesh, pool, work.contact
-    line_law(*at, factor_q, factor_v, work.out, work.near)
-    finish(q, gear, work, factor_q, factor_v, total, tangent)
+    by_rate = begin(q, v, gear, work, factor_q, factor_v)
+    at = work.place, rates_of(gear.mesh.flank.law, work), gear.mesh, pool, work.contact
+    by_sliding = by_rate if gear.mesh.flank.law.has_state else factor_v
+    line_law(*at, factor_q, by_sliding, work.out, work.near)
+    finish(q, v, gear, work, factor_q, factor_v, by_rate, total, tangent)
 
 
 @kernel_of(*LAW)
 def line_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """The same whose rack bends or is not straight."""
     gear, work = gears[g], works[0]
-    factor_v = begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v)
-    at = work.place, work.rate, gear.mesh, pool, work.contact
-    line_law(*at, factor_q, factor_v, work.out, work.near)
-    finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent)
+    by_rate = begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v)
+    at = work.place, rates_of(gear.mesh.flank.law, work), gear.mesh, pool, work.contact
+    by_sliding = by_rate if gear.mesh.flank.law.has_state else factor_v
+    line_law(*at, factor_q, by_sliding, work.out, work.near)
+    finish_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v, by_rate, total, tangent)
 
 
 @kernel_of(*LAW)
 def teeth_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with the contact law "teeth"."""
     gear, work = gears[g], works[0]
-    factor_v = begin(q, v, gear, work, factor_q, factor_v)
-    at = work.place, work.rate, gear.mesh, pool, work.contact
-    teeth_law(*at, factor_q, factor_v, work.out, work.near)
-    finish(q, gear, work, factor_q, factor_v, total, tangent)
+    by_rate = begin(q, v, gear, work, factor_q, factor_v)
+    at = work.place, rates_of(gear.mesh.flank.law, work), gear.mesh, pool, work.contact
+    by_sliding = by_rate if gear.mesh.flank.law.has_state else factor_v
+    teeth_law(*at, factor_q, by_sliding, work.out, work.near)
+    finish(q, v, gear, work, factor_q, factor_v, by_rate, total, tangent)
 
 
 @kernel_of(*LAW)
 def teeth_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """The same whose rack bends or is not straight."""
     gear, work = gears[g], works[0]
-    factor_v = begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v)
-    at = work.place, work.rate, gear.mesh, pool, work.contact
-    teeth_law(*at, factor_q, factor_v, work.out, work.near)
-    finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent)
+    by_rate = begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v)
+    at = work.place, rates_of(gear.mesh.flank.law, work), gear.mesh, pool, work.contact
+    by_sliding = by_rate if gear.mesh.flank.law.has_state else factor_v
+    teeth_law(*at, factor_q, by_sliding, work.out, work.near)
+    finish_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v, by_rate, total, tangent)
 
 
 @kernel_of(*LAW)
 def sphere_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with teeth that touch by spheres, as in general contact."""
     gear, work = gears[g], works[0]
-    factor_v = begin(q, v, gear, work, factor_q, factor_v)
-    at = work.place, work.rate, gear.mesh, pool, work.contact
-    sphere_law(*at, factor_q, factor_v, work.out, work.near)
-    finish(q, gear, work, factor_q, factor_v, total, tangent)
+    by_rate = begin(q, v, gear, work, factor_q, factor_v)
+    at = work.place, rates_of(gear.mesh.flank.law, work), gear.mesh, pool, work.contact
+    by_sliding = by_rate if gear.mesh.flank.law.has_state else factor_v
+    sphere_law(*at, factor_q, by_sliding, work.out, work.near)
+    finish(q, v, gear, work, factor_q, factor_v, by_rate, total, tangent)
 
 
 @kernel_of(*LAW)
 def sphere_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """The same whose rack bends or is not straight."""
     gear, work = gears[g], works[0]
-    factor_v = begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v)
-    at = work.place, work.rate, gear.mesh, pool, work.contact
-    sphere_law(*at, factor_q, factor_v, work.out, work.near)
-    finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent)
+    by_rate = begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v)
+    at = work.place, rates_of(gear.mesh.flank.law, work), gear.mesh, pool, work.contact
+    by_sliding = by_rate if gear.mesh.flank.law.has_state else factor_v
+    sphere_law(*at, factor_q, by_sliding, work.out, work.near)
+    finish_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v, by_rate, total, tangent)
 
 
 LAWS = {

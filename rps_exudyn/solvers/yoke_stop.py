@@ -14,7 +14,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 def stop_stiffness(gear: SteeringGear) -> float:
     """Return force over travel of the cap against the stopped plunger [N/m].
 
-    Nut, seat and both flanks in series: 1 / k = 1 / k_nut + 1 / k_seat + 1 / (2 c' b sin^2(alpha_n)).
+    Nut, seat and both flanks in series: 1 / k = 1 / k_nut + 1 / k_seat + 1 / (2 k b sin^2(alpha_n)).
     """
     yoke = gear.yoke
     flanks = 2 * line_stiffness(gear) * gear.pinion.face_width * np.sin(gear.pinion.pressure_angle) ** 2

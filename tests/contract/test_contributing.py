@@ -92,3 +92,14 @@ def test_few_frames_stand_between_a_run_and_its_kernel(monkeypatch: pytest.Monke
     with pytest.raises(KeyboardInterrupt):
         rps.run("free-pinion-torque", fidelity=Fidelity.preset("quasi-static"), turns=1)
     assert len(seen) <= 9, seen
+
+
+def test_licence_of_every_dependency_is_listed() -> None:
+    """Neither one that is missing nor one that the package no longer needs."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    needed = {re.split(r"[<>=]", each)[0] for each in project["dependencies"]}
+    rows = re.findall(
+        r"^\| .+ \| (.+) \|$", PAGE.split("## Licences of dependencies")[1].split("##")[0], re.M
+    )
+    listed = {re.split(r" \(", name)[0] for row in rows[1:] for name in row.split(", ")}
+    assert listed == needed

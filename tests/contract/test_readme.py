@@ -80,6 +80,8 @@ def test_ci_checks_everything_and_runs_the_printed_command_and_the_long_tests(ba
         "pip install -q --no-deps --target build/installed build/dist/rps_exudyn-*.whl",
         "rps-exudyn init build/begun",
         "rps-exudyn geometry --gear build/begun/gears/paper.toml",
+        "python3 .ci/versions lowest",
+        "python3 .ci/versions newest",
         "python3 -m venv .venv",
         "pip install -q -e .[test]",
         "python -m pytest -q",

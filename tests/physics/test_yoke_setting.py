@@ -36,8 +36,8 @@ def test_thread_without_friction_turns_all_work_into_force() -> None:
 
 
 def test_tightened_gear_of_the_model_bears_the_cap_force() -> None:
-    """Equilibrium of the gear with the cap screwed in by the formula's compression; c' of ISO 6336 counts per
-    face width, the model's lines per length of line, which leaves 9 % of the flanks' share of the travel."""
+    """Equilibrium of the gear with the cap screwed in by the formula's compression; its flanks are
+    as wide as the face, the model's lines longer or shorter: 9 % of the flanks' share of the travel."""
     setting = yoke_setting(GEAR)
     touching = GEAR.yoke.preload + GEAR.yoke.spring_rate * GEAR.yoke.clearance
     tight = GEAR.replace({"yoke.clearance": -setting.compression, "yoke.preload": touching})

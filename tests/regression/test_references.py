@@ -24,7 +24,7 @@ from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.prescribed_motion import Steady
 
 GEAR = SteeringGear()
-TOY = Fidelity.preset("full").replace({"profile_samples": 10, "axial_samples": 8, "step_angle": "0.5 deg"})
+TOY = Fidelity.preset("full").replace({"profile_samples": 12, "axial_samples": 8, "step_angle": "0.5 deg"})
 FILE = Path(__file__).with_name("references.json")
 
 Numbers = Mapping[str, float]

@@ -284,10 +284,10 @@ def test_describe_the_fidelity_of_a_preset(command: Command) -> None:
 
 
 def test_describe_says_what_the_gear_has_for_a_value_that_is_not_given(command: Command) -> None:
-    """c' of ISO 6336-1, 13.83 N/(mm um); and that a choice of the model is no estimate of a property."""
+    """The stiffness at rest, 20.74 N/(mm um); and that a choice of the model is no estimate of a property."""
     derived = command(["describe", "mesh.line_stiffness"])
     assert "from the gear" in derived.out
-    assert "13.8265 N/mm/um for this gear" in derived.out
+    assert "20.7434 N/mm/um for this gear" in derived.out
     given = command(["describe", "mesh.line_stiffness", "--set", "mesh.line_stiffness=12 N/mm/um"])
     assert "for this gear" not in given.out
     choices = command(["describe", "fidelity", "--json"]).json
