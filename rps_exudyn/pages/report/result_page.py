@@ -98,7 +98,7 @@ def side_by_side(results: Mapping[Path, Result]) -> Article:
 
 
 Compared = Sequence[AgainstMeasured] | None
-WIDTHS = {"wide-only": 9.5, "narrow": 4.7}  # of the curve, on wide and narrow screens [in]
+WIDTHS = {"wide-only": 9.5, "narrow": 5.2}  # of the curve, on wide and narrow screens [in]
 
 
 def _notices(result: Result) -> Iterable[PageBlock]:
