@@ -1,7 +1,7 @@
 """What the package relies on, or works around, in Exudyn 1.13.6's solvers and node types.
 
 Run these with a new Exudyn version: a test that fails shows which workaround may go or must change.
-docs/stability.md lists what each of them costs.
+results/stability/README.md lists what each of them costs.
 """
 
 import subprocess
