@@ -210,7 +210,7 @@ def batch_of(gears: Sequence[MeasuredGear], gear: SteeringGear, refused: tuple[s
     """Return what measured gears show of their batch."""
     levels, own = (np.array([getattr(each, name) for each in gears]) for name in ("level", "sd"))
     y, s = np.log(levels), own / levels
-    taus = np.linspace(0.0, 3 * float(np.std(y, ddof=1)) + 1e-6, CELLS)
+    taus = np.linspace(0.0, 3 * max(float(np.std(y, ddof=1)), float(np.median(s))), CELLS)
     variances = s**2 + taus[:, None] ** 2  # (cells, gears)
     weights = 1 / variances
     total = weights.sum(axis=1)
@@ -273,7 +273,7 @@ def _moving(values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     for i in range(values.shape[1]):
         last = (1 - WEIGHT) * last + WEIGHT * values[:, i]
         average[:, i] = last
-    return average, np.maximum(deviations, 1e-300), means
+    return average, np.maximum(deviations, 1e-9 * np.abs(means) + 1e-300), means
 
 
 def _spread(count: int) -> np.ndarray:
