@@ -106,7 +106,7 @@ PARTS: dict[str, Range] = {
         for part in ("yoke", "bush", "bearing", "mesh")
         for name, range_ in LAWS.items()
     },
-    "mesh.law": Choice({"line": 2, "teeth": 1}),
+    "mesh.law": Choice({"by-scene": 1, "line": 1, "teeth": 1}),
     "mesh.friction": Even(0.02, 0.3),
     "mesh.stiffness": Logarithmic(3e12, 2e14),
     "mesh.damping": Seldom(0.25, Logarithmic(1e-6, 1e-3)),

@@ -125,6 +125,11 @@ def joined_text(remarks: Iterable[Remark]) -> str:
     return "; ".join(remark.text for remark in remarks)
 
 
+def sentences(message: str) -> list[str]:
+    """Return the sentences of a message that `joined_text` joined."""
+    return [text for text in message.split("; ") if text]
+
+
 def each_once(codes: Iterable[str]) -> tuple[str, ...]:
     """Return codes in their order without those that come again."""
     return tuple(dict.fromkeys(str(code) for code in codes))

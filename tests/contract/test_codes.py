@@ -23,7 +23,7 @@ from rps_exudyn.scenes.scene_run import SceneRun
 PACKAGE = Path(rps_exudyn.__file__).parent
 PAGE = Path(__file__).parents[2] / "docs" / "hdf5-format.md"
 READERS = {"startswith", "endswith", "find", "index", "partition", "split", "match", "search", "fullmatch"}
-SPLIT = {"study/store.py", "study/runner.py", "results/block.py", "pages/report/result_page.py"}
+SPLIT = {"study/store.py", "study/runner.py", "results/block.py"}
 """Write a message on one line, or each sentence in a row of its own."""
 OLD_FILES = "results/outcome.py"  # words of files that have no codes
 

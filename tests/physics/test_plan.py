@@ -56,7 +56,7 @@ def test_rollers_beat_weights_in_both_frictions() -> None:
     rollers, weights = programme(WITH_ROLLERS), programme(BY_WEIGHTS)
     assert rollers.minutes < 0.7 * weights.minutes
     for path in ("mesh.friction", "yoke.friction"):
-        assert rollers.halves[path] < 0.55 * weights.halves[path]
+        assert rollers.halves[path] < 0.6 * weights.halves[path]
 
 
 def test_no_run_of_a_plan_can_be_left_out() -> None:

@@ -33,6 +33,14 @@ from rps_exudyn.solvers.closed_form import GRAVITY
 
 
 @dataclass(frozen=True)
+class Minutes:
+    """Time of a test: to set up, and for each run."""
+
+    setup: float
+    run: float
+
+
+@dataclass(frozen=True)
 class BenchKind:
     """What distinguishes one kind of test.
 
@@ -40,23 +48,25 @@ class BenchKind:
         by_angle: whether its curves are compared angle by angle; others are by their means.
         turns_about: whether the motion turns back, so that friction turns about.
         weighted: whether a weight at the rack's end belongs to it.
+        minutes: estimated time of the test.
         quantities: driven coordinate and measured torque or force, by `results.quantities`.
     """
 
     by_angle: bool = False
     turns_about: bool = False
     weighted: bool = False
+    minutes: Minutes = Minutes(5, 5)
     quantities: tuple[str, str] = TORQUE
 
 
 KINDS = {
     "free": BenchKind(by_angle=True),
     REVERSAL.name: BenchKind(by_angle=True, turns_about=True),
-    LOAD_TEST.name: BenchKind(weighted=True),
-    RACK_PUSH.name: BenchKind(quantities=PUSH),
-    RACK_ON_ROLLERS.name: BenchKind(quantities=PUSH),
-    "yoke-out": BenchKind(),
-    "bearing": BenchKind(),
+    LOAD_TEST.name: BenchKind(weighted=True, minutes=Minutes(10, 7)),
+    RACK_PUSH.name: BenchKind(quantities=PUSH, minutes=Minutes(10, 5)),
+    RACK_ON_ROLLERS.name: BenchKind(quantities=PUSH, minutes=Minutes(35, 5)),
+    "yoke-out": BenchKind(minutes=Minutes(15, 5)),
+    "bearing": BenchKind(minutes=Minutes(15, 5)),
 }
 """Name in front of a file -> kind of test."""
 _NAMED = re.compile(rf"(?P<kind>{'|'.join(KINDS)})(?:@(?P<load>[^=]+))?=(?P<file>.+)", re.S)

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.inference.fitting.bench_tests import KINDS, BenchTest, named_test
+from rps_exudyn.inference.fitting.bench_tests import KINDS, BenchTest, Minutes, named_test
 from rps_exudyn.inference.fitting.identifiability import candidates
 from rps_exudyn.inference.fitting.level_fit import LevelModel
 from rps_exudyn.inference.fitting.noise import NORMAL
@@ -38,23 +38,7 @@ USUAL_TARGETS = {"yoke.preload": 0.20, "mesh.friction": 0.35, "yoke.friction": 0
 """Path -> half of the 95 % interval, of the value, where nothing else is wanted."""
 
 
-@dataclass(frozen=True)
-class Minutes:
-    """Time of a test: to set up, and for each run."""
-
-    setup: float
-    run: float
-
-
-MINUTES = {
-    "free": Minutes(5, 5),
-    "reversal": Minutes(5, 5),
-    "load-test": Minutes(10, 7),
-    "rack-push": Minutes(10, 5),
-    "rack-on-rollers": Minutes(35, 5),
-    "yoke-out": Minutes(15, 5),
-    "bearing": Minutes(15, 5),
-}
+MINUTES = {name: kind.minutes for name, kind in KINDS.items()}
 """Kind of test -> its time; estimates of a bench's staff are to replace them (`read_minutes`)."""
 
 

@@ -41,7 +41,7 @@ from rps_exudyn.pages.report.pictures import picture
 from rps_exudyn.pages.report.sheet import REMARK, WORK_LOST, loss_shares, rounded, sheet_of
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import law_error
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Status, sentences
 from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, PARTS, SUMMARY, Quantity
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import is_scene
@@ -109,7 +109,7 @@ def _notices(result: Result) -> Iterable[PageBlock]:
             f"{result.status.remedy} Its numbers must not be used."
         )
     elif result.message:
-        yield Grid(("remarks",), [[sentence] for sentence in result.message.split("; ")])
+        yield Grid(("remarks",), [[sentence] for sentence in sentences(result.message)])
 
 
 def _losses(result: Result) -> Iterable[Section]:

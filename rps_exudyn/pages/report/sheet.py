@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from rps_exudyn.base.units import pretty, short
 from rps_exudyn.parameters.gear import BY_SCENE
 from rps_exudyn.results.law_error import law_error
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Status, sentences
 from rps_exudyn.results.quantities import LABELS, PARTS, SUMMARY, Quantity
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import is_scene, scene_named
@@ -136,8 +136,8 @@ def _band(band: "Band | None") -> Iterable[Row]:
 
 def _remark(result: Result) -> Iterable[Row]:
     """The first remark as a whole, and how many there are beside it."""
-    first, *others = result.message.split("; ")
-    if first:
+    if result.message:
+        first, *others = sentences(result.message)
         yield Row(REMARK, first + f"; and {len(others)} more: --all" * bool(others))
 
 
