@@ -112,7 +112,7 @@ def mesh_stiffness_of_pair(pair: "GearPair") -> float:
 
 # --- Load per length of line and depth, by law "line"
 
-AT_REST = (26.5, -10.0, 9.1)  # [N/(mm um)]: constant, per profile shift, per tangent of the helix angle's size
+AT_REST = (26.5, -10.0, 9.1)  # [N/(mm um)]: constant, per profile shift, per tangent of the helix angle
 SHIFTS, HELICES = (0.5, 1.0), (15.0, 36.0)  # of the gears it was fitted to [-, deg]; beyond, the end counts
 
 
