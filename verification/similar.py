@@ -96,3 +96,4 @@ def differences(result: Result, twin: Result, **units: float) -> dict[str, float
 
 
 LEFT_OUT = {"energy_residual"}  # whose size is that of rounding
+ALONG_Z = {"load_centre"}  # which change their sign where Z does

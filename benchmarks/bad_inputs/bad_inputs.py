@@ -27,6 +27,7 @@ from benchmarks.topic import Topic, markdown
 from rps_exudyn.base.files import printable
 from rps_exudyn.cli.main import main
 from rps_exudyn.pages.explore.server import Explorer
+from rps_exudyn.pages.explore.sliders import Wish
 from rps_exudyn.parameters.gear import SteeringGear
 
 DATA = "bad_inputs.csv"
@@ -116,7 +117,7 @@ def _served(bad: BadInput, folder: Path) -> tuple[int, str, float, int]:
         with suppress(ConnectionResetError):
             while part := link.recv(65536):
                 reply += part
-    answers = "torque" in server.computed({}, bad.topic, 0)
+    answers = "curves" in server.computed(Wish({}), bad.topic, 0)
     refused = not reply.startswith(b"HTTP/1.0 200") or b'"problems"' in reply
     said = errors.getvalue() + reply.decode("utf-8", "replace").rpartition("\r\n")[2]
     return (2 * refused if answers else -1), said, 0.0, 0

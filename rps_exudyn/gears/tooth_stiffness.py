@@ -117,7 +117,7 @@ SHIFTS, HELICES = (0.5, 1.0), (15.0, 36.0)  # of the gears it was fitted to [-, 
 
 
 def rest_stiffness(profile_shift: float, helix: float) -> float:
-    """Return k = 26.5 - 10 x + 9.1 tan(beta_p) N/(mm um) of a pinion of helix angle `helix` [rad] [N/m^2].
+    """Return k = 26.5 - 10 x + 9.1 tan|beta_p| N/(mm um) of a pinion of helix angle `helix` [rad] [N/m^2].
 
     With it both flanks of a gear at rest under its preload yield as finite elements of whole teeth do, within
     6 % on fourteen gears, 9 % on each left out of the fit. The standard's c' is a third to a half less: it
@@ -125,7 +125,7 @@ def rest_stiffness(profile_shift: float, helix: float) -> float:
     """
     constant, per_shift, per_tangent = AT_REST
     shift = min(max(profile_shift, SHIFTS[0]), SHIFTS[1])
-    angle = min(max(degrees(helix), HELICES[0]), HELICES[1])
+    angle = min(max(degrees(abs(helix)), HELICES[0]), HELICES[1])
     return PER_MM_UM * (constant + per_shift * shift + per_tangent * tan(radians(angle)))
 
 

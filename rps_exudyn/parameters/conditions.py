@@ -44,8 +44,7 @@ class Housing(Table):
     )
     seat_stiffness: Stiffnesses = parameter(
         "none",
-        "stiffness of the supported pinion's seat at the middle of the mesh, along and about e, Y and the "
-        "pinion's axis: 6 values, or 36 in rows; none: rigid",
+        "stiffness of the pinion's seat at mid mesh along and about e, Y, axis: 6 values, or 36; none: rigid",
         "estimate",
     )
 

@@ -54,8 +54,7 @@ class Fidelity(Table):
     )
     pinion: Literal["by-scene", "rigid", "supported"] = parameter(
         "by-scene",
-        "how the pinion is held: it only turns; on two bearings with axial stops; by-scene: on bearings in "
-        "input-shaft-play, and in reversal, steering-feel and rattle where float or clearances are given",
+        "how the pinion is held: it only turns; on two bearings; by-scene: on them where a scene asks",
         "choice",
     )
     solver: Literal["generalized-alpha", "equilibrium", "closed-form"] = parameter(

@@ -31,6 +31,9 @@ class ConflictError(ValueError):
         super().__init__("\n".join(problem.sentence for problem in problems))
 
 
+MUCH_LESS_ALIKE = 0.2  # than the nearest name: what is so is not offered beside it
+
+
 def problems_of(
     table: type["Table"], error: ValidationError, given: Mapping[str, Any], settings: Iterable[str] = ()
 ) -> list[WrongValue]:
@@ -124,6 +127,10 @@ def nearest(table: type["Table"], path: str, left_out: tuple[str, ...] = ()) -> 
     import difflib
 
     close = difflib.get_close_matches(path, offered, n=3, cutoff=0.6)
+    likeness = [difflib.SequenceMatcher(None, each, path).ratio() for each in close]
+    close = [
+        each for each, alike in zip(close, likeness, strict=True) if alike > likeness[0] - MUCH_LESS_ALIKE
+    ]
     if close:
         return f"the nearest {'one is' if len(close) == 1 else 'ones are'} {', '.join(close)}"
     known = dict.fromkeys(name.partition(".")[0] for name in offered)

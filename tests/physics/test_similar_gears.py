@@ -7,7 +7,7 @@ import pytest
 import rps_exudyn as rps
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
-from verification.similar import LEFT_OUT, differences, in_units, mirrored, size_of
+from verification.similar import ALONG_Z, LEFT_OUT, differences, in_units, mirrored, size_of
 
 UNITS = {"length": 2.0, "force": 4.0, "time": 2**0.5}  # moduli of steel and the acceleration of gravity stay
 SAME_HAND, SAME = (
@@ -83,7 +83,8 @@ def test_mirrored_gear_is_similar(scene: str, name: str) -> None:
     for metric, value in first.summary.items():
         if metric in LEFT_OUT:
             continue
-        found = second.summary[SIDES.get(metric, metric)]
+        sign = -1 if metric in ALONG_Z else 1
+        found = sign * second.summary[SIDES.get(metric, metric)]
         assert found == pytest.approx(value, rel=SAME_HAND, abs=1e-9), metric
 
 
