@@ -19,13 +19,20 @@ def test_a_cubic_is_missed_nowhere() -> None:
 @pytest.mark.parametrize("steps", [6.5, 8.0, 15.0])
 def test_vibration_in_many_steps_is_resolved(steps: float) -> None:
     """A sine of an amplitude of 0.1 of the mean."""
-    assert unresolved(TURN, 1 + 0.1 * np.sin(2 * np.pi * np.arange(61) / steps)) < UNRESOLVED
+    assert unresolved(TURN, 1 + 0.1 * np.sin(2 * np.pi * np.arange(61) / steps), size=1.0) < UNRESOLVED
 
 
 @pytest.mark.parametrize("steps", [2.0, 2.5, 3.0])
 def test_vibration_as_fast_as_the_steps_is_not(steps: float) -> None:
     """Implicit methods show what is faster than their steps between 2 and 2.5 steps a period."""
-    assert unresolved(TURN, 1 + 0.1 * np.cos(2 * np.pi * np.arange(61) / steps)) > UNRESOLVED
+    assert unresolved(TURN, 1 + 0.1 * np.cos(2 * np.pi * np.arange(61) / steps), size=1.0) > UNRESOLVED
+
+
+def test_what_is_missed_is_a_share_of_the_size() -> None:
+    """Of values around a mean of zero too; a size of zero has none."""
+    values = 0.1 * np.cos(np.pi * np.arange(61))
+    assert unresolved(TURN, values, size=2.0) == pytest.approx(unresolved(TURN, values, size=1.0) / 2)
+    assert unresolved(TURN, values, size=0.0) == 0.0
 
 
 def test_a_gear_that_vibrates_faster_than_its_steps_says_so() -> None:

@@ -1,5 +1,7 @@
 """The start of a steady motion forgets how the gear came there, or the run says that it does not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -16,7 +18,7 @@ from rps_exudyn.solvers.equilibrium import SETTLED, Start, equilibrium_path, sta
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.prescribed_motion import Swing
 from rps_exudyn.solvers.rescue import Settling
-from rps_exudyn.solvers.settled_start import settled_path, settled_start, start_of_motion
+from rps_exudyn.solvers.settled_start import ALIKE, settled_path, settled_start, start_of_motion
 from rps_exudyn.solvers.settling import TOLERANCE, differences
 from verification.law_area import by_law
 from verification.stability import ScenePlan, unchecked
@@ -111,12 +113,14 @@ def test_instants_of_a_beginning_rise() -> None:
 
 
 def test_an_ordinary_gear_settles_at_once() -> None:
-    """Over one tooth pitch, which costs a dozen equilibria."""
+    """Over one tooth pitch, which costs a dozen equilibria. Two beginnings that agree bound what is left:
+    1e-4 of the force, against a ripple of some percent."""
     gear = SteeringGear()
     maneuver = maneuvers_of_test(gear, "pinion", FIDELITY.step_angle)[0]
     course = gear_forces(gear, FIDELITY).statics, GearPair.of(gear), maneuver.drive
     path = settled_path(*course, maneuver.approach, np.zeros(1))
-    assert path.start == SETTLED
+    assert replace(path.start, unsettled_behind=0.0) == SETTLED
+    assert path.start.unsettled_behind < ALIKE
     assert path.begun == pytest.approx(-2 * np.pi / gear.pinion.teeth / gear.test.speed)
 
 
