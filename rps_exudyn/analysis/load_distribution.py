@@ -87,7 +87,7 @@ def load_distribution(gear: SteeringGear, signals: Signals) -> LoadDistribution:
     all_of = {name: np.concatenate([getattr(pose, name) for pose in poses]) for name in LineLoads._fields}
     all_of["load"] *= _scale(all_of, instant, signals)
     per_radius = np.cos(pair.beta_b) / all_of["roll"]
-    pressure = np.sqrt(all_of["load"] * EFFECTIVE_MODULUS / np.pi * per_radius)
+    pressure = np.sqrt(np.maximum(all_of["load"], 0) * EFFECTIVE_MODULUS / np.pi * per_radius)
     return LoadDistribution(angle, instant, **all_of, pressure=pressure)
 
 

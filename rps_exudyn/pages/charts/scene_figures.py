@@ -328,6 +328,10 @@ def shaft_play_figure(result: Result, measured: MeasuredTorque | None = None) ->
             quantity = SIGNALS["shaft_end_y"]
             style.line(panel, force[pressed], (place - place[0])[pressed], quantity, label, "torque")
     style.abscissa(axes[-1], "force on the input shaft's end [N]")
+    largest = max(
+        (np.abs(result.signals[name]).max() for name in result.signals if "shaft_force_" in name), default=1.0
+    )
+    axes[-1].set_xlim(-largest, largest)  # the panels share it, and the axial force is the smallest
     head(figure, result, scene_of(result), _SHAFT_METRICS)
     return figure
 
