@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.topic import Topic, load_data, markdown, save_data
-from rps_exudyn.pages.explore.sliders import SLIDERS, Slider, answer
+from rps_exudyn.pages.explore.sliders import SLIDERS, Slider, Wish, answer
 from rps_exudyn.parameters.gear import SteeringGear
 
 DATA = "explorer.json"
@@ -20,7 +20,7 @@ FEW = 3  # sliders that half of the states move; the other half moves any number
 def run(folder: Path, states: int = 1000, moves: int = 20) -> None:
     """Answer random states of several sliders, then moves of each slider alone; keep kinds and times."""
     gear, rng = SteeringGear(), np.random.default_rng(20)
-    answer(gear, {})  # compiles
+    answer(gear, Wish({}))  # compiles
     kinds: Counter[str] = Counter()
     times: list[float] = []
     for at in range(states):
@@ -41,7 +41,7 @@ def asked(gear: SteeringGear, sliders: list[Slider], rng: np.random.Generator) -
     """Draw a state of these sliders; return the kind of its answer, which must be JSON, and CPU time [s]."""
     state = {each.path: drawn(each, rng) for each in sliders}
     began = process_time()
-    found = answer(gear, state)
+    found = answer(gear, Wish(state))
     seconds = process_time() - began
     json.dumps(found, allow_nan=False)
     if "torque" in found:

@@ -201,10 +201,9 @@ def inputs_table(folder: Path) -> str:
     columns = ("inputs", "refused", "tracebacks", "lost", "outside", "alive")
     head = ("bad", "inputs", "refused", "tracebacks", "lost", "read outside", "alive 2 s beyond limit")
     total = counts.pop("**all**")
-    rows = [(name, *(count[column] for column in columns)) for name, count in counts.items()]
-    odd = [row for row in rows if any(row[3:])]
-    rows = [*odd, ("**all**", *(total[column] for column in columns))]
-    return markdown(head, rows)
+    lines = [(name, *(count[column] for column in columns)) for name, count in counts.items()]
+    odd = [line for line in lines if any(line[3:])]
+    return markdown(head, [*odd, ("**all**", *(total[column] for column in columns))])
 
 
 TOPIC = Topic(

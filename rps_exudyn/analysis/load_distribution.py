@@ -115,14 +115,14 @@ FACE_CELLS = 14  # in which the load along the face is counted
 
 def face_loading(gear: SteeringGear, signals: Signals) -> dict[str, float]:
     """Return how the more loaded flanks bear their load along the face, from the contact forces; {} where the
-    record lacks the rack's motions or carries no load.
+    record lacks the rack's motions or carries no load, and by law area, which has no lines.
 
     face_load_factor       largest over mean load per face width, averaged over the record, which has whole
                            tooth pitches: K_H-beta of ISO 6336-1
     load_centre            Z of the mean load, from the middle of the face [m]
     contact_pressure_max   largest Hertzian pressure away from the lines' ends [Pa]
     """
-    if not {*NEEDED, "pinion_angle"} <= {*signals}:
+    if not {*NEEDED, "pinion_angle"} <= {*signals} or gear.mesh.contact_law == "area":
         return {}
     loads, pair = load_distribution(gear, signals), GearPair.of(gear)
     side = max((-1, +1), key=lambda each: float(loads.force_on(each).sum()))

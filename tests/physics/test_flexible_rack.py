@@ -21,7 +21,8 @@ from rps_exudyn.solvers.record import Record
 from verification.nodal_bar import shaken_bar
 from verification.seat_cells import by_cells
 
-GEAR = SteeringGear()
+GEAR = SteeringGear().replace({"mesh.law": "line", "mesh.line_stiffness": 13.8265e9})
+"""With the stiffness c' of ISO 6336-1, which the independent models of this file have."""
 PITCH = 1 / GEAR.pinion.teeth  # [turns]
 RIGID = Fidelity.preset("quasi-static").replace({"rack": "free"})
 FLEXIBLE = RIGID.replace({"rack": "flexible"})

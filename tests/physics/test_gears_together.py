@@ -9,8 +9,8 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
-from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.quantities import is_work
+from rps_exudyn.results.outcome import Status, sentences
+from rps_exudyn.results.quantities import SINGLE_RUNS_ONLY, is_work
 from rps_exudyn.scenes.metric_confirmation import every_second
 from verification.law_area import by_law
 from verification.population import random_gears
@@ -20,7 +20,7 @@ MEANS = {  # by scene; of them `batch` states 1e-5
     "load-test": ("torque_forward", "torque_reverse", "efficiency_ratio", "rack_gain"),
     "rack-push": ("push_force_mean", "rack_gain"),
 }
-MEAN, METRIC, HALVED = 1e-5, 1e-3, 3e-3  # of single runs; of metrics in steps that were halved
+MEAN, METRIC, HALVED = 1e-5, 1e-3, 6e-3  # of single runs; of metrics in steps that were halved
 SIGNAL = 0.01  # of its range at any instant
 CONTACT = 2e-4  # of a force or work: contact forces are found to a few hundredths of a newton
 RESIDUAL = 1e-4  # of the work
@@ -101,14 +101,21 @@ def test_metrics_and_outcomes_are_those_of_single_runs(case: Case) -> None:
     for row, alone in case.alone.items():
         assert found.in_loop[row]
         assert found.statuses[row] is alone.status is Status.OK
-        assert NUMBER.sub("", found.messages[row]) == NUMBER.sub("", alone.message)
+        assert without_pressure(found.messages[row]) == without_pressure(alone.message)
         ours = {name: column[row] for name, column in found.summary.items() if np.isfinite(column[row])}
-        assert set(ours) == set(alone.summary)
+        assert set(ours) == set(alone.summary) - SINGLE_RUNS_ONLY
         assert abs(ours.pop("energy_residual")) < RESIDUAL
         for name, value in ours.items():
             metric = HALVED if alone.findings.get("halvings") else METRIC
             allowed = MEAN if name in MEANS[case.scene] else metric
             assert value == pytest.approx(alone.summary[name], rel=allowed), name
+
+
+def without_pressure(message: str) -> list[str]:
+    """Sentences without their numbers and without those on the flanks' pressure, which gears together print a
+    little earlier where single runs leave out the ends of lines."""
+    pressure = "the flanks press", "all parts stay elastic"
+    return [NUMBER.sub("", text) for text in sentences(message) if not text.startswith(pressure)]
 
 
 def test_signals_are_those_of_single_runs(case: Case) -> None:
@@ -208,11 +215,14 @@ def test_every_metric_of_random_gears_is_that_of_single_runs(number: int) -> Non
     assert found.in_loop.any()
     for row in np.flatnonzero(found.in_loop)[[0, -1]].tolist():
         varied = gear.replace({path: float(column[row]) for path, column in table.items()})
-        alone = rps.run(scene, varied, fidelity="quasi-static").summary
+        single = rps.run(scene, varied, fidelity="quasi-static")
+        alone = single.summary
         ours = {name: float(each[row]) for name, each in found.summary.items() if np.isfinite(each[row])}
-        assert ours.keys() == alone.keys()
+        assert alone.keys() - SINGLE_RUNS_ONLY <= ours.keys()
+        assert all(name in single.message for name in ours.keys() - alone.keys())  # it changes in finer steps
         assert abs(ours.pop("energy_residual")) < RESIDUAL
-        for name, value in ours.items():
+        for name in ours.keys() & alone.keys():
+            value = ours[name]
             whole = alone["transmission_error_peak_to_peak"] if name.endswith("error_first_order") else 0.0
             assert value == pytest.approx(alone[name], rel=0.01, abs=0.01 * whole), name
 
@@ -256,5 +266,6 @@ def test_gears_far_from_the_middle_are_settled_where_the_record_begins(scene: st
     for row in np.flatnonzero(found.in_loop)[:12].tolist():
         settings = {path: float(column[row]) for path, column in values.items()}
         alone = rps.run(scene, gear.replace(settings), fidelity="quasi-static")
-        lift = found.found.signals_of(row)["rack_y"] - alone["rack_y"]
+        lift = found.found.signals_of(row)["rack_y"]
+        lift = lift - alone["rack_y"][:: (alone["rack_y"].size - 1) // (lift.size - 1)]  # halved steps
         assert np.abs(lift).max() < SIGNAL * np.ptp(alone["rack_y"])

