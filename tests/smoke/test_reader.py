@@ -92,7 +92,9 @@ TO_HELP = {
 """What an example in `--help` needs besides."""
 
 OUTPUTS = ("--out", "--plot", "--report", "--series")
-MAKERS = re.compile(r"rps-exudyn (run|study|fit|report|collect|animate|validate|schema) ")  # of files that they name
+MAKERS = re.compile(
+    r"rps-exudyn (run|study|fit|report|collect|animate|validate|schema) "
+)  # of files that they name
 
 
 class Lender(NamedTuple):
