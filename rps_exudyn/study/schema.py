@@ -32,7 +32,7 @@ def study_schema() -> Schema:
     for name in ("name", "based_on"):  # which name what was chosen
         settings["fidelity"]["properties"].pop(name, None)
     paths = [f"{table}.{name}" for table, each in settings.items() for name in each["properties"]]
-    keys = {
+    keys: dict[str, Schema] = {
         "title": {"type": "string", "description": "heading of the report"},
         "scene": {"enum": list(SCENE_NAMES)},
         "gear": {"type": "string", "description": "gear file, beside or below this one"},
@@ -105,7 +105,7 @@ def _axis(paths: list[str], settings: Mapping[str, Schema]) -> Schema:
     many = {"type": "array", "minItems": 1, "maxItems": MOST_ON_AN_AXIS, "items": value}
     same = {"$ref": "#/properties/axis/items/properties/values"}
     along = {name: _closed(dict.fromkeys(table["properties"], same)) for name, table in settings.items()}
-    keys = {
+    keys: dict[str, Schema] = {
         "name": {"type": "string", "description": "name of the axis; without it the path"},
         "path": path | {"description": "the parameter varied"},
         "paths": {"type": "array", "minItems": 1, "items": path, "description": "parameters of one value"},
