@@ -225,7 +225,8 @@ function show(answer) {
     by("accuracy").textContent = answer.accuracy;
   }
   const took = performance.now() - sent;
-  by("timing").textContent = answer.ms ? `${answer.ms.toFixed(0)} ms to compute, ${took.toFixed(0)} ms from slider to curve` : "";
+  const waited = answer.of ? "" : `, ${took.toFixed(0)} ms from slider to curve`;
+  by("timing").textContent = answer.ms ? `${answer.ms.toFixed(0)} ms to compute${waited}` : "";
   document.body.dataset.answered = number;
   document.body.dataset.took = took.toFixed(1);
 }
