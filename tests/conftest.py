@@ -95,6 +95,7 @@ LONG = (  # files, folders or single tests that the everyday set leaves out
     "smoke/test_report_in_browser.py",
     "stability",
     "upstream",
+    "wrong_input/test_environment.py::test_runs_and_studies_need_nothing_that_windows_lacks",
 )
 PROCESSES = 2
 

@@ -418,6 +418,11 @@ class Mesh(LoadedFrictionLaw):
 class SteeringGear(Table):
     """A rack-and-pinion steering gear and the test it is put to; the defaults are the paper's gear.
 
+    Values are SI, or text with a unit.
+
+    Raises:
+        InputError: parameters that are unknown, out of their limits, or do not fit each other.
+
     Examples:
         >>> gear = rps.SteeringGear().replace({"pinion.teeth": 7, "yoke.preload": "250 N"})
         >>> gear.pinion.teeth, gear.yoke.preload

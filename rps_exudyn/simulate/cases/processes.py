@@ -136,7 +136,7 @@ class Processes:
     def interrupted(self) -> Iterator[tuple[Task, Answer]]:
         """Pass Ctrl-C on to the processes; yield what their tasks hand over within `HANDING_OVER`."""
         for worker in self._running:
-            with contextlib.suppress(OSError):
+            with contextlib.suppress(OSError, ValueError):  # Windows sends Ctrl-C to them itself
                 worker.process.send_signal(signal.SIGINT)
         end = monotonic() + HANDING_OVER
         while any(worker.tasks for worker in self._running) and monotonic() < end:
@@ -323,7 +323,7 @@ def environment() -> dict[str, str]:
 def cpu_of(pid: int) -> float:
     """Return the CPU time of a process that runs [s]; 0 where the system does not report it."""
     try:
-        ticks = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[11:13]
+        ticks = Path(f"/proc/{pid}/stat").read_text("utf-8").rpartition(")")[2].split()[11:13]
         return sum(map(int, ticks)) / os.sysconf("SC_CLK_TCK")
     except (OSError, ValueError, AttributeError):
         return 0.0
