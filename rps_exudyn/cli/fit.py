@@ -86,8 +86,9 @@ def fit(
             repeats.
         single_law: leave out the fit by another contact law, whose difference is added to the intervals.
         out: gear file (.toml) with the estimates in place, fitted.toml by default; of a batch its table
-        (.csv). plot: picture (.png, .svg, .pdf) of measured and fitted torque. report: the sheet as a page
-        (.html) with pictures, intervals, correlations and what was assumed, or as
+            (.csv).
+        plot: picture (.png, .svg, .pdf) of measured and fitted torque.
+        report: the sheet as a page (.html) with pictures, intervals, correlations and what was assumed, or as
             data (.json) of which `report` makes the page.
         series: file (.json) with what this fit leaves for the next gear of the series.
         like: such a file of another gear, with the same tests: this fit begins there.
@@ -95,8 +96,9 @@ def fit(
             PATH=HALF, half of the 95 % interval of the value, such as yoke.preload=15% mesh.friction=25%.
         minutes: TOML table of the bench's times for --plan: [free], setup = 5, run = 5, in minutes.
         batch: instead of a fit, judge a production batch: a folder with a file of the free torque of each
-        gear. tolerance: of the free torque for --batch, such as "0.5 N*m to 0.8 N*m": limits with guard
-        bands, risks. time_limit: of each simulation, for instance "20 s": one that takes longer is left out.
+            gear.
+        tolerance: of the free torque for --batch, such as "0.5 N*m to 0.8 N*m": limits with guard bands, risks.
+        time_limit: of each simulation, for instance "20 s": one that takes longer is left out.
         quiet: print nothing but errors.
     """
     if quiet and (every or json):

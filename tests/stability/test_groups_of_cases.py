@@ -214,7 +214,7 @@ def test_members_found_together_end_alike_in_whichever_group(tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("extra", "reason"),
     [
-        (SINGLY, "bristles ask for single runs"),
+        (SINGLY, "ask for single runs"),
         ('[set]\nrack.bow = "0.1 mm"\n', "a bow, a side force"),
     ],
 )
@@ -270,7 +270,7 @@ def test_of_other_scenes_some_cases_go_singly(tmp_path: Path, scene: str, axis: 
     [
         (TORQUE, "most of them followed together"),
         ("", "most of them followed together"),
-        (SINGLY, "none followed together: bristles ask for single runs"),
+        (SINGLY, "none followed together: bristles"),
     ],
 )
 def test_a_dry_run_says_which_way_cases_go(command: Command, tmp_path: Path, extra: str, said: str) -> None:

@@ -143,7 +143,7 @@ def refusing(monkeypatch: pytest.MonkeyPatch, times: int, after: int = 40) -> No
 @pytest.mark.parametrize("law", ["coulomb", "bristle"])
 def test_a_run_is_restarted_before_a_step_that_fails(law: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Once, a few steps back and in a quarter of the steps, with the state that friction had there: the
-    torque of a swing is that of a run without failure, to 0.2 % in the mean; the outcome counts it."""
+    torque of a swing is that of a run without failure, to 1 % in the mean; the outcome counts it."""
     gear = rps.SteeringGear().replace(
         {"test.amplitude": "5 deg"} | {f"{part}.friction_law": law for part in ("mesh", "yoke", "bush")}
     )
@@ -156,7 +156,7 @@ def test_a_run_is_restarted_before_a_step_that_fails(law: str, monkeypatch: pyte
     time, torque = undisturbed["time"], undisturbed["pinion_torque"]
     assert (np.diff(restarted["time"]) > 0).all()
     found = np.interp(time, restarted["time"], restarted["pinion_torque"])
-    assert np.abs(found - torque).mean() < 2e-3 * np.abs(torque).max()
+    assert np.abs(found - torque).mean() < 0.01 * np.abs(torque).max()
 
 
 def test_a_step_that_always_fails_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
