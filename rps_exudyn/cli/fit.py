@@ -97,7 +97,7 @@ def fit(
         minutes: TOML table of the bench's times for --plan: [free], setup = 5, run = 5, in minutes.
         batch: instead of a fit, judge a production batch: a folder with a file of the free torque of each
             gear.
-        tolerance: of the free torque for --batch, such as "0.5 N*m to 0.8 N*m": limits with guard bands, risks.
+        tolerance: of the free torque for --batch, such as "0.5 N*m to 0.8 N*m": guard bands, risks.
         time_limit: of each simulation, for instance "20 s": one that takes longer is left out.
         quiet: print nothing but errors.
     """
