@@ -97,7 +97,8 @@ def setup_of(study: Study, case: Case) -> Setup:
 def _cases(study: Study) -> Iterator[Case]:
     problems: dict[str, None] = {}
     count = count_of(study)
-    for number, values in enumerate(points(study)):
+    drawn = points(study.axes, study.design, study.samples, study.seed, study.correlation)
+    for number, values in enumerate(drawn):
         reached(number / count, partial("{} cases laid out".format, number))
         settings = settings_of(study.axes, values)
         try:

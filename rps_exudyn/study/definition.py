@@ -147,7 +147,7 @@ def _checksum_line(text: str) -> str:
 def _fits(text: str, content: Mapping[str, Any]) -> bool:
     """Return whether a study.json fits its checksum; version 1.0 had none."""
     if "sha256" not in content:
-        return content.get("version") == [1, 0]
+        return content.get("version") not in ([1, 1], list(VERSION))
     opening, line, rest = (*text.split("\n", 2), "", "")[:3]
     return f"{line}\n" == _checksum_line(f"{opening}\n{rest}")
 

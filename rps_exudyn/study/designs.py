@@ -8,6 +8,7 @@ import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -17,24 +18,29 @@ from rps_exudyn.inference.uncertainty.input_sets import carried, uncertain_input
 from rps_exudyn.inference.uncertainty.joint import correlated, read_pairs
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.gear import CORRELATION, POSTERIOR, SteeringGear
-from rps_exudyn.study.definition import GRID_DESIGN, UNCERTAIN_DESIGN, Axis, Study, Value
+from rps_exudyn.study.definition import GRID_DESIGN, UNCERTAIN_DESIGN, Axis, Value
 
 MORRIS_LEVELS = 4  # levels that an axis takes in a Morris design
 
 
-def points(study: Study) -> Iterator[dict[str, Value]]:
+def points(
+    axes: tuple[Axis, ...],
+    design: str,
+    samples: int,
+    seed: int,
+    correlation: Mapping[str, float] = MappingProxyType({}),
+) -> Iterator[dict[str, Value]]:
     """Axis name -> SI value of every case; a grid's last axis changes fastest.
 
     Raises:
         InputError: a sensitivity design without the package that draws it, or correlations that cannot be.
     """
-    axes, design = study.axes, study.design
     names = [axis.name for axis in axes]
     if design == GRID_DESIGN:
         rows: Iterable[Iterable[Value]] = itertools.product(*(axis.values or () for axis in axes))
     else:
-        unit = _unit_points(design, len(axes), study.samples, study.seed)
-        unit = correlated(unit, names, read_pairs(study.correlation, CORRELATION, []))
+        unit = _unit_points(design, len(axes), samples, seed)
+        unit = correlated(unit, names, read_pairs(correlation, CORRELATION, []))
         rows = zip(*(drawn(axis, column) for axis, column in zip(axes, unit.T, strict=True)), strict=True)
     return (dict(zip(names, row, strict=True)) for row in rows)
 

@@ -64,7 +64,11 @@ TABLES = "bearing makers' tables of greased and dry liners"
 STANDARD = "ISO 6336-1 against measured stiffness"
 
 UNKNOWN = (
-    Input("yoke.preload", "uniform(200 N, 400 N)", "a maker's text names springs of 300 N; " + PRACTICE),
+    Input(
+        "yoke.preload",
+        "uniform(350 N, 700 N)",
+        MANUAL + " of gears assisted at the column: the median torque",
+    ),
     Input("yoke.friction", "uniform(0.03, 0.20)", TABLES),
     Input("mesh.friction", "uniform(0.05, 0.15)", "general engineering knowledge of greased steel"),
     Input("bush.drag", "uniform(10 N, 40 N)", PRACTICE),
