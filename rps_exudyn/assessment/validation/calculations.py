@@ -76,8 +76,8 @@ def bar_frequency(plane: float, number: float) -> float:
 
 
 def load_test_half_sum(mass: float, guided: float = 0) -> float:
-    """Return (torque raising + torque holding) / 2 of the default gear by equilibria [N m]; its rack is free,
-    or `guided` (1)."""
+    """Return (torque raising + torque holding) / 2 of the default gear by equilibria [N m], law line, whose
+    forces are those of the closed form; its rack is free, or `guided` (1)."""
     test = _load_test(mass, guided)
     return (test.torque_forward + test.torque_reverse) / 2
 
@@ -105,7 +105,7 @@ def dynamics_over_equilibria() -> float:
 
 
 def _load_test(mass: float, guided: float) -> LoadTest:
-    gear = SteeringGear().replace({"test.load_mass": mass, "test.turns": 1 / 3})
+    gear = SteeringGear().replace({"test.load_mass": mass, "test.turns": 1 / 3, "mesh.law": "line"})
     fidelity = Fidelity.preset("quasi-static").replace({"rack": "guided"} if guided else {})
     found = simulate(LOAD_TEST.name, gear, fidelity).summary
     return LoadTest(1.0, 1.0, found["torque_forward"], found["torque_reverse"], found["free_torque"])

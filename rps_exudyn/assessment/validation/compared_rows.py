@@ -42,12 +42,14 @@ class Simulated:
     low: float  # 5 % of the band; the value without one
     high: float  # 95 %
     message: str = ""
-    drawn: tuple[float, ...] = ()  # numbers of the gears of a band that ended ok
+    drawn: tuple[float, ...] = ()  # numbers of the gears of a band; nan of those that failed
 
-    def keeping(self, side: int, limit: float) -> float:
-        """Share of the gears at most (`side` +1) or at least (-1) at the limit; of one gear 0 or 1."""
+    def keeping(self, side: int, limit: float) -> tuple[float, float]:
+        """Least and greatest share of the gears that are at most (`side` +1) or at least (-1) at the limit: failed
+        ones may be or not. Of one gear 0 or 1."""
         numbers = np.array(self.drawn or (self.value,))
-        return float(np.mean(side * (limit - numbers) >= 0)) if np.isfinite(numbers).all() else float("nan")
+        kept, failed = np.mean(side * (limit - numbers) >= 0), np.mean(~np.isfinite(numbers))
+        return float(kept), float(kept + failed)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,7 +61,15 @@ class ComparedRow(JudgedRow):
     u_input: float
     error: float  # E = S - D
     uncertainty: float  # u_val
-    kept: float  # share of the gears that keep a limit; nan of other rows
+    kept: tuple[float, float] | None  # least and greatest share of the gears that keep a limit
+
+    @property
+    def kept_shown(self) -> str:
+        """The share for a reader; "" of rows without a limit or a number."""
+        if self.kept is None or not self.is_known:
+            return ""
+        least, most = self.kept
+        return f"kept by {least:.0%}" if least == most else f"kept by {least:.0%} to {most:.0%}"
 
     @property
     def counts(self) -> bool:
@@ -87,7 +97,7 @@ class ComparedRow(JudgedRow):
             "u_input": self.u_input,
             "u_D": data.uncertainty,
             "u_val": self.uncertainty,
-            "kept": self.kept,
+            "kept": self.kept and list(self.kept),
             "agreement": self.row.agreement,
             "verdict": self.verdict.value,
             "message": self.remark,
@@ -100,12 +110,12 @@ def compared_row(row: ValidationRow, found: Simulated) -> ComparedRow:
     data = row.data
     error = found.value - data.value
     uncertainty = float(np.hypot(np.hypot(found.u_num, found.u_input), data.uncertainty))
-    kept = found.keeping(data.side, data.value) if data.side else float("nan")
+    kept = found.keeping(data.side, data.value) if data.side else None
     if row.not_comparable:
         judged = Verdict.NOT_COMPARABLE
     elif row.calibrates:
         judged = Verdict.CALIBRATED
-    elif data.side:
+    elif kept is not None:
         judged = verdict_on_limit(kept, found.value / data.value, data.side)
     else:
         judged = verdict(error, uncertainty, row.agreement * abs(data.value))
@@ -143,21 +153,22 @@ def verdict(error: float, uncertainty: float, allowed: float) -> Verdict:
     return Verdict.NOISE if size <= uncertainty else Verdict.WEAK
 
 
-def verdict_on_limit(kept: float, ratio: float, side: int) -> Verdict:
+def verdict_on_limit(kept: tuple[float, float], ratio: float, side: int) -> Verdict:
     """Judge a row that compares with a limit, by the share of the gears that keep it.
 
     Args:
-        kept: that share.
+        kept: least and greatest share; samples that failed decide where the verdicts on both differ.
         ratio: S over the limit.
         side: +1: at most; -1: at least.
     """
-    if not np.isfinite(kept + ratio):
+    least, most = kept
+    if not np.isfinite(ratio):
         return Verdict.NOT_COMPARABLE
-    if kept == 1 and ratio**side <= FAR_FROM_LIMIT:
+    if least == 1 and ratio**side <= FAR_FROM_LIMIT:
         return Verdict.KEPT_BY_ANY
-    if kept >= SURE:
+    if least >= SURE:
         return Verdict.WEAK
-    return Verdict.DISAGREES if kept <= 1 - SURE else Verdict.NOISE
+    return Verdict.DISAGREES if most <= 1 - SURE else Verdict.NOISE
 
 
 def predictions(comparisons: Sequence[ComparedRow]) -> list[list[ComparedRow]]:
@@ -261,8 +272,7 @@ def _of_band(band: Band) -> dict[str, Simulated]:
     found = {}
     for name, each in band.figures.items():
         error = float(np.hypot(each.errors[MEDIAN], band.numerical.get(name, 0.0)))
-        numbers = band.drawn.numbers[name]
-        drawn = tuple(numbers[np.isfinite(numbers)].tolist())
+        drawn = tuple(band.drawn.numbers[name].tolist())
         found[name] = Simulated(each.median, error, each.standard, each.low, each.high, failed, drawn)
     return found
 

@@ -120,8 +120,8 @@ def _judged(each: ComparedRow) -> Judgement:
     title, _, what = each.row.title.partition(":")
     remark = each.remark if mark_of(each) is not Mark.KEPT else ""
     verdict = f"{each.verdict.value} · {published}"
-    if data.side and isfinite(each.kept):
-        verdict += f", kept by {each.kept:.0%}"
+    if each.kept_shown:
+        verdict += f", {each.kept_shown}"
     return judgement(each, title, what.strip(), show, ends, verdict, remark, is_published=True)
 
 
@@ -136,7 +136,7 @@ def row_cells(each: ComparedRow) -> list[str]:
     band = each.band_shown(show)
     uncertainties = [show(value) if value else "0" for value in (each.u_num, each.u_input, data.uncertainty)]
     ratio = f"{abs(each.error) / each.uncertainty:.2g}" if each.uncertainty and not data.side else ""
-    ratio = f"kept by {each.kept:.0%}" if data.side and isfinite(each.kept) else ratio
+    ratio = each.kept_shown or ratio
     return [
         each.row.title,
         shown,
