@@ -45,7 +45,7 @@ class Simulated:
     drawn: tuple[float, ...] = ()  # numbers of the gears of a band; nan of those that failed
 
     def keeping(self, side: int, limit: float) -> tuple[float, float]:
-        """Least and greatest share of the gears that are at most (`side` +1) or at least (-1) at the limit: failed
+        """Least and greatest share of the gears at most (`side` +1) or at least (-1) at the limit; failed
         ones may be or not. Of one gear 0 or 1."""
         numbers = np.array(self.drawn or (self.value,))
         kept, failed = np.mean(side * (limit - numbers) >= 0), np.mean(~np.isfinite(numbers))
