@@ -50,6 +50,8 @@ CHANGES = {
     "plunger: tilts in its bore by 0.1 mm": Change(gear={"yoke.bore_clearance": "0.1 mm"}),
     "plunger: 30 N of friction in its bore": Change(gear={"yoke.bore_friction": "30 N"}),
     "yokenut: damping time 20 us": Change(gear={"yoke.nut_damping": "20 us"}),
+    "seat: clearance of 50 um": Change(gear={"yoke.seat_clearance": "50 um"}),
+    "seat: gothic arch, 50 um": Change(gear={"yoke.seat_form": "gothic", "yoke.seat_clearance": "50 um"}),
     "seat: damping time 5 us": Change(gear={"yoke.seat_damping": "5 us"}),
     "inertia: none (equilibria)": Change({"solver": "equilibrium"}),
     "inertia: pinion twice as heavy": Change(gear={"pinion.density": 2 * SteeringGear().pinion.density}),

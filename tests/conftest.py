@@ -79,6 +79,8 @@ LONG = (  # files, folders or single tests that the everyday set leaves out
     "physics/test_accuracy_methods.py",
     "physics/test_accuracy_promise.py",
     "physics/test_plan_reference.py",
+    "physics/test_yoke_damping.py::test_impact_with_an_o_ring_is_that_of_a_plane_model",
+    "physics/test_yoke_damping.py::test_rattle_with_an_o_ring_is_that_of_a_plane_model",
     "physics/test_sampler.py::test_every_scene_law_and_choice_is_drawn_in_plans",
     "smoke/test_animation_in_browser.py",
     "smoke/test_cluster.py",
@@ -93,6 +95,7 @@ LONG = (  # files, folders or single tests that the everyday set leaves out
     "smoke/test_report_in_browser.py",
     "stability",
     "upstream",
+    "wrong_input/test_environment.py::test_runs_and_studies_need_nothing_that_windows_lacks",
 )
 PROCESSES = 2
 

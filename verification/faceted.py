@@ -14,6 +14,7 @@ from functools import cache
 
 import numpy as np
 
+from rps_exudyn.forces.yoke import seat_under
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.pinion_mesh import pinion_mesh
@@ -88,7 +89,7 @@ def faceted_forces(gear: SteeringGear, fidelity: Fidelity, surface: Surface | No
     smooth["mesh"]["spheres"]["friction"] = 0.0
     offset = GearPair.of(gear).axis_offset
     approach = static_approach(gear.yoke.preload, LAWS["spheres", False], smooth, pool, offset)
-    gears["seat"]["rest_gap"] = approach + gear.yoke.preload / gear.yoke.seat_stiffness
+    gears["seat"]["rest_gap"] = approach + seat_under(gear).depth
     return replace(forces, gears=gears, pool=pool, approach=approach, ideal=smooth, spheres=on_facets)
 
 

@@ -121,6 +121,19 @@ class Seldom:
 
 
 @dataclass(frozen=True)
+class Where:
+    """A value where other parameters allow it, else one that they always allow."""
+
+    holds: Callable[[Drawn], bool]
+    of: Range
+    otherwise: Any
+
+    def draw(self, rng: np.random.Generator, drawn: Drawn) -> Any:
+        """Return a value."""
+        return self.of.draw(rng, drawn) if self.holds(drawn) else self.otherwise
+
+
+@dataclass(frozen=True)
 class Share:
     """A share of what other parameters leave."""
 

@@ -70,6 +70,7 @@ def seat_by_cells(q, v, seat, out):  # type: ignore[no-untyped-def]
             arm = scaled((station - q[0]) / axis[0], axis)
             place_y, place_z = q[1] + arm[1] - station * tilt - q[6] + seat.rest_gap, q[2] + arm[2]
             depth = place_y * cos + place_z * sin
+            depth += seat.over_y * cos + seat.over_z * abs(sin) - seat.clearance
             if depth <= 0:
                 continue
             normal = (-(axis[1] * cos + axis[2] * sin) / axis[0], cos, sin)

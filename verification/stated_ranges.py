@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from rps_exudyn.parameters.gear import SteeringGear
-from verification.ranges import Choice, Drawn, Even, Logarithmic, Range, Seldom, Share, Whole
+from verification.ranges import Choice, Drawn, Even, Logarithmic, Range, Seldom, Share, Where, Whole
 
 DEG = np.pi / 180
 RPM = np.pi / 30
@@ -77,6 +77,12 @@ PARTS: dict[str, Range] = {
     "yoke.bore_clearance": Seldom(0.2, Even(0, 0.1e-3)),
     "yoke.bore_friction": Seldom(0.2, Even(0, 50)),
     "yoke.bore_damping": Seldom(0.1, Logarithmic(1, 100)),
+    "yoke.seat_clearance": Seldom(0.2, Even(5e-6, 0.1e-3)),
+    "yoke.seat_form": Where(
+        lambda drawn: drawn["yoke.seat_clearance"] > 0 and drawn["yoke.seat_angle"] > 46 * DEG,
+        Choice({"round": 1, "gothic": 1}),
+        "round",
+    ),
     "yoke.seat_damping": Seldom(0.1, Logarithmic(1e-7, 1e-5)),
     "yoke.nut_damping": Seldom(0.2, Logarithmic(1e-7, 1e-4)),
     "yoke.nut_diameter": Share(Even(1.0, 1.4), lambda drawn: drawn["yoke.plunger_diameter"]),

@@ -117,7 +117,7 @@ def _served(bad: BadInput, folder: Path) -> tuple[int, str, float, int]:
         with suppress(ConnectionResetError):
             while part := link.recv(65536):
                 reply += part
-    answers = "curves" in server.computed(Wish({}), bad.topic, 0)
+    answers = "curves" in server.answering.computed(Wish({}), bad.topic, 0)
     refused = not reply.startswith(b"HTTP/1.0 200") or b'"problems"' in reply
     said = errors.getvalue() + reply.decode("utf-8", "replace").rpartition("\r\n")[2]
     return (2 * refused if answers else -1), said, 0.0, 0
@@ -139,7 +139,7 @@ class WatchedExplorer(Explorer):
 def _explorer() -> tuple[WatchedExplorer, StringIO]:
     """A server in a thread, and what it prints."""
     server = WatchedExplorer(SteeringGear())
-    server.warm_up()
+    server.answering.warm_up()
     Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True).start()
     atexit.register(server.server_close)
     return server, server.errors

@@ -115,6 +115,11 @@ def compare_with_measured(measured: MeasuredTorque, signals: Signals, teeth: int
     """Compare the torques in each direction in which both were recorded, +X first: at common angles, or where
     the simulation covers a turn at all measured ones.
 
+    Args:
+        measured: with `pinion_angle` [rad] and `pinion_torque` [N m], shape (n,).
+        signals: those of a result, shape (m,) each; [] results where they have no pinion torque.
+        teeth: of the pinion, for the ripple's period.
+
     Examples:
         >>> from rps_exudyn.results.result import MeasuredTorque
         >>> result = rps.run("free-pinion-torque", fidelity="quasi-static")

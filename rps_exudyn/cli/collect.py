@@ -12,7 +12,7 @@ def collect(folder: Path, /, *, out: Path | None = None) -> int:
 
     Args:
         folder: folder that `study` wrote.
-        out: table (.h5, .csv); without it table.h5 in the folder.
+        out: table (.h5, .csv, .parquet, .mat); without it table.h5 in the folder.
     """
     from rps_exudyn.study.case_progress import groups
     from rps_exudyn.study.collected import SUFFIXES, write_table

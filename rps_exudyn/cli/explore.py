@@ -30,7 +30,7 @@ def explore(
         if not server.local:
             say(f"anyone who reaches {host} can compute on this machine now; there is no password.")
         with shown_progress():
-            server.warm_up()
+            server.answering.warm_up()
         print(f"serving: {server.address} (Ctrl-C ends it)", flush=True)
         if browser:
             with suppress(webbrowser.Error):

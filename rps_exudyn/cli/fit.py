@@ -89,7 +89,7 @@ def fit(
         (.csv). plot: picture (.png, .svg, .pdf) of measured and fitted torque; of a batch, of its drift.
         report: the sheet as a page
         (.html) with pictures, intervals, correlations and what was assumed, or as
-            data (.json) of which `report` makes the page without its curves.
+            data (.json) of which `report` makes the page.
         series: file (.json) with what this fit leaves for the next gear of the series.
         like: such a file of another gear, with the same tests: this fit begins there.
         plan: instead of a fit, plan the tests that bring parameters to wanted intervals in the least time:

@@ -1,5 +1,7 @@
 """The command `init`: a starter folder, from the gear and the studies that come with the package."""
 
+import json
+import os
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,12 +17,17 @@ SUFFIXES = (".toml", ".py", ".ipynb", ".csv", ".md")
 
 
 def init(folder: Path = Path(), /) -> int:
-    """Create a starter folder: the paper's gear, the shipped studies and examples; existing files stay.
+    """Create a starter folder: the paper's gear, the shipped studies and examples, and the schemas by which
+    editors complete them; existing files stay.
 
     Args:
         folder: where; without it the current folder.
     """
-    for source, name in _templates(files("rps_exudyn") / "templates"):
+    from rps_exudyn.study.schema import SCHEMAS
+
+    made = {Path(f"{kind}.schema.json"): json.dumps(make(), indent=1) for kind, make in SCHEMAS.items()}
+    shipped = {name: _text(source, name) for source, name in _templates(files("rps_exudyn") / "templates")}
+    for name, text in (made | shipped).items():
         target = folder / name
         if target.exists():
             continue
@@ -29,9 +36,18 @@ def init(folder: Path = Path(), /) -> int:
         except OSError as error:
             raise InputError(f"{target.parent} cannot be written: {error.strerror}.") from None
         with replacing(target) as partial:
-            partial.write_text(source.read_text(encoding="utf-8"), "utf-8")
+            partial.write_text(text, "utf-8")
         print(f"written: {target}")
     return DONE
+
+
+def _text(source: "Traversable", name: Path) -> str:
+    """A template's text; TOML begins with the place of its schema."""
+    text = source.read_text(encoding="utf-8")
+    if name.suffix != ".toml":
+        return text
+    kind = "gear" if name.parent.name == "gears" else "study"
+    return f"#:schema {Path(os.path.relpath(f'{kind}.schema.json', name.parent)).as_posix()}\n{text}"
 
 
 def _templates(folder: "Traversable", below: Path = Path()) -> "list[tuple[Traversable, Path]]":

@@ -29,6 +29,7 @@ from rps_exudyn.cli.output import DONE, INTERRUPTED, WRONG_INPUT, say
 from rps_exudyn.cli.report import report
 from rps_exudyn.cli.rerun import rerun
 from rps_exudyn.cli.run import run
+from rps_exudyn.cli.schema import schema
 from rps_exudyn.cli.show import show
 from rps_exudyn.cli.study import study
 from rps_exudyn.cli.validate import validate
@@ -36,7 +37,7 @@ from rps_exudyn.cli.view import view
 
 COMMANDS = (
     *(run, study, show, diff, rerun, geometry, describe, collect, report, fit, check, validate),
-    *(animate, view, explore, doctor, init),
+    *(animate, view, explore, doctor, init, schema),
 )
 
 SELDOM = (500_000, 100, 1000)

@@ -10,11 +10,11 @@ from rps_exudyn.cli.output import DONE
 
 
 def report(*paths: Path, out: Path | None = None, contact: Flag = False) -> int:
-    """Write one HTML page about studies and results: what was run, effects, best, worst and failed cases.
+    """Write one HTML page about what commands wrote: results, bands, studies, checks, fits, gears.
 
     Args:
-        paths: folders that `study` wrote, also half-finished ones, HDF5 files that `run` wrote, and JSON
-            files of check, fit and validate.
+        paths: folders that `study` wrote, also half-finished ones, HDF5 files that `run` wrote, JSON files of
+            `run --band`, check, fit and validate, and gear files.
         out: page (.html); without it report.html in the study's folder, or a page beside the only file.
         contact: add loads of the lines of contact, shares of the teeth and contact pattern to each result.
     """

@@ -11,12 +11,25 @@ from rps_exudyn.base.errors import InputError, as_sentence
 from rps_exudyn.base.files import write_json
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import SetupOptions
-from rps_exudyn.cli.output import DONE, INTERRUPTED, Files, naming, print_files, print_json, put, put_table
+from rps_exudyn.cli.output import (
+    DONE,
+    INTERRUPTED,
+    Files,
+    command_line,
+    naming,
+    print_files,
+    print_json,
+    put,
+    put_table,
+)
 from rps_exudyn.cli.printed import print_sheet, result_as_dict
 from rps_exudyn.inference.uncertainty.band import Band, band_of_runs
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.inference.uncertainty.quick_band import SCENE, quick_band
+from rps_exudyn.pages.report.html import CodeText, Fold, Section
+from rps_exudyn.pages.report.result_page import result_article
 from rps_exudyn.pages.report.sheet import sheet_of
+from rps_exudyn.pages.report.sheet_file import KEY, sheet_as_dict
 from rps_exudyn.parameters.fidelity import MEAN_STEP
 from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.quantities import SUMMARY
@@ -70,7 +83,9 @@ def do_band(
         band.nominal.save(files.out)
         written.append(files.out)
         content = band.as_dict()
-        write_json(table, content)
+        again = Section("", [Fold("Make the band again", [CodeText(command_line())])])
+        article = result_article(band.nominal, files.out, [again], band)
+        write_json(table, content | {KEY: sheet_as_dict(article, band.nominal.gear)})
         written.append(table)
         if files.plot is not None:
             save(band_figure(band), files.plot)

@@ -10,7 +10,15 @@
 
 The plunger slides along Y only; its coordinate counts from the preloaded rest position. Seat and yokenut
 press with k (d + tau d') at the depth d, never with less than nothing; what tau takes is lost.
+
+The seat's arc has the bar's radius and a clearance c more. At the angle theta its depth under a bar displaced
+by (y, z) from where it touches without load is, by theta_g = 0 of a round seat and 45 degrees of a gothic
+arch, whose two arcs have their centres beside the middle,
+
+    d = y cos(theta) + z sin(theta) - c (1 - cos(|theta| - theta_g))
 """
+
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
@@ -60,7 +68,9 @@ PIECE_POINTS = 10  # of each piece of the arc where part of the seat touches: to
 
 WHOLE = ARC_POINTS * LENGTH_POINTS  # points of a seat that touches everywhere
 PIECES = 5  # of the arc at most
-MOST_POINTS = PIECES * PIECE_POINTS * LENGTH_POINTS
+MOST_POINTS = 2 * PIECES * PIECE_POINTS * LENGTH_POINTS  # of both arcs of a gothic arch
+GOTHIC_ANGLE = np.pi / 4  # at which the arcs of a gothic arch touch, as of ball screws
+LEAST_LOAD = 1.0  # at which the share of the seat that touches is found [N]
 
 SEAT = record_type(
     [
@@ -78,6 +88,9 @@ SEAT = record_type(
         ("damping", "f8"),  # over stiffness [s]
         ("back", "f8"),  # slope of the bar's back against its axis
         ("tilt", "f8"),  # by which the plunger follows the bar's slope in its bore, at most [rad]
+        ("clearance", "f8"),  # of the arc's radius to the bar's [m]
+        ("over_y", "f8"),  # of the bar, at rest without load, over an arc's centre along Y [m]
+        ("over_z", "f8"),  # and along Z, of both arcs of a gothic arch; else 0 [m]
     ]
 )
 """Record of a cylindrical seat fixed to the plunger, with its Gauss points where all of it touches."""
@@ -101,18 +114,20 @@ LENGTH, LENGTH_WEIGHT = leggauss(LENGTH_POINTS)
 
 @inline
 def touches_everywhere(gap, slope, data):  # type: ignore[no-untyped-def]
-    """Return whether all of the seat touches: if its four corners do, for its arc is no half circle."""
+    """Return whether all of a round seat touches: if its four corners do, for its arc is no half circle."""
+    if data.over_z > 0:
+        return False
     for station in (-data.half_length, data.half_length):
-        y, z = gap[0] + station * slope[0], gap[1] + station * slope[1]
-        if y * data.edge_y - abs(z) * data.edge_z <= 0:
+        y, z = gap[0] + station * slope[0] + data.over_y, gap[1] + station * slope[1]
+        if y * data.edge_y - abs(z) * data.edge_z <= data.clearance:
             return False
     return True
 
 
 @inline
-def touching_stations(angle, gap, slope, half_length):  # type: ignore[no-untyped-def]
+def touching_stations(angle, gap, slope, clearance, half_length):  # type: ignore[no-untyped-def]
     """Return the stations between which the seat touches at an angle of its arc; depth is linear there."""
-    middle = gap[0] * np.cos(angle) + gap[1] * np.sin(angle)
+    middle = gap[0] * np.cos(angle) + gap[1] * np.sin(angle) - clearance
     rise = slope[0] * np.cos(angle) + slope[1] * np.sin(angle)
     low, high = -half_length, half_length
     if abs(rise) * half_length <= abs(middle):
@@ -122,22 +137,30 @@ def touching_stations(angle, gap, slope, half_length):  # type: ignore[no-untype
 
 
 @inline
-def arc_pieces(gap, slope, data, pieces):  # type: ignore[no-untyped-def]
-    """Fill the angles between which the touching part changes smoothly, rising; return how many pieces.
+def arc_pieces(gap, slope, low, high, data, pieces):  # type: ignore[no-untyped-def]
+    """Fill the angles from low to high between which the touching part changes smoothly, rising; return how
+    many pieces.
 
-    It changes its shape where an end face begins or ceases to touch, a right angle from where it is deepest.
+    It changes its shape where an end face begins or ceases to touch: where the bar's axis, at the distance a
+    from the arc's centre, is as deep as the clearance, arccos(c / a) from where it is deepest.
     """
-    pieces[0], count = -data.half_angle, 1
+    pieces[0], count = low, 1
     for station in (-data.half_length, data.half_length):
-        deepest = np.arctan2(gap[1] + station * slope[1], gap[0] + station * slope[0])
-        for turn in (-1.5 * np.pi, -0.5 * np.pi, 0.5 * np.pi, 1.5 * np.pi):
-            if abs(deepest + turn) < data.half_angle and count < 5:
+        y, z = gap[0] + station * slope[0], gap[1] + station * slope[1]
+        beside = np.sqrt(y * y + z * z)
+        if beside < data.clearance:
+            continue
+        deepest, turned = np.arctan2(z, y), 0.5 * np.pi
+        if data.clearance > 0:
+            turned = np.arccos(data.clearance / beside)
+        for turn in (turned - 2 * np.pi, -turned, turned, 2 * np.pi - turned):
+            if low < deepest + turn < high and count < 5:
                 place = count
                 while pieces[place - 1] > deepest + turn:
                     pieces[place] = pieces[place - 1]
                     place -= 1
                 pieces[place], count = deepest + turn, count + 1
-    pieces[count] = data.half_angle
+    pieces[count] = high
     return count
 
 
@@ -157,18 +180,30 @@ def seat_points(gap, slope, data, points):  # type: ignore[no-untyped-def]
 def part_points(gap, slope, data, points):  # type: ignore[no-untyped-def]
     """Fill the points of a seat of which a part touches; return their number."""
     pieces, n = np.empty(PIECES + 1), 0
-    for piece in range(arc_pieces(gap, slope, data, pieces)):
-        middle, half = (pieces[piece + 1] + pieces[piece]) / 2, (pieces[piece + 1] - pieces[piece]) / 2
-        for i in range(PIECE_POINTS):
-            angle = middle + half * ARC[i]
-            low, high = touching_stations(angle, gap, slope, data.half_length)
-            for j in range(LENGTH_POINTS):
-                points[n, 0], points[n, 1] = np.cos(angle), np.sin(angle)
-                points[n, 2] = (high + low) / 2 + (high - low) / 2 * LENGTH[j]
-                area = half * ARC_WEIGHT[i] * (high - low) / 2 * LENGTH_WEIGHT[j]
-                points[n, 3] = data.density * area
-                n += 1
+    arcs = 2 if data.over_z > 0 else 1
+    for arc in range(arcs):
+        side = 0 if arcs == 1 else 2 * arc - 1
+        first = 0.0 if side > 0 else -data.half_angle
+        last = 0.0 if side < 0 else data.half_angle
+        beside = (gap[0] + data.over_y, gap[1] + side * data.over_z)
+        for piece in range(arc_pieces(beside, slope, first, last, data, pieces)):
+            middle, half = (pieces[piece + 1] + pieces[piece]) / 2, (pieces[piece + 1] - pieces[piece]) / 2
+            for i in range(PIECE_POINTS):
+                angle = middle + half * ARC[i]
+                low, high = touching_stations(angle, beside, slope, data.clearance, data.half_length)
+                for j in range(LENGTH_POINTS):
+                    points[n, 0], points[n, 1] = np.cos(angle), np.sin(angle)
+                    points[n, 2] = (high + low) / 2 + (high - low) / 2 * LENGTH[j]
+                    area = half * ARC_WEIGHT[i] * (high - low) / 2 * LENGTH_WEIGHT[j]
+                    points[n, 3] = data.density * area
+                    n += 1
     return n
+
+
+@inline
+def deeper_by_form(ny, nz, data):  # type: ignore[no-untyped-def]
+    """Return what the seat's form adds to the depth at an angle, 0 or less [m]."""
+    return data.over_y * ny + data.over_z * abs(nz) - data.clearance
 
 
 @inline
@@ -191,7 +226,7 @@ def _whole_load(points, count, q, axis, tilt, data):  # type: ignore[no-untyped-
     for i in range(count):
         along, rise = (points[i, 2] - q[0]) / axis[0], data.back * (points[i, 2] - q[0])
         depth = (q[1] + along * axis[1] + rise - points[i, 2] * tilt - q[6] + data.rest_gap) * points[i, 0]
-        depth += (q[2] + along * axis[2]) * points[i, 1]
+        depth += (q[2] + along * axis[2]) * points[i, 1] + deeper_by_form(points[i, 0], points[i, 1], data)
         total += points[i, 3] * max(depth, 0.0)
     return total
 
@@ -219,6 +254,7 @@ def seat_force(q, v, data, memory, rubbed, points, out):  # type: ignore[no-unty
         along = (points[i, 2] - q[0]) / axis_x
         ay, az = along * axis_y + data.back * (points[i, 2] - q[0]), along * axis_z
         depth = (q[1] + ay - points[i, 2] * tilt - q[6] + data.rest_gap) * ny + (q[2] + az) * nz
+        depth += deeper_by_form(ny, nz, data)
         if depth <= 0:
             continue
         elastic = load = points[i, 3] * depth
@@ -303,6 +339,7 @@ def add_seat_tangent(q, v, data, memory, rubbed, points, factor_q, factor_v, tan
         arm = scaled((points[i, 2] - q[0]) / axis[0], axis)
         arm = plus(arm, (0.0, data.back * (points[i, 2] - q[0]), 0.0))
         depth = (q[1] + arm[1] - points[i, 2] * tilt - q[6] + data.rest_gap) * ny + (q[2] + arm[2]) * nz
+        depth += deeper_by_form(ny, nz, data)
         if depth <= 0:
             continue
         normal = (-(slope_y * ny + slope_z * nz), ny, nz)
@@ -365,11 +402,12 @@ def add_seat_tangent(q, v, data, memory, rubbed, points, factor_q, factor_v, tan
 def seat_record(
     gear: SteeringGear, *, friction_zone: float, rest_gap: float, patches: Patches | None = None
 ) -> np.record:
-    """Return the record of the contact of the plunger's cylindrical seat with the back of the rack.
+    """Return the record of the contact of the plunger's seat with the back of the rack.
 
-    Its pressure per depth is such that the whole seat has `yoke.seat_stiffness` along the yoke axis.
+    Its pressure per depth is such that a seat without clearance has `yoke.seat_stiffness` along the yoke
+    axis.
     """
-    yoke = gear.yoke
+    yoke, touches = gear.yoke, touching_angle(gear)
     x, wx = leggauss(ARC_POINTS)
     s, ws = LENGTH, LENGTH_WEIGHT
     arc, arc_weight = yoke.seat_angle * x, yoke.seat_angle * wx
@@ -388,13 +426,74 @@ def seat_record(
         half_length=yoke.seat_length / 2,
         density=yoke.seat_stiffness / np.sum(arc_weight * np.cos(arc) ** 2) / yoke.seat_length,
         points=np.column_stack([*normals, np.tile(yoke.seat_length / 2 * s, arc.size), stiffness]),
-        law=law_of(
-            yoke, patches or Patches(), yoke.friction, yoke.preload * seat_wedge_factor(yoke.seat_angle)
-        ),
+        law=law_of(yoke, patches or Patches(), yoke.friction, yoke.preload * seat_under(gear).wedge),
         damping=yoke.seat_damping,
         back=gear.rack.back_parallelism,
         tilt=yoke.bore_clearance / yoke.plunger_length,
+        clearance=yoke.seat_clearance,
+        over_y=yoke.seat_clearance * np.cos(touches),
+        over_z=yoke.seat_clearance * np.sin(touches),
     )
+
+
+def touching_angle(gear: SteeringGear) -> float:
+    """Return the angle theta_g at which the seat touches a bar without load [rad]."""
+    return GOTHIC_ANGLE if gear.yoke.seat_form == "gothic" else 0.0
+
+
+class PressedSeat(NamedTuple):
+    """A seat under a force along the yoke axis, of the shape of the forces."""
+
+    depth: Any  # of the bar below where it touches without load [m]
+    wedge: Any  # sum of the normal forces over the force
+    stiffness: Any  # along the yoke axis, for small changes [N/m]
+
+
+def seat_under(gear: SteeringGear, force: float | None = None) -> PressedSeat:
+    """Return the seat of a gear under a force, the preload without one [N]."""
+    yoke, touches = gear.yoke, touching_angle(gear)
+    unit = yoke.seat_angle + np.sin(yoke.seat_angle) * np.cos(yoke.seat_angle)
+    form = yoke.seat_angle, yoke.seat_clearance * np.cos(touches), yoke.seat_clearance * np.sin(touches)
+    pressed = pressed_seat(yoke.preload if force is None else force, yoke.seat_stiffness / unit, *form)
+    return PressedSeat(*(float(value) for value in pressed))
+
+
+def pressed_seat(force: Any, density: Any, half_angle: Any, over_y: Any, over_z: Any) -> PressedSeat:
+    """Return seats under forces along the yoke axis [N]; all arguments have one shape.
+
+    Each arc touches where a cos(theta - psi) > c, its centre at the distance a, the direction psi from the
+    bar's axis; the force is the integral of density (a cos(theta - psi) - c) cos(theta). Newton's method
+    begins beyond the solution, from where all would touch, and the force bends upwards: it cannot miss.
+
+    Args:
+        force: [N].
+        density: stiffness per angle of the arc [N/(m rad)].
+        half_angle: of the arc [rad].
+        over_y: of the record `SEAT`, as the next [m].
+        over_z: [m].
+    """
+    clear, phi = np.hypot(over_y, over_z), half_angle
+    load = np.maximum(force, np.where(clear > 0, LEAST_LOAD, 0.0)) / (2 * density)
+    whole = (phi + np.sin(phi) * np.cos(phi)) / 2
+    depth = (load + clear * np.sin(phi) - over_z * np.sin(phi) ** 2 / 2) / whole - over_y
+    normal, slope = np.sin(phi) / whole * load, whole
+    for _ in range(NEWTONS if np.any(clear > 0) else 0):
+        y = depth + over_y
+        a, psi = np.hypot(y, over_z), np.arctan2(over_z, y)
+        wide = np.arccos(np.minimum(clear / a, 1.0))
+        first, last = np.maximum(psi - wide, 0.0), np.minimum(psi + wide, phi)
+        rise = (np.sin(2 * last - psi) - np.sin(2 * first - psi)) / 2
+        carried = a / 2 * ((last - first) * np.cos(psi) + rise) - clear * (np.sin(last) - np.sin(first))
+        slope = (last - first) / 2 + (np.sin(2 * last) - np.sin(2 * first)) / 4
+        normal = a * (np.sin(last - psi) - np.sin(first - psi)) - clear * (last - first)
+        depth = depth - (carried - load) / slope
+    lifted = np.asarray(force) < 2 * density * load  # by less than the least load: in proportion
+    share = np.where(lifted, np.asarray(force) / (2 * density * np.where(load > 0, load, 1.0)), 1.0)
+    wedge = np.where(load > 0, normal / np.where(load > 0, load, 1.0), np.sin(phi) / whole)
+    return PressedSeat(depth * share, wedge, 2 * density * slope)
+
+
+NEWTONS = 25
 
 
 @inline

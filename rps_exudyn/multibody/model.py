@@ -58,13 +58,21 @@ def build_model(
 ) -> SteeringModel:
     """Build the gear in a rig, by default turned at its test's speed from the test's start angle.
 
-    `start.converged` is whether it found the equilibrium to start from.
+    The result has `mbs`, Exudyn's system, not yet assembled, with the numbers of its nodes, bodies and
+    sensors by name; `start.converged` is whether it found the equilibrium to start from. Without one the
+    system is empty.
 
     Args:
+        gear: its parameters, and the test's speed and angles.
+        fidelity: one that Exudyn solves, such as the presets full and flank.
+        drive: motion of the pinion, the rack or the wheel instead.
         rack_load: pulls the rack's end towards -X [N].
         pulse: force that acts on the rack besides.
         approach: the steady motion before the start, see `settled_path`.
         pictured: bodies get the shapes that Exudyn's viewer shows, which take longer to make than the rest.
+
+    Raises:
+        InputError: a gear that cannot exist.
 
     Examples:
         >>> model = rps.build_model(rps.SteeringGear(), rps.Fidelity.preset("flank"))

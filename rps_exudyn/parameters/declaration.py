@@ -19,6 +19,7 @@ from pydantic import (
     ConfigDict,
     Field,
     GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
     ValidationError,
     model_validator,
 )
@@ -36,6 +37,9 @@ from rps_exudyn.parameters.wrong_values import ConflictError, WrongValue, neares
 DEG = math.pi / 180  # for limits of angles
 SMALLEST, LARGEST = 1e-30, 1e20  # of all numbers, in SI: powers of others are beyond a computer's numbers
 
+QUANTITY = r"^\s*([+\-−]?\s*[.]?[0-9]|([Ll]og-?)?([Nn]ormal|[Uu]niform)\s*\()"
+"""Beginning of text that is a number with its unit, or a distribution: editors check no more of it."""
+
 Source = Literal["paper", "inferred", "estimate", "choice"]
 """Where a value is from; a choice is one of the model, not of the gear."""
 
@@ -51,6 +55,11 @@ class Unit:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Text with a unit becomes SI before the field's limits are checked."""
         return no_info_before_validator_function(self._in_si, handler(source))
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """A number in SI within the field's limits, or text with a unit."""
+        words = [{"const": self.zero}] if self.zero else []
+        return {"anyOf": [handler(core), {"type": "string", "pattern": QUANTITY}, *words]}
 
     def _in_si(self, value: object) -> float:
         if self.zero and value == self.zero:
@@ -86,6 +95,10 @@ class Listed:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Lists and texts become one text before the field is checked."""
         return no_info_before_validator_function(self._as_text, handler(source))
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """Text, or a list of numbers and texts."""
+        return {"anyOf": [handler(core), {"type": "array", "items": {"type": ["number", "string"]}}]}
 
     def _as_text(self, value: object) -> str:
         if isinstance(value, str):

@@ -32,7 +32,10 @@ PresetName = Literal["full", "flank", "quasi-static", "closed-form"]
 
 
 class Fidelity(Table):
-    """One way to model and solve the gear.
+    """One way to model and solve the gear. Angles are rad, or text with a unit.
+
+    Raises:
+        InputError: choices that are unknown, out of their limits, or exclude each other.
 
     Examples:
         >>> rps.Fidelity.preset("quasi-static").replace({"step_angle": "2 deg"}).solver

@@ -271,6 +271,14 @@ class Yoke(LoadedFrictionLaw):
     seat_damping: Time = parameter(
         0.0, "damping time of the seat: damping over stiffness", "estimate", ge=0, le=1e-2
     )
+    seat_form: Literal["round", "gothic"] = parameter(
+        "round",
+        "section of the seat: one arc; or a gothic arch, two arcs that touch the bar at 45 deg either side",
+        "estimate",
+    )
+    seat_clearance: Length = parameter(
+        0.0, "radius of the seat's arcs over that of the bar; 0: all of it touches", "estimate", ge=0, le=1e-3
+    )
     plunger_mass: Mass = parameter("60 g", "mass of the plunger", "estimate", gt=0)
     plunger_diameter: Length = parameter("30 mm", "diameter of the plunger", "estimate", gt=0)
     plunger_length: Length = parameter("25 mm", "length of the plunger", "estimate", gt=0)
@@ -414,6 +422,11 @@ CORRELATION, POSTERIOR = "correlation", "posterior"
 class SteeringGear(Table):
     """A rack-and-pinion steering gear and the test it is put to; the defaults are the paper's gear.
 
+    Values are SI, or text with a unit.
+
+    Raises:
+        InputError: parameters that are unknown, out of their limits, or do not fit each other.
+
     Examples:
         >>> gear = rps.SteeringGear().replace({"pinion.teeth": 7, "yoke.preload": "250 N"})
         >>> gear.pinion.teeth, gear.yoke.preload
@@ -541,6 +554,18 @@ def _conflicts(gear: SteeringGear) -> Iterator[WrongValue]:
             ("yoke.plunger_diameter", "rack.bar_diameter"),
             f"yoke.plunger_diameter is {mm(yoke.plunger_diameter)}; a seat for the bar needs more than "
             f"{mm(rack.bar_diameter * 0.8)}.",
+        )
+    if yoke.seat_form == "gothic" and not yoke.seat_clearance:
+        yield WrongValue(
+            ("yoke.seat_form", "yoke.seat_clearance"),
+            "yoke.seat_form is gothic and yoke.seat_clearance 0 mm; the arcs of a gothic arch are wider than "
+            "the bar, by more than 0 mm.",
+        )
+    if yoke.seat_form == "gothic" and yoke.seat_angle <= 45 * DEG:
+        yield WrongValue(
+            ("yoke.seat_form", "yoke.seat_angle"),
+            f"yoke.seat_angle is {yoke.seat_angle / DEG:.4g} deg; a gothic seat touches at 45 deg and must "
+            "reach beyond.",
         )
     if rack.travel >= rack.length:
         yield WrongValue(

@@ -82,7 +82,7 @@ def unresolved_peaks(fidelity: Fidelity, run: SceneRun, signal: str, place: str)
         return Remark(
             Code.PEAKS_UNRESOLVED,
             f"up to {depends:.2%} of the force over the first tooth pitch depends on where the motion began, "
-            f"of which {varies:.2%} is ripple, so that peak to peak values and ranges are left out",
+            f"beside a ripple of {varies:.2%}, so that peak to peak values and ranges are left out",
         )
     size = max((abs(float(np.mean(way[signal]))) for way in ways), default=0.0)
     share = max((unresolved(way[place], way[signal], size) for way in ways), default=0.0)

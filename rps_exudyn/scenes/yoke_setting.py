@@ -75,7 +75,8 @@ def yoke_setting(gear: SteeringGear) -> YokeSetting:
     force = test.cap_torque / thread_lever(gear)
     touching = yoke.preload + yoke.spring_rate * yoke.clearance
     if force > touching or not yoke.spring_rate:
-        compression = max(0.0, force - touching) / stop_stiffness(gear)
+        pressed = max(0.0, force - touching)
+        compression = pressed / stop_stiffness(gear, touching + pressed / 2)
         tightened = -compression
     else:  # the spring alone holds the cap
         compression, tightened = 0.0, yoke.clearance - (force - yoke.preload) / yoke.spring_rate

@@ -10,7 +10,7 @@ costs mu N |v_s|, with the sliding speed over the pinion speed as the friction's
                       and the torque from the power they take; the means weighted as the contact law
                       distributes the load along a line (derived here).
 
-The plunger's seat multiplies its friction by kappa (`seat_wedge_factor`). The rack is taken as guided: what
+The plunger's seat multiplies its friction by kappa (`seat_under`). The rack is taken as guided: what
 friction across the rack does to its guides is left out, as is the installation's offset.
 """
 
@@ -23,7 +23,7 @@ from numpy.polynomial.legendre import leggauss
 
 from rps_exudyn.analysis.efficiency import LoadTest
 from rps_exudyn.forces.bush import bush_chain, housing_station, lateral_stiffness
-from rps_exudyn.forces.yoke import seat_wedge_factor
+from rps_exudyn.forces.yoke import seat_under
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 
@@ -166,7 +166,7 @@ def bush_drag(gear: SteeringGear) -> float:
 def torque_per_preload(gear: SteeringGear) -> float:
     """Return dT_0 / dP = mu mean lever / sin(alpha_n) + kappa mu_p s' [m]."""
     yoke = gear.yoke
-    at_seat = seat_wedge_factor(yoke.seat_angle) * yoke.friction * GearPair.of(gear).gain
+    at_seat = seat_under(gear).wedge * yoke.friction * GearPair.of(gear).gain
     return float(mesh_torque_per_force(gear) + at_seat)
 
 
@@ -185,7 +185,7 @@ def runout_harmonics(gear: SteeringGear) -> tuple[float, float]:
     T = T_0 + (dT_0/dP k e + dT_mesh/dP k_t e + D e cos(beta_p) / cos(beta_r)) cos(phi) - P e sin(phi).
     """
     pair, yoke, e = GearPair.of(gear), gear.yoke, gear.pinion.runout
-    drag = bush_drag(gear) + seat_wedge_factor(yoke.seat_angle) * yoke.friction * yoke.preload
+    drag = bush_drag(gear) + seat_under(gear).wedge * yoke.friction * yoke.preload
     by_lift = torque_per_preload(gear) * yoke.spring_rate * e
     by_tilt = mesh_torque_per_force(gear) * tilting_stiffness(gear) * e if e else 0.0
     by_shift = drag * e * np.cos(pair.beta_p) / np.cos(pair.beta_r)
@@ -198,7 +198,7 @@ def tilting_stiffness(gear: SteeringGear) -> float:
     bush = bush_chain(gear)
     to_fit = housing_station(gear, bush.end_station)
     k = lateral_stiffness(bush)[np.ix_([0, 3], [0, 3])]  # along y, about z
-    seat = gear.yoke.seat_stiffness * gear.yoke.seat_length**2 / 12
+    seat = seat_under(gear).stiffness * gear.yoke.seat_length**2 / 12
     lift, tilt = np.array([1.0, 0.0]), np.array([to_fit, 1.0])  # what the fit sees of both
     along, both, about = lift @ k @ lift, lift @ k @ tilt, tilt @ k @ tilt + seat
     return float(along - both**2 / about)
@@ -211,7 +211,7 @@ def unloading_force(gear: SteeringGear, direction: int = +1) -> float:
     Without friction P cot(alpha_n) cos(beta_r) -+ D.
     """
     drive = _mean_force(gear, -1, direction).force
-    plunger = seat_wedge_factor(gear.yoke.seat_angle) * gear.yoke.friction * gear.yoke.preload
+    plunger = seat_under(gear).wedge * gear.yoke.friction * gear.yoke.preload
     return float(gear.yoke.preload * drive[0] / drive[1] - direction * (bush_drag(gear) + plunger))
 
 
@@ -224,7 +224,7 @@ def mean_state(gear: SteeringGear, direction: int, load: float) -> MeanState:
     the other flank alone carries the load.
     """
     pair, yoke = GearPair.of(gear), gear.yoke
-    seat_friction = seat_wedge_factor(yoke.seat_angle) * yoke.friction
+    seat_friction = seat_under(gear).wedge * yoke.friction
     drive, coast = _mean_force(gear, -1, direction), _mean_force(gear, +1, direction)
     press = yoke.preload
     drag = bush_drag(gear)

@@ -15,6 +15,7 @@ from numpy.polynomial import chebyshev
 from rps_exudyn.base.compiled import ready
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, PINION, PLUNGER, RACK
 from rps_exudyn.forces.friction import PLAIN
+from rps_exudyn.forces.yoke import pressed_seat
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -272,9 +273,8 @@ class GearSeries:
         loads, works = np.ascontiguousarray(spring["preload"]), self.forces.works
         ready(find_approach)(ready(self.forces.law), loads, x, y, ideal, self.forces.pool, works, residual)
         seat, made = records["seat"], records.copy()
-        half = seat["half_angle"]
-        stiffness = seat["density"] * (half + np.sin(half) * np.cos(half)) * 2 * seat["half_length"]
-        made["seat"]["rest_gap"] = loads / stiffness - y
+        density, form = 2 * seat["half_length"] * seat["density"], (seat["over_y"], seat["over_z"])
+        made["seat"]["rest_gap"] = pressed_seat(loads, density, seat["half_angle"], *form).depth - y
         return made, y, residual <= CLOSE
 
     def follow(

@@ -2,6 +2,7 @@
 
 import doctest
 import inspect
+import re
 from pathlib import Path
 
 import numpy as np
@@ -26,3 +27,18 @@ def test_example_runs_as_printed(
     said: list[str] = []
     doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(example, out=said.append)
     assert not said, "".join(said)
+
+
+@pytest.mark.parametrize("name", [name for name in rps.__all__ if inspect.isfunction(getattr(rps, name))])
+def test_docstring_of_a_function_explains_each_argument(name: str) -> None:
+    """Where there are several; the name of a single one explains it."""
+    one = getattr(rps, name)
+    arguments = list(inspect.signature(one).parameters)
+    explained = re.findall(r"^    (\w+): ", inspect.getdoc(one) or "", re.M)
+    assert len(arguments) == 1 or set(arguments) <= set(explained)
+
+
+@pytest.mark.parametrize("one", [rps.Batch, rps.Fit, rps.Result, rps.Scene])
+def test_docstring_of_a_record_explains_each_field(one: type) -> None:
+    explained = re.findall(r"^    (\w+): ", inspect.getdoc(one) or "", re.M)
+    assert set(one.__dataclass_fields__) <= set(explained)  # type: ignore[attr-defined]

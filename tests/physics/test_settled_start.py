@@ -202,7 +202,7 @@ def test_long_slow_steps_begin_near_their_equilibria(stiffness: float, zone: flo
 def test_too_few_teeth_before_the_start_leave_the_peak_to_peak_out() -> None:
     """From lock to lock the rack has teeth for one pitch before the start. The first pitch of the record owes
     6 % to that: the difference from equilibria that begin where the teeth do. The run looks at 48 places of
-    that pitch, between which the largest may be a tenth larger. With parallel axes it is 5e-7."""
+    that pitch, between which the largest may be a tenth larger. With parallel axes it is 1e-4."""
     gear = SteeringGear().replace({"installation.angle_error": 0.02, "test.path": "lock-to-lock"})
     run = rps.run("free-pinion-torque", gear, fidelity=FIDELITY)
     maneuver = maneuvers_of_test(gear, "pinion", FIDELITY.step_angle)[0]
@@ -218,9 +218,9 @@ def test_too_few_teeth_before_the_start_leave_the_peak_to_peak_out() -> None:
     assert apart > 0.05
     assert run.findings["start_unsettled"] == pytest.approx(apart, rel=0.1)
     assert "torque_peak_to_peak" not in run.summary
-    assert "because teeth are missing before the start" in run.message
+    assert "depends on where the motion began" in run.message
     parallel = rps.run(
         "free-pinion-torque", gear.replace({"installation.angle_error": 0.0}), fidelity=FIDELITY
     )
-    assert parallel.findings["start_unsettled"] < 1e-5
+    assert parallel.findings["start_unsettled"] < 3e-4
     assert "torque_peak_to_peak" in parallel.summary

@@ -1,4 +1,5 @@
-"""Damping of seat and yokenut, friction of the plunger in its bore: closed forms, work, none by default."""
+"""Damping of seat and yokenut, friction of the plunger in its bore: closed forms, work, none by default, and
+shaken gears against a plane model."""
 
 import numpy as np
 import pytest
@@ -6,10 +7,13 @@ from scipy.integrate import solve_ivp
 
 import rps_exudyn as rps
 from part_law import PartLaw
+from rps_exudyn.forces.external_load import Pulse, RoadForce
 from rps_exudyn.forces.force_element import DAMPING_POWER, ELASTIC_ENERGY
 from rps_exudyn.forces.yoke import nut_force, nut_record, seat_wedge_factor
+from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.solvers.gear_forces import gear_forces
+from verification.plane_impact import shaken
 
 GEAR = rps.SteeringGear().replace({"mesh.law": "line"})
 FLANK, QUASI_STATIC = (Fidelity.preset(name) for name in ("flank", "quasi-static"))
@@ -118,3 +122,46 @@ def test_without_them_no_result_has_their_signals() -> None:
     assert not {"work_yokenut_damping", "work_seat_damping", "work_bore_friction", "bore_force"} & set(
         plain.signals
     )
+
+
+def sums_of(time: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """Root mean square [N] and impulse [N s] of a force."""
+    whole = time[-1] - time[0]
+    return np.array([np.sqrt(np.trapezoid(force**2, time) / whole), np.trapezoid(force, time)])
+
+
+@pytest.mark.parametrize("law", ["line", "teeth"])
+def test_impact_with_an_o_ring_is_that_of_a_plane_model(law: str) -> None:
+    """RMS and impulse of the yokenut's force, and the impulse until the first hit has ended, within 10 %: the
+    plane model has beam, teeth in one point, yoke and bush, and leaves roll and motion along Z out."""
+    gear = GEAR.replace({"yoke.bore_friction": 30.0, "mesh.law": law})
+    result = rps.run("yoke-impact", gear)
+    test = gear.test
+    end = RackBar.of(gear).x_min
+    pulse = Pulse((0.0, test.pulse_force, 0.0), end, test.pulse_duration, test.pulse_period, 1)
+    theirs = shaken(gear, pulse.force, 2 * test.pulse_period)
+    ours = result.signals["time"], result.signals["yokenut_force"]
+    assert sums_of(*ours) == pytest.approx(sums_of(*theirs), rel=0.1)
+    early = [sums_of(*(each[time <= 7.5e-3] for each in (time, force))) for time, force in (ours, theirs)]
+    assert early[0][1] == pytest.approx(early[1][1], rel=0.1)
+
+
+def test_rattle_with_an_o_ring_is_that_of_a_plane_model() -> None:
+    """RMS and impulse of the yokenut's force within 10 %; what the O-ring takes of both, within 4 %."""
+    found = []
+    for friction in (0.0, 30.0):
+        gear = GEAR.replace({"yoke.bore_friction": friction, "test.road_cycles": 1, "test.road_phases": 1})
+        test = gear.test
+        peak = test.road_force * np.array([np.cos(test.road_angle), np.sin(test.road_angle), 0.0])
+        road = RoadForce(tuple(peak.tolist()), RackBar.of(gear).x_min, test.road_frequency, 0.0, False)
+        period = 1 / test.road_frequency
+        time, force = shaken(gear, road.force, 2 * period)
+        second = time >= period - 1e-9
+        summary = rps.run("rattle", gear).summary
+        ours = summary["rattle_force_rms"], summary["rattle_impulse_per_cycle"]
+        found.append((np.array(ours), sums_of(time[second], force[second])))
+    for ours, theirs in found:
+        assert ours == pytest.approx(theirs, rel=0.1)
+    without, rubbed = found
+    assert rubbed[0] / without[0] == pytest.approx(rubbed[1] / without[1], abs=0.04)
+    assert max(rubbed[0] / without[0]) < 0.9

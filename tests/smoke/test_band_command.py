@@ -32,6 +32,12 @@ def test_band_is_printed_and_every_sample_kept(command: Command) -> None:
     assert kept["figures"]["torque_mean"]["quantiles"][2] == pytest.approx(np.median(known))
     assert rps.load("r.h5").gear.yoke.preload == 300
     assert Path("r.png").stat().st_size > 10_000
+    assert command(["report", "r.band.json"]).out == "written: r.band.html\n"
+    page = Path("r.band.html").read_text()
+    assert page.count("data:image/svg+xml;base64,") >= 2  # the curve with its band, for wide and narrow
+    assert "in 90 % of gears" in page
+    assert "Shares of the variance of the mean torque" in page
+    assert "Make the band again" in page
 
 
 def test_interrupt_while_the_picture_is_drawn_names_the_files_that_are_there(

@@ -1,17 +1,23 @@
 """A study as Dataset, frame and table: numbers stand where their case is, failed ones are unknown."""
 
 import csv
+import dataclasses
+import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
+import pandas
 import pytest
 import xarray
+from scipy.io import loadmat
 
 import rps_exudyn as rps
 from made_up_study import description, grid_points, make_study, sampled, torque
 from rps_exudyn.results.result import Result
-from rps_exudyn.study.collected import read_table
+from rps_exudyn.study.collected import read_table, write_table
+from rps_exudyn.study.store import Store
+from rps_exudyn.study.table import CaseTable
 from shell import Command
 
 POINTS = [{"preload": 110.0 + 7 * at, "friction": 0.1 + 0.01 * (at % 3)} for at in range(12)]
@@ -90,10 +96,12 @@ def test_damaged_file_counts_as_not_done(made_up_result: Result, tmp_path: Path)
         assert (rps.open_study(folder).status == "pending").sum() == 1
 
 
-@pytest.mark.parametrize("name", ["table.h5", "table.csv"])
+@pytest.mark.parametrize("name", ["table.h5", "table.csv", "table.parquet", "table.mat"])
 def test_collected_table_has_every_case(
     name: str, made_up_result: Result, tmp_path: Path, command: Command
 ) -> None:
+    if name.endswith("parquet"):
+        pytest.importorskip("pyarrow")
     make_study(tmp_path / "s", made_up_result, failed={2: 'no, "quite"'}, pending=[3])
     answer = command(["collect", "s", "--out", name])
     cause = '  1 case diverged: no, "quite"\n'
@@ -103,6 +111,14 @@ def test_collected_table_has_every_case(
             rows = list(csv.DictReader(file))
         means = [float(row["torque_mean [N*m]"] or "nan") for row in rows]
         statuses, messages = [row["status"] for row in rows], [row["message"] for row in rows]
+    elif name.endswith("parquet"):
+        frame = pandas.read_parquet(tmp_path / name)
+        means, statuses, messages = frame.torque_mean, frame.status.tolist(), frame.message.tolist()
+    elif name.endswith("mat"):
+        groups = loadmat(tmp_path / name, squeeze_me=True, struct_as_record=False)
+        means, units = groups["summary"].torque_mean, groups["units"]
+        assert (units.torque_mean, units.preload, groups["axes"].preload.shape) == ("N*m", "N", (6,))
+        statuses, messages = (list(getattr(groups["outcome"], each)) for each in ("status", "message"))
     else:
         table = read_table(tmp_path / name)
         means = table["summary"]["torque_mean"]
@@ -112,6 +128,32 @@ def test_collected_table_has_every_case(
     expected = [torque(point) for point in grid_points()]
     expected[2] = expected[3] = np.nan
     np.testing.assert_allclose(means, expected)
+
+
+def test_columns_in_other_programs_have_units_and_names_that_they_allow(
+    made_up_result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
+) -> None:
+    """An axis without a name has its parameter's path, with a dot in it; two such names may become one."""
+    names = {"preload": "yoke.preload", "friction": "yoke_preload"}
+    points = [{names[name]: value for name, value in point.items()} for point in POINTS]
+    axes = tuple(dataclasses.replace(axis, name=names[axis.name]) for axis in sampled(POINTS).axes)
+    make_study(tmp_path / "s", made_up_result, description(points, axes=axes, design="random", seed=1))
+    assert command(["collect", "s", "--out", "t.mat"]).status == 0
+    columns = loadmat(tmp_path / "t.mat", squeeze_me=True, struct_as_record=False)["axes"]
+    assert columns._fieldnames == ["yoke_preload", "yoke_preload_1"]
+    np.testing.assert_array_equal(columns.yoke_preload_1, [point["friction"] for point in POINTS])
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    refused = command(["collect", "s", "--out", "t.parquet"])
+    assert (refused.status, "pip install 'rps-exudyn[parquet]'" in refused.err) == (2, True)
+    assert not Path("t.parquet").exists()
+
+
+def test_parquet_has_the_units_of_its_columns(made_up_result: Result, tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    table = CaseTable.of(Store.open(make_study(tmp_path / "s", made_up_result)))
+    write_table(table, tmp_path / "t.parquet")
+    field = parquet.read_schema(tmp_path / "t.parquet").field("torque_mean")
+    assert field.metadata[b"units"] == b"N*m"
 
 
 def test_collected_table_opens_in_xarray(made_up_result: Result, tmp_path: Path, command: Command) -> None:

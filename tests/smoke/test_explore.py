@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 from threading import Thread
-from time import monotonic
+from time import monotonic, sleep
 from typing import Any
 
 import numpy as np
@@ -16,9 +16,21 @@ from playwright import sync_api
 
 import rps_exudyn as rps
 from rps_exudyn.pages.explore import sliders as answers
+from rps_exudyn.pages.explore.answering import CANCELLED, LONGEST, TOO_LONG, Answering
 from rps_exudyn.pages.explore.on_request import on_request
-from rps_exudyn.pages.explore.server import LONGEST, TOO_LONG, Explorer
-from rps_exudyn.pages.explore.sliders import SLIDERS, Slider, Wish, answer, scenes, settings_of
+from rps_exudyn.pages.explore.server import Explorer
+from rps_exudyn.pages.explore.sliders import (
+    MOST_POINTS,
+    SLIDERS,
+    Slider,
+    Wish,
+    answer,
+    scenes,
+    settings_of,
+    thinned,
+)
+from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.cases.run_cases import Task
 from watched_page import watched
 
@@ -28,8 +40,8 @@ SLOW = {"yoke.preload": 999}
 CROWD = 200
 
 
-class Slow(Explorer):
-    """A server of which one state takes much longer than allowed."""
+class Slow(Answering):
+    """Answers of which one takes much longer than allowed."""
 
     def task(self, wish: Wish) -> Task:
         endless = partial(eval, "__import__('time').sleep(600)")
@@ -38,8 +50,9 @@ class Slow(Explorer):
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Explorer]:
-    with Slow(GEAR) as started:
-        started.warm_up()
+    with Explorer(GEAR) as started:
+        started.answering = Slow(GEAR)
+        started.answering.warm_up()
         Thread(target=started.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True).start()
         yield started
         started.shutdown()
@@ -69,7 +82,7 @@ def test_what_follows_from_a_slider_follows(server: Explorer) -> None:
     """Teeth alone: the tip diameter goes with them, and the gear file says so."""
     status, content = asked(server, "POST", "/gear", {"state": {"pinion.teeth": 8, "pinion.runout": 12}})
     assert status == 200
-    Path("gear.toml").write_bytes(content)
+    Path("gear.toml").write_text(json.loads(content)["file"], encoding="utf-8")
     gear = rps.SteeringGear.from_toml("gear.toml")
     assert gear == GEAR.replace({"pinion.teeth": 8, "pinion.runout": "12 um"})
     assert gear.pinion.tip_diameter > 0.022
@@ -145,8 +158,8 @@ def test_other_states_are_refused(state: Any, sentence: str) -> None:
         ("POST", "/curve", "no json", {}, 400),
         ("POST", "/curve", [1], {}, 400),
         ("POST", "/curve", {"state": {"x": "y" * 30_000}}, {}, 400),
-        ("POST", "/gear", {"state": {"yoke.preload": -1}}, {}, 422),
-        ("POST", "/gear", {"state": {"yoke.preload": 10**400}}, {}, 422),
+        ("POST", "/gear", {"state": {"yoke.preload": 10**400}}, {}, 200),  # with problems
+        ("POST", "/cancel", {"of": "simulation"}, {}, 400),
         ("POST", "/curve", {"state": {"yoke.preload": 10**400}, "number": 10**400}, {}, 200),
         ("POST", "/curve", '{"state": {"yoke.preload": 1' + "0" * 5000 + "}}", {}, 400),
         ("DELETE", "/", None, {}, 501),
@@ -164,9 +177,10 @@ def test_only_this_machine_is_listened_to(server: Explorer) -> None:
 
 
 def test_only_the_last_state_of_a_tab_is_computed(server: Explorer) -> None:
-    assert "curves" in server.computed(Wish({}), "a tab", 5)
-    assert server.computed(Wish({}), "a tab", 4) == {"stale": True}
-    assert "curves" in server.computed(Wish({}), "another", 1)
+    answering = server.answering
+    assert "curves" in answering.computed(Wish({}), "a tab", 5)
+    assert answering.computed(Wish({}), "a tab", 4) == {"stale": True}
+    assert "curves" in answering.computed(Wish({}), "another", 1)
 
 
 @pytest.mark.cpu_limit(300)
@@ -189,14 +203,63 @@ def test_crowd_is_answered_beside_a_slow_state(server: Explorer) -> None:
 
 def test_every_scene_of_equilibria_has_curves() -> None:
     """In both directions where the scene turns steadily: two curves against the motion, of one sign."""
-    for scene in scenes():
+    for scene in (name for name, each in scenes().items() if not each["dynamic"]):
         found = answer(GEAR, Wish({}, scene))
         json.dumps(found, allow_nan=False)
         assert found.get("problems") or (len(found["curves"][0]["y"]) > 2 and found["rows"]), scene
     both = answer(GEAR, Wish({}, is_both_ways=True))["curves"]
     assert [curve["direction"] for curve in both] == [1, -1]
     assert min(min(curve["y"]) for curve in both) > 0.5
-    assert answer(GEAR, Wish({}, "rattle"))["problems"] == ["'rattle' is no scene of this page."]
+    assert answer(GEAR, Wish({}, "rattling"))["problems"] == ["'rattling' is no scene of this page."]
+
+
+def test_scene_of_dynamics_is_simulated_on_request() -> None:
+    shown = answer(GEAR, Wish({"pinion.teeth": 8}, "stick-slip"))
+    assert shown["on_request"]
+    assert "curves" not in shown
+    assert "8 teeth" in shown["gear"]
+    found = on_request(GEAR, Wish({"yoke.preload": 400}, "stick-slip"), "simulation")
+    assert found["fidelity"] == "flank"
+    result = rps.run("stick-slip", GEAR.replace({"yoke.preload": 400}))
+    largest = (
+        SIGNALS[scene_named("stick-slip").signal].displayed(result[scene_named("stick-slip").signal]).max()
+    )
+    assert max(found["curves"][0]["y"]) == pytest.approx(largest, abs=1e-6)
+
+
+def test_long_curves_keep_their_peaks() -> None:
+    values = np.random.default_rng(3).normal(size=50_000)
+    kept = thinned(values)
+    assert kept.size <= MOST_POINTS
+    assert (np.diff(kept) > 0).all()
+    assert {values.argmin(), values.argmax()} <= set(kept)
+
+
+@pytest.mark.cpu_limit(300)
+def test_simulation_is_cancelled_and_stops_no_other_tab(server: Explorer) -> None:
+    """It reports how far it is; its tab and others are answered beside it, also with simulations."""
+    watched_tab = {"state": {}, "tab": "dynamic", "of": "simulation"}
+
+    def post(path: str, content: Any) -> Any:
+        return json.loads(asked(server, "POST", path, content)[1])
+
+    with ThreadPoolExecutor(1) as crowd:
+        long = crowd.submit(post, "/simulation", {"state": {}, "scene": "yoke-impact", "tab": "dynamic"})
+        end, texts = monotonic() + 60, set[str]()
+        while not any(" left" in text for text in texts) and monotonic() < end:
+            texts.add(post("/progress", watched_tab).get("text", ""))
+            sleep(0.1)
+        assert any("%, " in text or "Compiling" in text for text in texts), texts
+        other = post("/simulation", {"state": {}, "scene": "stick-slip", "tab": "other"})
+        assert "curves" in other
+        assert "curves" in post("/curve", {"state": {}, "tab": "third", "number": 1})
+        began = monotonic()
+        post("/cancel", watched_tab)
+        assert long.result(timeout=5) == CANCELLED
+        assert monotonic() - began < 2
+    assert post("/progress", watched_tab) == {}
+    again = post("/simulation", {"state": {}, "scene": "stick-slip", "tab": "dynamic"})
+    assert "curves" in again  # by a new process
 
 
 def test_measured_file_is_read_with_the_signs_of_a_fit_or_refused() -> None:
@@ -259,6 +322,40 @@ def test_state_is_in_the_address_and_a_file_can_be_dropped(
     assert 'rps.run("free-pinion-torque"' in Path(download.value.path()).read_text()
     page.close()
     other.close()
+
+
+def test_dynamics_and_the_gear_in_three_dimensions(browser: sync_api.Browser, server: Explorer) -> None:
+    page = browser.new_page()
+    _, said = watched(page)
+    page.goto(server.address)
+    page.get_by_role("button", name="Turn it in 3-D").click()
+    inner = page.frame_locator("#picture iframe")
+    inner.locator("#reading").filter(has_text="pinion at").wait_for()
+    frame = page.query_selector("#picture iframe").content_frame()
+    frame.evaluate(
+        "window.rpsView.set({ camera: { ...window.rpsView.get().camera, azimuth: 0.123 }, explode: 0 })"
+    )
+    page.get_by_label("pinion teeth").fill("8")
+    inner.locator(".lead").filter(has_text="8 teeth").wait_for()
+    page.wait_for_function(
+        "document.querySelector('#picture iframe').contentWindow.rpsView?.get().camera.azimuth === 0.123"
+    )
+    page.locator("#scene").select_option("yoke-impact")
+    page.locator("#hint").wait_for()
+    assert page.locator("#chart polyline").count() == 0
+    page.get_by_role("button", name="Simulate").click()
+    page.locator(".job progress").wait_for()
+    page.get_by_role("button", name="Cancel: Simulate").click()
+    page.locator(".job").wait_for(state="detached", timeout=5000)
+    page.locator("#scene").select_option("stick-slip")
+    page.get_by_role("button", name="Simulate").click()
+    page.locator("#chart polyline.now").wait_for(timeout=60_000)
+    assert not page.locator("#hint").is_visible()
+    page.get_by_label("yoke preload").fill("420")
+    page.locator("#hint").wait_for()  # the curve is that of other values: it pales
+    assert page.locator("body.stale").count() == 1
+    assert [text for text in said if "GL Driver Message" not in text] == []
+    page.close()
 
 
 def test_page_in_a_browser(browser: sync_api.Browser, server: Explorer) -> None:

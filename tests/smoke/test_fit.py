@@ -1,5 +1,6 @@
 """The command `fit` on the made-up curves that are shipped: what it prints, and the files it leaves."""
 
+import re
 import signal
 from pathlib import Path
 
@@ -17,7 +18,8 @@ def files(command: Command) -> list[str]:
 
 
 def test_fit_prints_what_is_known_and_writes_its_files(command: Command, files: list[str]) -> None:
-    curve = Path(files[0]).read_text(encoding="utf-8").replace("-178,00;68,04", "-178,00;")
+    made_up = Path(files[0]).read_text(encoding="utf-8")
+    curve = re.sub("^-178,00;.*", "-178,00;", made_up, count=1, flags=re.M)
     Path("bench.csv").write_text(curve, encoding="utf-8")
     options = ["--single-law", "--plot", "fit.png", "--report", "fit.html"]
     answer = command(["fit", "bench.csv", files[1], "--all", *options])

@@ -27,6 +27,7 @@ ELSEWHERE = {
     r"pre-commit install": "changes the checkout",
     r"python benchmarks/make\.py": "takes minutes to hours: tests/benchmarks run every topic at toy size",
     r"dask_jobqueue": "needs a job queue",
+    r"--install-completion": "changes the reader's shell: tests/wrong_input/test_environment.py does it",
 }
 """What is not run here, and why."""
 
@@ -91,7 +92,9 @@ TO_HELP = {
 """What an example in `--help` needs besides."""
 
 OUTPUTS = ("--out", "--plot", "--report", "--series")
-MAKERS = re.compile(r"rps-exudyn (run|study|fit|report|collect|animate|validate) ")  # of files that they name
+MAKERS = re.compile(
+    r"rps-exudyn (run|study|fit|report|collect|animate|validate|schema) "
+)  # of files that they name
 
 
 class Lender(NamedTuple):

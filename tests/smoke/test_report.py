@@ -12,10 +12,13 @@ from pathlib import Path
 
 import pytest
 
+import rps_exudyn as rps
 from made_up_study import GRID, HOSTILE, description, grid_points, make_study, sampled
+from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.pages.report.effects_charts import main_effect_figure
+from rps_exudyn.parameters.gear import gear_file
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.results.quantities import GEOMETRY, SUMMARY
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.study.effects import grid_effect
@@ -247,6 +250,7 @@ def _sheet(text: str) -> dict[str, object]:
     }  # fmt: skip
     blocks = [
         {"kind": "text", "text": text},
+        {"kind": "pictures", "pictures": [{"svg": text, "caption": text, "width": 5.0, "axes": text}]},
         {"kind": "judged", "heads": [text] * 4, "rows": [judgement]},
         {"kind": "fold", "title": text, "blocks": [{"kind": "grid", "columns": [text], "rows": [[text]]}]},
     ]
@@ -259,7 +263,8 @@ def test_nothing_of_a_sheet_file_becomes_markup(tmp_path: Path, command: Command
     (tmp_path / "s.json").write_text(json.dumps({"sheet": _sheet(HOSTILE)}))
     assert command(["report", "s.json"]).status == 0
     page = Page(tmp_path / "s.html")
-    assert "img" not in page.tags
+    images = [dict(attributes)["src"] for tag, attributes in page.elements if tag == "img"]
+    assert [each.partition(",")[0] for each in images] == ["data:image/svg+xml;base64"]  # runs no scripts
     assert len([tag for tag, _ in page.elements if tag == "script"]) == 1
     assert page.sections[HOSTILE].count(HOSTILE) >= 8
 
@@ -270,10 +275,12 @@ def test_nothing_of_a_sheet_file_becomes_markup(tmp_path: Path, command: Command
         lambda sheet: sheet.pop("title"),
         lambda sheet: sheet.update(rows=[{"value": 3}]),
         lambda sheet: sheet.update(
-            sections=[{"title": "x", "blocks": [{"kind": "pictures", "pictures": []}]}]
+            sections=[{"title": "x", "blocks": [{"kind": "pictures", "pictures": [{"svg": 3}]}]}]
         ),
-        lambda sheet: sheet["sections"][0]["blocks"][1]["rows"][0].update(at="<b>"),
-        lambda sheet: sheet["sections"][0]["blocks"][1]["rows"][0].update(mark="x onload"),
+        lambda sheet: sheet["sections"][0]["blocks"][1]["pictures"][0].update(place='" onload="'),
+        lambda sheet: sheet["sections"][0]["blocks"][1]["pictures"][0].update(width=float("nan")),
+        lambda sheet: sheet["sections"][0]["blocks"][2]["rows"][0].update(at="<b>"),
+        lambda sheet: sheet["sections"][0]["blocks"][2]["rows"][0].update(mark="x onload"),
     ],
 )
 def test_json_that_is_no_sheet_is_refused(
@@ -285,6 +292,31 @@ def test_json_that_is_no_sheet_is_refused(
     answer = command(["report", "s.json"])
     assert answer.status == 2
     assert "s.json holds no sheet" in answer.err
+
+
+def test_gear_file_has_a_sheet(tmp_path: Path, command: Command) -> None:
+    gear = rps.SteeringGear().replace({"pinion.teeth": 8})
+    (tmp_path / "fitted.toml").write_text(gear_file(gear), encoding="utf-8")
+    assert command(["report", "fitted.toml"]).out == "written: fitted.html\n"
+    page = Page(tmp_path / "fitted.html")
+    every = " ".join(page.sections.values())
+    assert "8 teeth" in every
+    assert GEOMETRY["tip_diameter"].show(geometry_report(gear).tip_diameter) in every
+    assert "img" in page.tags
+
+
+def test_description_of_a_study_stands_for_its_folder(
+    made_up_result: Result, tmp_path: Path, command: Command
+) -> None:
+    make_study(tmp_path / "grid", made_up_result)
+    assert command(["report", "grid/study.json"]).out == "written: grid/report.html\n"
+
+
+@pytest.mark.parametrize("name", ["r.png", "batch.csv", "r-animation.html"])
+def test_other_files_of_commands_are_refused(name: str, command: Command) -> None:
+    answer = command(["report", name])
+    assert answer.status == 2
+    assert "report takes folders of studies, results (.h5), sheets (.json) and gears (.toml)" in answer.err
 
 
 def test_several_results_stand_side_by_side(made_up_result: Result, tmp_path: Path, command: Command) -> None:

@@ -1,5 +1,7 @@
 """A closed pipe, a full disk, a poor terminal, a lost folder, numbers beyond all sizes: no traceback."""
 
+import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -65,3 +67,51 @@ def test_rerun_does_not_replace_the_result_that_it_repeats(command: Command) -> 
     answer = command(["rerun", "a.h5", "--out", "a.h5"])
     assert answer.status == 2
     assert "name another file" in answer.err
+
+
+ONLY_POSIX = """
+import os, signal, sys
+for name in ("fcntl", "resource", "pwd", "grp", "termios", "tty"):
+    sys.modules[name] = None
+for name in ("geteuid", "getuid", "sched_getaffinity", "sysconf", "fork", "O_NONBLOCK", "getloadavg"):
+    if hasattr(os, name):
+        delattr(os, name)
+for name in ("setitimer", "alarm", "SIGALRM", "SIGHUP", "ITIMER_REAL"):
+    delattr(signal, name)
+"""
+"""Hides what Windows does not have, in each process that starts."""
+
+
+def test_runs_and_studies_need_nothing_that_windows_lacks(tmp_path: Path) -> None:
+    """Only its names: a real Windows has not been tried."""
+    (tmp_path / "sitecustomize.py").write_text(ONLY_POSIX, encoding="utf-8")
+    study = '[[axis]]\npath = "yoke.preload"\nvalues = [200, 300]\n'
+    (tmp_path / "two.toml").write_text(f'fidelity = "closed-form"\n{study}', encoding="utf-8")
+    root = Path(__file__).parents[2]
+    for line in (
+        "run --fidelity closed-form --time-limit '60 s'",
+        "study two.toml --jobs 2",
+        "collect two --out two.mat",
+        "report two --out two.html",
+    ):
+        paths = os.pathsep.join((str(tmp_path), str(root)))
+        done = in_fresh_process(f"rps-exudyn {line}", tmp_path, PYTHONPATH=paths)
+        assert done.returncode == 0, done.stderr
+    assert (tmp_path / "two.mat").exists()
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="no bash here")
+def test_shell_completes_commands_and_options(tmp_path: Path) -> None:
+    """As docs/commands.md prints it: the script that bash loads from the reader's home."""
+    home = {"HOME": str(tmp_path), "SHELL": "/bin/bash"}
+    assert in_fresh_process("rps-exudyn --install-completion", tmp_path, **home).returncode == 0
+    (script,) = tmp_path.rglob("rps-exudyn")
+
+    def completions(*words: str) -> list[str]:
+        typed = f"COMP_WORDS=(rps-exudyn {' '.join(words)}); COMP_CWORD={len(words)}; _rps_exudyn"
+        line = f'bash -c \'. {script}; {typed}; printf "%s\\n" "${{COMPREPLY[@]}}"\''
+        return in_fresh_process(line, tmp_path).stdout.split()
+
+    assert {"schema", "show", "study"} <= set(completions("s"))
+    assert completions("run", "--fid") == ["--fidelity"]
+    assert completions("schema", "st") == ["study"]

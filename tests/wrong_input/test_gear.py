@@ -34,6 +34,21 @@ ONE_PROBLEM = [
     ("pinion.crowning", "1 mm", "is '1 mm'; it must be at least 0 mm and at most 0.1 mm."),
     ("pinion.pitch_error", "1 mm", "is '1 mm'; it must be at least -0.1 mm and at most 0.1 mm."),
     ("pinion.profile_slope", "-1 mm", "is '-1 mm'; it must be at least -0.1 mm and at most 0.1 mm."),
+    ("bearing.upper_clearance", "-1 um", "is '-1 um'; it must be at least 0 mm and at most 1 mm."),
+    ("bearing.lower_clearance", "-1 um", "is '-1 um'; it must be at least 0 mm and at most 1 mm."),
+    ("pinion.axial_float", "-1 um", "is '-1 um'; it must be at least 0 mm and at most 10 mm."),
+    ("yoke.seat_clearance", "-1 um", "is '-1 um'; it must be at least 0 mm and at most 1 mm."),
+    ("yoke.seat_form", "oval", "is 'oval'; it must be round or gothic."),
+    (
+        "conditions.temperature",
+        "-60 degC",
+        "is '-60 degC'; it must be at least -40 degC and at most 100 degC.",
+    ),
+    (
+        "conditions.temperature",
+        "150 degC",
+        "is '150 degC'; it must be at least -40 degC and at most 100 degC.",
+    ),
     ("pinion.lead_error", "-1 mm", "is '-1 mm'; it must be at least -0.1 mm and at most 0.1 mm."),
     (
         "pinion.shaft_length",
@@ -81,13 +96,41 @@ def test_all_problems_of_a_file_at_once_also_between_parameters(tmp_path: Path) 
     assert all(problem.startswith(f"{path}: ") for problem in caught.value.problems)
 
 
-def test_lead_error_too_steep_for_the_face_width() -> None:
-    """60 um over 5 mm are 12 mrad, where flanks are described as helicoids nearly like the designed ones."""
+MISFITS: list[tuple[dict[str, object], str]] = [
+    (  # 12 mrad, where flanks are described as helicoids nearly like the designed ones
+        {"pinion.lead_error": "-60 um", "pinion.face_width": "5 mm"},
+        "pinion.lead_error is -0.06 mm; over pinion.face_width = 5 mm it must be at most 0.05 mm either way.",
+    ),
+    (
+        {"bearing.lower_position": "10 mm"},
+        "bearing.upper_position is 25 mm and bearing.lower_position 10 mm; the bearings must stand on both "
+        "sides of the mesh, the upper one above 0 mm and the lower one below.",
+    ),
+    (
+        {"pinion.axial_float": "2 mm"},
+        "pinion.axial_float is 2 mm; the mesh allows at most 1.4 mm, a tenth of pinion.face_width.",
+    ),
+    (
+        {"pinion.pitch_errors": "1 um, 2 um"},
+        "pinion.pitch_errors has 2 numbers; it must have 6, one for each of pinion.teeth.",
+    ),
+    (
+        {"yoke.seat_form": "gothic"},
+        "yoke.seat_form is gothic and yoke.seat_clearance 0 mm; the arcs of a gothic arch are wider than the "
+        "bar, by more than 0 mm.",
+    ),
+    (
+        {"yoke.seat_form": "gothic", "yoke.seat_clearance": "50 um", "yoke.seat_angle": "40 deg"},
+        "yoke.seat_angle is 40 deg; a gothic seat touches at 45 deg and must reach beyond.",
+    ),
+]
+
+
+@pytest.mark.parametrize(("settings", "sentence"), MISFITS)
+def test_parameters_that_do_not_fit_give_one_sentence(settings: dict[str, object], sentence: str) -> None:
     with pytest.raises(InputError) as caught:
-        SteeringGear().replace({"pinion.lead_error": "-60 um", "pinion.face_width": "5 mm"})
-    assert caught.value.problems == [
-        "pinion.lead_error is -0.06 mm; over pinion.face_width = 5 mm it must be at most 0.05 mm either way."
-    ]
+        SteeringGear().replace(settings)
+    assert caught.value.problems == [sentence]
 
 
 def test_misfit_with_a_wrong_parameter_is_not_reported() -> None:

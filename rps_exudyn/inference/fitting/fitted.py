@@ -119,25 +119,55 @@ class FittedPass:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """What follows from measured curves for a gear.
+    """What follows from measured curves for a gear. All values are SI.
+
+    Attributes:
+        gear: the gear with the estimates in place.
+        given: the gear before the fit.
+        level: of the free torque: half the difference of both directions [N m].
+        levels: the levels of all tests.
+        runout: size and direction of the pinion's runout; None where no curve shows a turn.
+        estimates: value, 95 % interval and verdict of each fitted parameter.
+        combinations: products that the data determine where they do not determine each factor.
+        correlations: of the unknowns in `correlated`, shape (n, n).
+        correlated: paths of these n unknowns.
+        advice: the test that would determine most of the rest.
+        repeats: how many more runs narrow the intervals.
+        offset: of the measured pinion angle [rad].
+        offset_sd: its standard deviation [rad].
+        passes: measured and fitted curves of each pass, shape (angles,).
+        assumed: what the files leave open, and what was assumed of it.
+        warnings: what makes the estimates doubtful.
+        converged: whether the iteration reached its minimum.
+        simulations: how many gears were simulated.
+        cpu_s: CPU time [s].
+        ended: where the steps ended: unknowns, measurement, priors, covariance.
+        series: what the fit of the next gear may begin with.
+        refusals: why nothing counts as found although its interval is narrow.
 
     Examples:
-        >>> "converged" in rps.Fit.__annotations__
+        >>> curve = rps.run("free-pinion-torque", fidelity="quasi-static")
+        >>> table = np.column_stack([curve["pinion_angle"], 1.05 * curve["pinion_torque"]])
+        >>> np.savetxt("bench.csv", table, header="angle [rad],torque [N m]", delimiter=",", comments="")
+        >>> found = rps.fit(["bench.csv"], free=["yoke.preload", "bush.drag"], other_law=False)
+        >>> found.converged, found.correlations.shape
+        (True, (2, 2))
+        >>> found.gear.yoke.preload == found.estimate("yoke.preload").value
         True
     """
 
-    gear: SteeringGear  # with the estimates in place
+    gear: SteeringGear
     given: SteeringGear
-    level: LevelEstimate | None  # of the free torque: half the difference of both directions [N m]
-    levels: tuple[LevelEstimate, ...]  # of all tests
+    level: LevelEstimate | None
+    levels: tuple[LevelEstimate, ...]
     runout: Runout | None
     estimates: list[Estimate]
     combinations: list[Combination]
-    correlations: np.ndarray  # of the unknowns in `correlated`, (n, n)
+    correlations: np.ndarray
     correlated: list[str]
     advice: Advice | None
     repeats: MoreRuns | None
-    offset: float  # of the measured pinion angle [rad]
+    offset: float
     offset_sd: float
     passes: list[FittedPass]
     assumed: tuple[str, ...]
@@ -146,8 +176,8 @@ class Fit:
     simulations: int
     cpu_s: float
     ended: "Ended" = field(repr=False)
-    series: Series = field(repr=False)  # for the next gear
-    refusals: tuple[Refusal, ...] = ()  # why nothing counts as found although it is narrow
+    series: Series = field(repr=False)
+    refusals: tuple[Refusal, ...] = ()
 
     def estimate(self, path: str) -> Estimate:
         """The estimate of one parameter.

@@ -54,7 +54,10 @@ FAR = 20.0  # times the usual size of a value: a number of nines beyond stands f
 def read_measured_torque(
     path: str | Path, columns: Mapping[str, str] | None = None, gear: SteeringGear | None = None
 ) -> MeasuredTorque:
-    """The torque over the pinion angle in a file.
+    """Read the torque over the pinion angle from a file.
+
+    `signals` of the result holds `pinion_angle` [rad] and `pinion_torque` [N m], shape (n,), in the order
+    of the file; `assumed` states what the file leaves open.
 
     Args:
         path: a text, or an MDF 4, TDMS or MAT file.

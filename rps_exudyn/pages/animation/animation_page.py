@@ -15,7 +15,7 @@ from rps_exudyn.pages.animation.film import image_bytes, still
 from rps_exudyn.pages.animation.motion import Motion
 from rps_exudyn.pages.animation.overlays import ContactLines, contact_lines
 from rps_exudyn.pages.animation.page_data import page_data
-from rps_exudyn.pages.animation.parts import picture_parts
+from rps_exudyn.pages.animation.parts import PicturePart, picture_parts
 from rps_exudyn.pages.charts.style import about, scene_of
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import Quantity
@@ -45,14 +45,24 @@ def page(result: Result) -> str:
         InputError: the result has no motion.
     """
     motion = Motion.of(result)
-    return rendered(result, motion, contact_lines(motion))
-
-
-def rendered(result: Result, motion: Motion, lines: ContactLines | None) -> str:
-    """The page of a result's motion as HTML, with lines of contact or without."""
-    parts = picture_parts(result.gear)
-    data = page_data(motion, parts, lines)
+    lines, parts = contact_lines(motion), picture_parts(result.gear)
     picture = image_bytes(still(motion, parts, lines, FALLBACK), "webp")
+    return rendered(result, motion, parts, lines, picture)
+
+
+def rendered(
+    result: Result, motion: Motion, parts: list[PicturePart], lines: ContactLines | None, picture: bytes
+) -> str:
+    """The page of a result's motion as HTML.
+
+    Args:
+        result: whose motion it is.
+        motion: what moves.
+        parts: bodies.
+        lines: lines of contact, if any.
+        picture: still (WebP) for browsers without WebGL.
+    """
+    data = page_data(motion, parts, lines)
     style, code = _style_and_script()
     environment = Environment(
         loader=FileSystemLoader(_FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True
@@ -71,14 +81,15 @@ def rendered(result: Result, motion: Motion, lines: ContactLines | None) -> str:
         data=json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"),
         script=code,
         style=style,
-        script_hash=_hash(code),
-        style_hash=_hash(style),
+        script_hash=hash_of(code),
+        style_hash=hash_of(style),
     )
 
 
-def script() -> str:
-    """The script of the page, for the policy of a page that holds this one."""
-    return _style_and_script()[1]
+def admitted() -> tuple[str, str]:
+    """Hashes of the page's style and script, for the policy of a page that holds this one."""
+    style, code = _style_and_script()
+    return hash_of(style), hash_of(code)
 
 
 @cache
@@ -87,8 +98,8 @@ def _style_and_script() -> tuple[str, str]:
     return style, "\n".join((_FOLDER / name).read_text(encoding="utf-8") for name in SCRIPTS)
 
 
-def _hash(text: str) -> str:
-    """The hash by which the page's own policy admits its script."""
+def hash_of(text: str) -> str:
+    """The hash by which a page's policy admits a script or a style."""
     return base64.b64encode(hashlib.sha256(text.encode("utf-8")).digest()).decode("ascii")
 
 

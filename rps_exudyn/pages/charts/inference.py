@@ -31,13 +31,19 @@ BANDS = ((0, -1, 0.18), (1, -2, 0.32))  # outer and inner quantiles, opacity
 
 def band_figure(band: Band) -> Figure:
     """The picture: curves above, contributions to the scene's figure below."""
-    figure, axes = style.panels([3.6], width=8.0)
-    _draw_curves(axes[0], band)
+    figure = band_curves(band)
     shares = band.contributions.get(scene_named(band.nominal.scene).figure)
     if shares is not None:
         figure.set_size_inches(8.0, 5.6)
-        _draw_contributions(figure, axes[0], shares)
+        _draw_contributions(figure, figure.axes[0], shares)
     style.title(figure, _headline(band), _failures(band))
+    return figure
+
+
+def band_curves(band: Band) -> Figure:
+    """The scene's signal at the medians of the inputs, and its bands."""
+    figure, axes = style.panels([3.6], width=8.0)
+    _draw_curves(axes[0], band)
     return figure
 
 

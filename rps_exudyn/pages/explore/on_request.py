@@ -1,14 +1,16 @@
-"""What the page asks for when its user clicks: band, sheet, picture, contact pattern, measured curve, fit."""
+"""What the page asks for by a click: simulation, band, sheet, picture, pattern, measured curve, fit."""
 
 import base64
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from time import monotonic
 
 import numpy as np
 
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.progress import Progress, passed_on
 from rps_exudyn.inference.fitting import findings
 from rps_exudyn.inference.fitting.bench_tests import with_signs
 from rps_exudyn.inference.fitting.fit import fit
@@ -19,17 +21,19 @@ from rps_exudyn.inference.uncertainty.statistics import LEVELS
 from rps_exudyn.pages.charts.analyses import pattern_figure
 from rps_exudyn.pages.explore.sliders import (
     BY_PATH,
-    FIDELITY,
     Answer,
     Wish,
     abscissa,
     curves_of,
+    fidelity_of,
+    simulated,
 )
 from rps_exudyn.pages.report.gear_picture import gear_picture
 from rps_exudyn.pages.report.html import page
 from rps_exudyn.pages.report.pictures import picture
 from rps_exudyn.pages.report.result_page import result_article
-from rps_exudyn.parameters.fidelity import FOR_MEANS
+from rps_exudyn.pages.report.sheet_file import with_gear
+from rps_exudyn.parameters.fidelity import FOR_MEANS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import MeasuredTorque
@@ -51,7 +55,15 @@ def on_request(gear: SteeringGear, wish: Wish, kind: str) -> Answer:
 def _band(gear: SteeringGear, wish: Wish) -> Answer:
     """Quantiles of the scene's curve over gears of a series."""
     chosen = wish.gear(gear)
-    band = band_of_runs(wish.scene, chosen, FOR_MEANS, uncertain_inputs(chosen, None, {}), SAMPLES)
+    dynamic, began = scene_named(wish.scene).needs_inertia, monotonic()
+
+    def report(done: int, of: int) -> None:
+        elapsed = monotonic() - began
+        passed_on(Progress(f"gear {done} of {of}", done / of, elapsed, elapsed * (of / done - 1)))
+
+    model = Fidelity.preset(fidelity_of(wish.scene)) if dynamic else FOR_MEANS
+    inputs = uncertain_inputs(chosen, None, {})
+    band = band_of_runs(wish.scene, chosen, model, inputs, SAMPLES, on_progress=report)
     if band.curves is None:
         return {"problems": ["The runs have no common curve, and no band of it."]}
     signal = scene_named(wish.scene).signal
@@ -70,8 +82,8 @@ def _band(gear: SteeringGear, wish: Wish) -> Answer:
 
 def _sheet(gear: SteeringGear, wish: Wish) -> Answer:
     """The sheet of the state as a page."""
-    result = simulate(wish.scene, wish.gear(gear), FIDELITY)
-    article = result_article(result, Path(f"{wish.scene}.h5"))
+    result = simulate(wish.scene, wish.gear(gear), fidelity_of(wish.scene))
+    article = with_gear(result_article(result, Path(f"{wish.scene}.h5")), result.gear, result)
     return {"page": page(article.title, [article])}
 
 
@@ -80,12 +92,13 @@ def _picture(gear: SteeringGear, wish: Wish) -> Answer:
     found = gear_picture(wish.gear(gear))
     if found is None:
         return {"problems": ["This gear cannot be drawn."]}
-    return {"image": found.image, "alt": found.alt, "labels": [vars(each) for each in found.labels]}
+    labels = [vars(each) for each in found.labels]
+    return {"image": found.image, "alt": found.alt, "labels": labels, "page": found.page}
 
 
 def _pattern(gear: SteeringGear, wish: Wish) -> Answer:
     """The contact pattern of the free turning gear."""
-    result = simulate(SCENE.name, Wish(wish.state).gear(gear), FIDELITY)
+    result = simulate(SCENE.name, Wish(wish.state).gear(gear), fidelity_of(SCENE.name))
     drawn = picture(pattern_figure(result), "Contact pattern").svg.encode()
     return {"image": f"data:image/svg+xml;base64,{base64.b64encode(drawn).decode('ascii')}"}
 
@@ -130,7 +143,9 @@ def _fit(gear: SteeringGear, wish: Wish) -> Answer:
     }
 
 
+SIMULATION = "simulation"  # of a scene of dynamics, several at a time
 KINDS = {
+    SIMULATION: simulated,
     "band": _band,
     "sheet": _sheet,
     "picture": _picture,

@@ -1,50 +1,36 @@
 """The page's server: this machine only, its own files only, computations in processes beside it.
 
 A request whose Host is another name is refused (an address of the internet may be made to point here), and so
-is one that is no JSON (which pages of other sites could send without being asked). A state that takes longer
-than `LONGEST` is given up; until then, it holds one process, and the others answer all other tabs.
+is one that is no JSON (which pages of other sites could send without being asked).
 """
 
 import json
 import socket
-from dataclasses import replace
-from functools import partial
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.metadata import version
 from pathlib import Path
-from queue import SimpleQueue
-from threading import Thread
 from typing import Any
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.units import pretty
-from rps_exudyn.pages.explore.on_request import KINDS, on_request
-from rps_exudyn.pages.explore.sliders import SLIDERS, Answer, Wish, answer, scenes
-from rps_exudyn.parameters.gear import SteeringGear, gear_file
-from rps_exudyn.scenes.free_pinion_torque import SCENE
-from rps_exudyn.simulate.cases.processes import Processes
-from rps_exudyn.simulate.cases.run_cases import Task, available_processors
+from rps_exudyn.pages.animation.animation_page import admitted
+from rps_exudyn.pages.explore.answering import PATHS, Answering, Request
+from rps_exudyn.parameters.gear import SteeringGear
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 LARGEST_REQUEST = 20_000  # [bytes]
 LARGEST_FILE = 4_000_000  # of a request with a measured file [bytes]
-LONGEST = 10.0  # that a state may take [s]
-LONGEST_REQUESTED = 120.0  # that a band, a sheet or a fit may take [s]
 MOST_WAITING = 1024  # connections that wait to be accepted
-MOST_TABS = 4096  # of which the number of the last request is kept
-TOO_LONG = (
-    f"This state takes longer than {LONGEST:.0f} s; download its gear file and compute it by "
-    "rps-exudyn run --gear."
-)
 FILES = {
     "/": ("page.html", "text/html; charset=utf-8"),
     "/explore.css": ("explore.css", "text/css; charset=utf-8"),
     "/explore.js": ("explore.js", "text/javascript; charset=utf-8"),
 }
+_STYLE, _SCRIPT = admitted()  # of the gear in three dimensions
 HEADERS = {
-    "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
-    "img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    "Content-Security-Policy": f"default-src 'none'; script-src 'self' 'sha256-{_SCRIPT}'; style-src 'self' "
+    f"'sha256-{_STYLE}'; connect-src 'self'; img-src data:; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'",
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
     "Cache-Control": "no-store",
@@ -64,13 +50,7 @@ class Explorer(ThreadingHTTPServer):
         Raises:
             InputError: the address cannot be bound.
         """
-        self.gear, self.newest = gear, dict[str, int]()
-        self._processes = [Processes(1, LONGEST) for _ in range(max(2, available_processors()))]
-        self._free: SimpleQueue[Processes] = SimpleQueue()
-        self._patient: dict[str, SimpleQueue[Processes]] = {kind: SimpleQueue() for kind in KINDS}
-        self._begun_by_clicks = [Processes(1, LONGEST_REQUESTED) for _ in KINDS]
-        for queue, processes in zip(self._patient.values(), self._begun_by_clicks, strict=True):
-            queue.put(processes)
+        self.answering = Answering(gear)
         self.local = host in LOOPBACK
         if ":" in host:
             self.address_family = socket.AF_INET6
@@ -92,53 +72,10 @@ class Explorer(ThreadingHTTPServer):
         name = host.rsplit(":", 1)[0] if not host.endswith("]") else host
         return not self.local or name.strip("[]") in LOOPBACK
 
-    def warm_up(self) -> None:
-        """Compile here if need be, where a command shows it; the processes start in the background."""
-        answer(SteeringGear(), Wish({}))
-        for processes in self._processes:
-            arguments = (processes, self._free, self.task(Wish({})))
-            Thread(target=self._ask, args=arguments, daemon=True).start()
-
-    def task(self, wish: Wish) -> Task:
-        """The call that answers a state."""
-        return Task(partial(answer, self.gear, wish), warm_up=partial(answer, self.gear, Wish({})))
-
-    def requested(self, wish: Wish, kind: str) -> Answer:
-        """The answer to a click, one after the other."""
-        usual = replace(wish, state={})  # what is compiled for it has no time limit
-        warm_up = partial(on_request, self.gear, usual, kind)
-        task = Task(partial(on_request, self.gear, wish, kind), warm_up=warm_up)
-        queue = self._patient[kind]
-        return self._ask(queue.get(), queue, task)
-
-    def computed(self, wish: Wish, tab: str, number: int) -> Answer:
-        """One state's answer; "stale" where the same tab has asked for another meanwhile."""
-        self.newest[tab] = max(number, self.newest.pop(tab, 0))
-        while len(self.newest) > MOST_TABS:
-            del self.newest[next(iter(self.newest))]
-        processes = self._free.get()
-        if number < self.newest.get(tab, number):
-            self._free.put(processes)
-            return {"stale": True}
-        return self._ask(processes, self._free, self.task(wish)) | {"number": number}
-
-    def _ask(self, processes: Processes, free: "SimpleQueue[Processes]", task: Task) -> Answer:
-        """The answer of a process, which is free afterwards."""
-        try:
-            ((_, found),) = processes.run(iter([task]))
-            if found.timeout:
-                return {"problems": [TOO_LONG]}
-            return dict(found.returned())
-        except InputError as error:
-            return {"problems": list(error.problems)}
-        finally:
-            free.put(processes)
-
     def server_close(self) -> None:
         """End the processes, too."""
         super().server_close()
-        for processes in [*self._processes, *self._begun_by_clicks]:
-            processes.__exit__()
+        self.answering.__exit__()
 
 
 class _Handler(BaseHTTPRequestHandler):
@@ -149,8 +86,6 @@ class _Handler(BaseHTTPRequestHandler):
     def do_GET(self) -> None:
         if not self.server.allows(self.headers.get("Host", "")):
             self._refuse(HTTPStatus.MISDIRECTED_REQUEST, "this server answers its own address only")
-        elif self.path == "/sliders":
-            self._send(HTTPStatus.OK, "application/json", json.dumps(_controls(self.server.gear)).encode())
         elif self.path in FILES:
             name, kind = FILES[self.path]
             self._send(HTTPStatus.OK, kind, (_FOLDER / name).read_bytes())
@@ -162,7 +97,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._refuse(HTTPStatus.MISDIRECTED_REQUEST, "this server answers its own address only")
         elif self.headers.get_content_type() != "application/json":
             self._refuse(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "a request must be JSON")
-        elif self.path.removeprefix("/") not in ("curve", "gear", *KINDS):
+        elif self.path.removeprefix("/") not in PATHS:
             self._refuse(HTTPStatus.NOT_FOUND, "there is no such page")
         else:
             self._answer()
@@ -173,29 +108,12 @@ class _Handler(BaseHTTPRequestHandler):
             largest = LARGEST_FILE if self.path in ("/measured", "/fit") else LARGEST_REQUEST
             if not 0 < length <= largest:
                 raise ValueError
-            asked = json.loads(self.rfile.read(length))
-            scene, both_ways = str(asked.get("scene", SCENE.name)), bool(asked.get("both_ways"))
-            wish = Wish(asked["state"], scene, both_ways, str(asked.get("measured", "")))
-            tab, number = str(asked.get("tab", ""))[:40], int(asked.get("number", 0))
-        except (ValueError, KeyError, TypeError, AttributeError, RecursionError, OverflowError):
+            asked = Request.from_page(json.loads(self.rfile.read(length)))
+        except (InputError, ValueError, RecursionError):
             self._refuse(HTTPStatus.BAD_REQUEST, "a request must be JSON with a state")
             return
-        if self.path == "/gear":
-            self._answer_gear(wish)
-            return
-        if self.path == "/curve":
-            content = self.server.computed(wish, tab, number)
-        else:
-            content = self.server.requested(wish, self.path.removeprefix("/"))
+        content = self.server.answering.reply(self.path.removeprefix("/"), asked)
         self._send(HTTPStatus.OK, "application/json", json.dumps(content, allow_nan=False).encode())
-
-    def _answer_gear(self, wish: Wish) -> None:
-        try:
-            text = gear_file(Wish(wish.state).gear(self.server.gear))
-        except InputError as error:
-            self._refuse(HTTPStatus.UNPROCESSABLE_ENTITY, " ".join(error.problems))
-            return
-        self._send(HTTPStatus.OK, "application/toml; charset=utf-8", text.encode())
 
     def _refuse(self, status: HTTPStatus, why: str) -> None:
         self.close_connection = True
@@ -210,22 +128,3 @@ class _Handler(BaseHTTPRequestHandler):
 
     def log_message(self, format: str, *_: Any) -> None:
         """Print nothing: the terminal is the user's."""
-
-
-def _controls(gear: SteeringGear) -> Any:
-    """What the page builds itself from."""
-    items = {item.path: item for item in gear.declared()}
-    sliders = [
-        {
-            "path": slider.path,
-            "name": slider.name,
-            "low": min(slider.low, slider.of(gear)),
-            "high": max(slider.high, slider.of(gear)),
-            "step": slider.step,
-            "unit": pretty(slider.unit),
-            "value": slider.of(gear),
-            "meaning": items[slider.path].meaning,
-        }
-        for slider in SLIDERS
-    ]
-    return {"sliders": sliders, "scenes": scenes()}

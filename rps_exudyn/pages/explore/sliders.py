@@ -101,7 +101,11 @@ def settings_of(state: Any) -> dict[str, Any]:
 
 # --- The answer: the scene's curve, numbers, losses, geometry; or why there is none
 
-FIDELITY = "quasi-static"
+MODELS = {
+    "quasi-static": " Quasi-static: equilibria at each instant, without inertia. Friction is as given.",
+    "flank": " Dynamics by fidelity flank. Friction is as given.",
+}
+MOST_POINTS = 3000  # of a curve
 SIZES = (
     "transverse_contact_ratio",
     "overlap_ratio",
@@ -135,49 +139,74 @@ class Wish:
         Raises:
             InputError: the state cannot be, or the scene is none of this page.
         """
-        if self.scene not in scenes():
+        if self.scene not in SCENE_NAMES:
             raise InputError(f"{units.shown(self.scene)} is no scene of this page.")
         path = {"test.path": "there-and-back"} if self.is_both_ways else {}
         return gear.replace(settings_of(self.state) | path)
 
 
-def scenes() -> dict[str, str]:
-    """Scenes of equilibria -> their titles; those that need inertia are run by commands."""
+def scenes() -> dict[str, Answer]:
+    """Scenes -> their titles, and whether they are of dynamics, which is simulated on request."""
     found = {name: scene_named(name) for name in SCENE_NAMES}
-    return {name: scene.title for name, scene in found.items() if not scene.needs_inertia}
+    return {name: {"title": each.title, "dynamic": each.needs_inertia} for name, each in found.items()}
+
+
+def fidelity_of(scene: str) -> str:
+    """The preset that the page takes: equilibria wherever the scene can be run by them."""
+    return "flank" if scene_named(scene).needs_inertia else "quasi-static"
 
 
 def answer(gear: SteeringGear, wish: Wish) -> Answer:
-    """Compute one state of the sliders; whatever it is, the answer is a table for the page.
+    """Answer one state of the sliders; whatever it is, the answer is a table for the page.
 
     Args:
         gear: what the sliders change.
         wish: their state, and the scene.
 
     Returns:
-        "problems": sentences, if this gear cannot exist or be computed; else curves, numbers and remarks.
+        "problems": sentences, if this gear cannot exist or be computed; else curves, numbers and remarks,
+        or "on_request" and no curve where the scene is one of dynamics.
     """
+    if wish.scene in SCENE_NAMES and scene_named(wish.scene).needs_inertia:
+        try:
+            return {**_described(wish.gear(gear)), "on_request": True}
+        except InputError as error:
+            return {"problems": list(error.problems)}
+    return simulated(gear, wish)
+
+
+def simulated(gear: SteeringGear, wish: Wish) -> Answer:
+    """Simulate one state of the sliders, of dynamics too; answers as `answer`."""
     began = perf_counter()
     try:
         chosen = wish.gear(gear)
-        report = geometry_report(chosen)
-        result = simulate(wish.scene, chosen, FIDELITY)
+        shown = _described(chosen)
+        result = simulate(wish.scene, chosen, fidelity_of(wish.scene))
     except InputError as error:
         return {"problems": list(error.problems)}
     except Exception as error:  # whatever a state nobody has tried does to a solver: the page goes on
         raise_wrapped(error)
         return {"problems": [f"This state cannot be computed: {type(error).__name__}: {error}."]}
-    shown = {
-        "gear": repr(chosen).strip("<>"),
+    if result.status is not Status.OK:
+        return shown | {"problems": [f"{result.status}: {result.message} {result.status.remedy}".strip()]}
+    return shown | _drawn(result) | {"ms": 1e3 * (perf_counter() - began)}
+
+
+def _described(gear: SteeringGear) -> Answer:
+    """Sizes and warnings of a gear.
+
+    Raises:
+        InputError: the gear cannot exist.
+    """
+    report = geometry_report(gear)
+    return {
+        "gear": repr(gear).strip("<>"),
         "geometry": {
             words(name): GEOMETRY[name].show(getattr(report, name))
             for name in SIZES  # without masses, which need solids
         },
         "warnings": list(report.warnings),
     }
-    if result.status is not Status.OK:
-        return shown | {"problems": [f"{result.status}: {result.message} {result.status.remedy}".strip()]}
-    return shown | _drawn(result) | {"ms": 1e3 * (perf_counter() - began)}
 
 
 def _drawn(result: Result) -> Answer:
@@ -194,8 +223,8 @@ def _drawn(result: Result) -> Answer:
         ],
         "losses": [[part, PARTS[part], 100 * share] for part, share in loss_shares(result).items()],
         "error": error.largest if error and signal == "pinion_torque" else None,
-        "accuracy": (error.sentence if error else "")
-        + " Quasi-static: equilibria at each instant, without inertia; friction coefficients are yours.",
+        "accuracy": (error.sentence if error else "") + MODELS[result.fidelity["name"]],
+        "fidelity": result.fidelity["name"],
         "remarks": result.message,
     }
 
@@ -216,13 +245,26 @@ def curves_of(result: Result, signal: str, along: str) -> list[Answer]:
     if along == "pinion_angle" and scene_named(result.scene).steady:
         parts = [(each.direction, each.signals) for each in passes(result.signals)]
     sign = len({direction for direction, _ in parts}) > 1
-    return [
-        {
-            "direction": direction,
-            "x": np.round(SIGNALS[along].displayed(signals[along]), 4).tolist(),
-            "y": np.round(
-                SIGNALS[signal].displayed((direction if sign else 1) * signals[signal]), 6
-            ).tolist(),
-        }
-        for direction, signals in parts
-    ]
+    found = []
+    for direction, signals in parts:
+        x = SIGNALS[along].displayed(signals[along])
+        y = SIGNALS[signal].displayed((direction if sign else 1) * signals[signal])
+        kept = thinned(y)
+        found.append(
+            {
+                "direction": direction,
+                "x": np.round(x[kept], 4).tolist(),
+                "y": np.round(y[kept], 6).tolist(),
+            }
+        )
+    return found
+
+
+def thinned(values: np.ndarray) -> np.ndarray:
+    """Indices of at most `MOST_POINTS` values, shape (n,): of longer curves the least and the largest of each
+    stretch, so that no peak is missing."""
+    if values.size <= MOST_POINTS:
+        return np.arange(values.size)
+    stretches = np.array_split(np.arange(values.size), MOST_POINTS // 2)
+    ends = [stretch[[values[stretch].argmin(), values[stretch].argmax()]] for stretch in stretches]
+    return np.unique(np.concatenate(ends))

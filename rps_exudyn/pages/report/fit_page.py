@@ -53,7 +53,7 @@ CURVES = (
 
 
 def write_fit_sheet(fit: Fit, out: Path, command: str) -> None:
-    """Write the sheet of a fit: a page, or data (.json) of which `report` makes the page without its curves.
+    """Write the sheet of a fit: a page, or data (.json) of which `report` makes the page.
 
     Raises:
         InputError: `out` cannot be written.

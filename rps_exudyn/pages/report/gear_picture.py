@@ -46,14 +46,16 @@ def gear_picture(gear: SteeringGear, result: Result | None = None) -> GearPictur
     try:
         still = simulate(SCENE.name, gear.replace({"test.path": "one-way"}), "closed-form")
         motion = Motion.of(still)
-        drawing = Drawing(motion, picture_parts(gear), None)
+        parts = picture_parts(gear)
+        drawing = Drawing(motion, parts, None)
         shown = still if result is None or not _moves(result) else result
-        played = rendered(shown, Motion.of(shown), None)
+        moving = Motion.of(shown)
     except InputError:
         return None
     anchors = {text: (point, way, part) for text, point, way, part in _anchors(gear)}
     camera = _camera(np.stack([point for point, *_ in anchors.values()]))
     image = image_bytes(cutout(drawing, camera, SIZE), "webp")
+    played = rendered(shown, moving, parts, None, image)
     return GearPicture(
         image=f"data:image/webp;base64,{base64.b64encode(image).decode('ascii')}",
         size=SIZE,

@@ -1,7 +1,5 @@
 """From articles to one HTML page without fonts or requests; its policy names the scripts that run."""
 
-import base64
-import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,7 +10,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from rps_exudyn.base.units import short, words
-from rps_exudyn.pages.animation.animation_page import script as inner_script
+from rps_exudyn.pages.animation.animation_page import admitted, hash_of
 from rps_exudyn.pages.charts.style import PART_COLOURS
 from rps_exudyn.pages.report.sheet import Row, Sheet
 from rps_exudyn.parameters.gear import Setup
@@ -225,8 +223,7 @@ def page(title: str, articles: Sequence[Article]) -> str:
     )
     css = (_FOLDER / "page.css").read_text(encoding="utf-8")
     script = (_FOLDER / "page.js").read_text(encoding="utf-8")
-    scripts = [script, *([inner_script()] if any(article.gear for article in articles) else [])]
-    hashes = [base64.b64encode(hashlib.sha256(each.encode()).digest()).decode() for each in scripts]
+    hashes = [hash_of(script), *([admitted()[1]] if any(article.gear for article in articles) else [])]
     return environment.get_template("page.html").render(
         title=title,
         articles=articles,

@@ -12,11 +12,13 @@ from rps_exudyn.analysis.measured import NOTHING_TO_COMPARE, AgainstMeasured, co
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base.errors import InputError, as_sentence
 from rps_exudyn.base.units import words
+from rps_exudyn.gears.geometry_report import geometry_report
+from rps_exudyn.inference.uncertainty.band import Band
 from rps_exudyn.pages.charts import style
+from rps_exudyn.pages.charts.inference import band_curves
 from rps_exudyn.pages.charts.scene_figures import scene_figure
 from rps_exudyn.pages.charts.signals import signals_figure
 from rps_exudyn.pages.charts.style import about, scene_of
-from rps_exudyn.pages.report.gear_picture import gear_picture
 from rps_exudyn.pages.report.html import (
     GEAR_FACTS,
     Article,
@@ -38,36 +40,75 @@ from rps_exudyn.pages.report.html import (
     provenance_facts,
 )
 from rps_exudyn.pages.report.pictures import picture
-from rps_exudyn.pages.report.sheet import REMARK, WORK_LOST, loss_shares, rounded, sheet_of
+from rps_exudyn.pages.report.sheet import REMARK, WORK_LOST, Row, loss_shares, rounded, sheet_of
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status, sentences
-from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, PARTS, SUMMARY, Quantity
+from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, LABELS, PARTS, SUMMARY, Quantity
 from rps_exudyn.results.result import Result
-from rps_exudyn.scenes import is_scene
+from rps_exudyn.scenes import is_scene, scene_named
 from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_TURNING_SCENE
 
 if TYPE_CHECKING:
     from rps_exudyn.analysis.load_distribution import LoadDistribution
 
 
-def result_article(result: Result, path: Path, more: Sequence[Section] = ()) -> Article:
-    """The sheet of a result in the file `path`: number, curve, losses; folded below, everything else."""
+def result_article(
+    result: Result, path: Path, more: Sequence[Section] = (), band: Band | None = None
+) -> Article:
+    """The sheet of a result in the file `path`, without the gear's picture: number, curve, losses; folded
+    below, everything else.
+
+    Args:
+        result: what was simulated.
+        path: its file.
+        more: sections behind the losses.
+        band: of uncertain inputs, of which `result` is the nominal run.
+    """
     compared = None
     if result.measured is not None:
         compared = compare_with_measured(result.measured, result.signals, result.gear.pinion.teeth)
-    sheet = sheet_of(result, compared)
+    sheet = sheet_of(result, compared, band)
     return Article(
         title=scene_of(result),
         lead=f"{path.name} · {about(result)} · {result.provenance['date'][:10]}",
         rows=[row for row in sheet.rows if row.value not in (REMARK, WORK_LOST)],
-        gear=gear_picture(result.gear, result),
         sections=[
             *([Section("Outcome", notices)] if (notices := list(_notices(result))) else []),
-            Section("Curves", list(_curves(result))),
+            Section("Curves", list(_curves(result, band))),
             *_losses(result),
+            *([] if band is None else _scatter(band)),
             *more,
             Section("Details", list(_details(result, compared, path))),
+        ],
+    )
+
+
+def gear_article(gear: SteeringGear, path: Path) -> Article:
+    """The sheet of the gear in the file `path`, without its picture: sizes, warnings, parameters.
+
+    Raises:
+        InputError: a gear that cannot exist.
+    """
+    report = geometry_report(gear)
+    changed, numbers = gear.changes(), report.numbers
+    differing = Fold("Parameters that differ from the defaults", [parameter_grid(changed)], is_open=True)
+    every = {item.path: gear.value_at(item.path) for item in SteeringGear.declared()}
+    return Article(
+        title="Gear",
+        lead=f"{path.name} · {repr(gear).strip('<>').removeprefix('SteeringGear: ')}",
+        rows=[Row(GEOMETRY[name].show(numbers[name]), GEOMETRY[name].long_name) for name in HEAD_SIZES],
+        sections=[
+            *([Section("Warnings", [Warning(text) for text in report.warnings])] if report.warnings else []),
+            Section(
+                "Details",
+                [
+                    *([differing] if changed else []),
+                    Fold("Geometry", [_quantities(GEOMETRY, numbers)]),
+                    Fold("All parameters of gear and test", [parameter_grid(every)]),
+                    Fold("Simulate it", [CodeText(f"rps-exudyn run --gear {path}")]),
+                ],
+            ),
         ],
     )
 
@@ -98,6 +139,8 @@ def side_by_side(results: Mapping[Path, Result]) -> Article:
 
 
 Compared = Sequence[AgainstMeasured] | None
+HEAD_SIZES = ("total_contact_ratio", "travel_per_turn", "tip_diameter", "crest_width", "toothed_length")
+MOST_SHARES = 6  # inputs that make the band, by name
 WIDTHS = {"wide-only": 9.5, "narrow": 5.2}  # of the curve, on wide and narrow screens [in]
 
 
@@ -149,11 +192,30 @@ def _numbers(result: Result) -> Iterable[PageBlock]:
     yield Fold(f"All {count} quantities", [_quantities(SUMMARY, result.summary)])
 
 
-def _curves(result: Result) -> Iterable[PageBlock]:
+def _scatter(band: Band) -> Iterable[Section]:
+    """What makes the band, and the quantiles of every metric."""
+    name = scene_named(band.nominal.scene).figure
+    blocks: list[PageBlock] = []
+    if (shares := band.contributions.get(name)) is not None:
+        parts = {**dict(list(shares.fractions.items())[:MOST_SHARES]), "acting together": shares.together}
+        bars = [Share("", path, 100 * part, f"{100 * part:.0f} %") for path, part in parts.items()]
+        blocks += [Text(f"Shares of the variance of the {LABELS.get(name, name)}"), Shares(bars, apart=True)]
+    causes = [f"{count} of the gears failed: {cause}" for cause, count in band.drawn.failures.items()]
+    rows = [
+        [name, *(SUMMARY[name].show(float(value)) for value in (found.low, found.median, found.high))]
+        for name, found in band.figures.items()
+    ]
+    grid = Grid(("quantity", "5 %", "median", "95 %"), rows)
+    yield Section(
+        "Scatter", [*map(Warning, causes), *blocks, Fold(f"Quantiles of {len(rows)} quantities", [grid])]
+    )
+
+
+def _curves(result: Result, band: Band | None) -> Iterable[PageBlock]:
     if not result.signals:
         yield Text("No signals were kept.")
         return
-    drawn = {place: _scene_figure(result, width) for place, width in WIDTHS.items()}
+    drawn = {place: _scene_figure(result, width, band) for place, width in WIDTHS.items()}
     pictures = [
         replace(picture(figure, scene_of(result)), place=place)
         for place, figure in drawn.items()
@@ -173,12 +235,13 @@ def _measured_fold(result: Result, compared: Compared) -> Iterable[PageBlock]:
     yield Fold(f"Comparison with {result.measured.name}", blocks or [Text(NOTHING_TO_COMPARE)])
 
 
-def _scene_figure(result: Result, width: float) -> Figure | None:
-    """The scene's own picture without its headline, which the page has; None if signals are missing."""
+def _scene_figure(result: Result, width: float, band: Band | None) -> Figure | None:
+    """The scene's own picture, or its band, without the headline, which the page has; None if signals are
+    missing."""
     if result.status is not Status.OK or not is_scene(result.scene):
         return None
     try:
-        figure = scene_figure(result)
+        figure = scene_figure(result) if band is None else band_curves(band)
     except (KeyError, IndexError):  # signals that were not kept
         return None
     figure.suptitle("")

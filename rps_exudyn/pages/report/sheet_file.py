@@ -1,8 +1,11 @@
 """Sheets in JSON files, so that `report` makes their pages again.
 
-The key "sheet" holds what the page shows, without pictures: these are drawn from the gear's parameters.
+The key "sheet" holds what the page shows. The gear's picture is drawn again from its parameters. Charts are
+kept as SVG and shown as images, in which a browser runs no scripts and loads nothing: files of others are
+hostile.
 """
 
+import base64
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
@@ -22,6 +25,8 @@ from rps_exudyn.pages.report.html import (
     Grid,
     Judged,
     PageBlock,
+    Picture,
+    Pictures,
     Section,
     Shares,
     Text,
@@ -29,6 +34,7 @@ from rps_exudyn.pages.report.html import (
 )
 from rps_exudyn.pages.report.sheet import Row
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.result import Result
 
 KEY = "sheet"
 DEEPEST = 4  # folds in folds
@@ -36,11 +42,13 @@ _ADAPTERS: dict[str, TypeAdapter[Any]] = {
     each.__name__.lower(): TypeAdapter(each)
     for each in (Text, Warning, CodeText, Facts, Grid, Judged, Shares)
 }
-_ROWS = TypeAdapter(list[Row])
+_ROWS, _PICTURES = TypeAdapter(list[Row]), TypeAdapter(list[Picture])
+_PLACES = ("", "wide-only", "narrow")
+WIDEST = 20.0  # of a picture [in]
 
 
 def sheet_as_dict(article: Article, gear: SteeringGear | None = None) -> dict[str, Any]:
-    """Return an article as a table for JSON; its pictures are left out."""
+    """Return an article as a table for JSON; the gear stands for its picture."""
     return {
         "title": article.title,
         "lead": article.lead,
@@ -58,6 +66,8 @@ def _blocks_as_dicts(blocks: Sequence[PageBlock]) -> list[dict[str, Any]]:
         if isinstance(block, Fold):
             inner = _blocks_as_dicts(block.blocks)
             found.append({"kind": block.kind, "title": block.title, "blocks": inner})
+        elif isinstance(block, Pictures):
+            found.append({"kind": block.kind, "pictures": [asdict(each) for each in block.pictures]})
         elif block.kind in _ADAPTERS:
             found.append({"kind": block.kind, **asdict(block)})
     return found
@@ -82,7 +92,7 @@ def read_sheet(path: Path) -> Article:
         )
     except (ValueError, KeyError, TypeError, RecursionError, ValidationError):
         raise InputError(
-            f"{path} holds no sheet; check --out, validate and fit write JSON files that do."
+            f"{path} holds no sheet; check --out, validate, fit --report and run --band write files that do."
         ) from None
     return article if gear is None else with_gear(article, gear)
 
@@ -95,11 +105,21 @@ def _blocks(stored: Sequence[Mapping[str, Any]], depth: int) -> list[PageBlock]:
         content = {name: value for name, value in each.items() if name != "kind"}
         if each["kind"] == "fold":
             found.append(Fold(str(each["title"]), _blocks(each["blocks"], depth + 1)))
+        elif each["kind"] == "pictures":
+            found.append(Pictures([_as_image(one) for one in _PICTURES.validate_python(each["pictures"])]))
         else:
             found.append(_ADAPTERS[each["kind"]].validate_python(content))
     return found
 
 
-def with_gear(article: Article, gear: SteeringGear) -> Article:
-    """Return the article with the gear's picture."""
-    return replace(article, gear=gear_picture(gear))
+def _as_image(stored: Picture) -> Picture:
+    """The picture as an image; text of a file never becomes a part of the page."""
+    if stored.place not in _PLACES or not 0 < stored.width <= WIDEST:
+        raise ValueError
+    content = base64.b64encode(stored.svg.encode(errors="replace")).decode("ascii")
+    return replace(stored, svg=f'<img src="data:image/svg+xml;base64,{content}" alt="">', axes="")
+
+
+def with_gear(article: Article, gear: SteeringGear, result: Result | None = None) -> Article:
+    """Return the article with the gear's picture, which plays the motion of a result on a click."""
+    return replace(article, gear=gear_picture(gear, result))

@@ -4,16 +4,30 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import replacing
+from rps_exudyn.base.files import PICTURES, replacing
 from rps_exudyn.pages.report.html import Article, page
-from rps_exudyn.pages.report.result_page import contact_section, result_article, side_by_side
-from rps_exudyn.pages.report.sheet_file import read_sheet
+from rps_exudyn.pages.report.result_page import (
+    contact_section,
+    gear_article,
+    result_article,
+    side_by_side,
+)
+from rps_exudyn.pages.report.sheet_file import read_sheet, with_gear
 from rps_exudyn.pages.report.study_page import study_article
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import Result
 from rps_exudyn.study.case_blocks import beside, load
 from rps_exudyn.study.store import Store
 
 SUFFIXES = (".html", ".htm")
+OTHERS = (
+    *SUFFIXES,
+    ".csv",
+    ".gif",
+    ".mp4",
+    ".glb",
+    ".stl",
+)  # written by commands, without a page of their own
 
 
 def write_report(
@@ -22,7 +36,7 @@ def write_report(
     contact: bool = False,
     on_progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> None:
-    """Write the page about studies (folders), results (.h5) and sheets of check, fit and validate (.json).
+    """Write the page about studies (folders), results (.h5), sheets (.json) and gears (.toml).
 
     Args:
         paths: folders and files.
@@ -52,6 +66,8 @@ def default_name(paths: Sequence[Path]) -> Path:
     if len(paths) > 1:
         return Path("report.html")
     (path,) = paths
+    if path.name == "study.json":
+        path = path.parent
     return path / "report.html" if path.is_dir() else beside(path, f"{path.stem}.html")
 
 
@@ -61,10 +77,7 @@ def _articles(paths: Sequence[Path], contact: bool, on_progress: Callable[[int, 
     opened: dict[Path, Store | Result | Article] = {}
     for path in paths:
         try:
-            if path.suffix.lower() == ".json":
-                opened[path] = read_sheet(path)
-            else:
-                opened[path] = Store.open(path) if path.is_dir() else load(path)
+            opened[path] = _opened(path)
         except InputError as error:
             problems += error.problems
     if problems:
@@ -76,6 +89,29 @@ def _articles(paths: Sequence[Path], contact: bool, on_progress: Callable[[int, 
         if isinstance(content, Store):
             content = study_article(content)
         elif isinstance(content, Result):
-            content = result_article(content, path, [contact_section(content)] if contact else [])
+            article = result_article(content, path, [contact_section(content)] if contact else [])
+            content = with_gear(article, content.gear, content)
         articles.append(content)
     return articles
+
+
+def _opened(path: Path) -> Store | Result | Article:
+    """What a command has written.
+
+    Raises:
+        InputError: nothing of which there is a page.
+    """
+    if path.is_dir() or path.name == "study.json":
+        return Store.open(path if path.is_dir() else path.parent)
+    match path.suffix.lower():
+        case ".json":
+            return read_sheet(path)
+        case ".toml":
+            gear = SteeringGear.from_toml(path)
+            return with_gear(gear_article(gear, path), gear)
+        case suffix if suffix in PICTURES or suffix in OTHERS:
+            raise InputError(
+                f"{path} is a {suffix} file; report takes folders of studies, results (.h5), sheets (.json) "
+                "and gears (.toml)."
+            )
+    return load(path)

@@ -107,13 +107,14 @@ class Processes:
         self.time_limit = time_limit
         self._messages = messages
         self._running: list[_Worker] = []
-        self._events: queue.SimpleQueue[tuple[_Worker, bytes | None]] = queue.SimpleQueue()
+        self._events: queue.SimpleQueue[tuple[_Worker | None, bytes | None]] = queue.SimpleQueue()
         self._again: deque[Task] = deque()
         self._attempts: dict[Task, int] = {}
         self._failed_starts = 0
         self._next_start = 0.0  # when one may be started again
         self._cost = BATCH_SECONDS  # running mean of what a task takes [s]
         self._compiled = workers == 1 or compiled_before()  # before this process compiles anything itself
+        self.is_cancelled = False
 
     def __enter__(self) -> "Processes":
         return self
@@ -130,13 +131,21 @@ class Processes:
         """
         waiting = _Waiting(tasks, self._again)
         while waiting or any(worker.tasks for worker in self._running):
+            if self.is_cancelled:
+                self.__exit__()
+                return
             self._hand_out(waiting)
             yield from self._next_event()
+
+    def cancel(self) -> None:
+        """End what `run` does, which another thread iterates; these processes do nothing any more."""
+        self.is_cancelled = True
+        self._events.put((None, None))
 
     def interrupted(self) -> Iterator[tuple[Task, Answer]]:
         """Pass Ctrl-C on to the processes; yield what their tasks hand over within `HANDING_OVER`."""
         for worker in self._running:
-            with contextlib.suppress(OSError):
+            with contextlib.suppress(OSError, ValueError):  # Windows sends Ctrl-C to them itself
                 worker.process.send_signal(signal.SIGINT)
         end = monotonic() + HANDING_OVER
         while any(worker.tasks for worker in self._running) and monotonic() < end:
@@ -201,8 +210,8 @@ class Processes:
             return
         yield from self._happened(*event)
 
-    def _happened(self, worker: _Worker, frame: bytes | None) -> Iterator[tuple[Task, Answer]]:
-        if worker not in self._running:
+    def _happened(self, worker: _Worker | None, frame: bytes | None) -> Iterator[tuple[Task, Answer]]:
+        if worker is None or worker not in self._running:
             return
         if frame is None:
             yield from self._ended(worker)
@@ -323,7 +332,7 @@ def environment() -> dict[str, str]:
 def cpu_of(pid: int) -> float:
     """Return the CPU time of a process that runs [s]; 0 where the system does not report it."""
     try:
-        ticks = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[11:13]
+        ticks = Path(f"/proc/{pid}/stat").read_text("utf-8").rpartition(")")[2].split()[11:13]
         return sum(map(int, ticks)) / os.sysconf("SC_CLK_TCK")
     except (OSError, ValueError, AttributeError):
         return 0.0

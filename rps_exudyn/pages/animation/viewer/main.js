@@ -9,6 +9,7 @@ const state = {
   frame: 0, factors: DATA.factors.length - 1, explode: 0, section: true, glass: false, lines: true, forces: true,
   playing: false, speed: 1, camera: camera("gear"),
 };
+window.rpsView = { get: () => ({ ...state }), set: (earlier) => { Object.assign(state, { camera: earlier.camera, explode: earlier.explode }); refresh(); } };
 let wanted = false, last = 0, passed = 0;
 let paint = null;
 try {

@@ -3,9 +3,12 @@
 
 const SVG = "http://www.w3.org/2000/svg";
 const by = (id) => document.getElementById(id);
+const SILENT = "The server does not answer any more; start rps-exudyn explore again.";
 const TAB = String(Math.random()).slice(2);
-let sliders = [], number = 0, busy = false, wanted = false, first = null, axis = null, sent = 0;
-let latest = null, band = null, measured = null, file = null, resting = 0;
+let sliders = [], scenes = {}, number = 0, busy = false, wanted = false, first = null, axis = null, sent = 0;
+let latest = null, band = null, measured = null, file = null, resting = 0, turned = null;
+const POLL = 500; // between questions how far a simulation is [ms]
+const running = new Set(); // kinds of clicks without an answer
 const REST = 500; // after which the address and the gear's picture follow the sliders [ms]
 
 function make(kind, attributes = {}, text) {
@@ -63,11 +66,30 @@ function slider(item) {
 
 const asked = () => ({ state: state(), scene: by("scene").value, both_ways: by("both-ways").checked, tab: TAB });
 
-const post = (path, content) => fetch(path, {
-  method: "POST",
-  headers: { "Content-Type": "application/json" },
-  body: JSON.stringify(content),
-});
+// The frame of a notebook hands requests over; elsewhere the server takes them
+const FRAME = window.frameElement?.rpsPost ? window.frameElement : null;
+const post = (path, content) => (FRAME ? FRAME.rpsPost(path, content) : fetched(path, content));
+
+async function fetched(path, content) {
+  const reply = await fetch(`/${path}`, {
+    method: "POST",
+    headers: { "Content-Type": "application/json" },
+    body: JSON.stringify(content),
+  });
+  return reply.json();
+}
+
+const key = () => JSON.stringify([state(), by("scene").value, by("both-ways").checked]);
+
+const dynamic = () => scenes[by("scene").value].dynamic;
+
+// Another scene, of which nothing is known yet; one of dynamics is simulated by a click
+function fresh() {
+  first = axis = latest = null;
+  by("simulate").hidden = !dynamic();
+  for (const id of ["chart", "rows", "losses", "caption", "remarks", "accuracy"]) by(id).replaceChildren();
+  changed();
+}
 
 // A band belongs to the state for which it was computed
 function changed() {
@@ -83,9 +105,9 @@ async function ask() {
     wanted = false;
     sent = performance.now();
     try {
-      show(await (await post("/curve", { ...asked(), number: ++number })).json());
+      show(await post("curve", { ...asked(), number: ++number }));
     } catch {
-      show({ problems: ["The server does not answer any more; start rps-exudyn explore again."] });
+      show({ problems: [SILENT] });
     }
   }
   busy = false;
@@ -96,8 +118,12 @@ async function ask() {
 // When the sliders rest, address and picture follow
 function rest() {
   const { state: moved, scene, both_ways } = asked();
-  history.replaceState(null, "", `#${encodeURIComponent(JSON.stringify({ state: moved, scene, both_ways }))}`);
+  if (!FRAME) history.replaceState(null, "", `#${encodeURIComponent(JSON.stringify({ state: moved, scene, both_ways }))}`);
   click("picture", null, (found) => {
+    if (turned) {
+      turn(found.page);
+      return;
+    }
     const image = make("img", { src: found.image, alt: found.alt });
     const labels = found.labels.map(({ name, value, part, side, left, top }) => {
       const label = make("span", { class: side });
@@ -106,23 +132,68 @@ function rest() {
       label.style.top = `${top}%`;
       return label;
     });
-    by("picture").replaceChildren(image, ...labels);
+    const button = make("button", { type: "button" }, "Turn it in 3-D");
+    button.addEventListener("click", () => {
+      turned = { frame: make("iframe", { title: "The gear in three dimensions" }), packed: "" };
+      by("picture").replaceChildren(turned.frame);
+      by("picture").closest(".pair").classList.add("turned");
+      turn(found.page);
+    });
+    by("picture").replaceChildren(image, ...labels, ...("DecompressionStream" in window ? [button] : []));
   });
+}
+
+// The page in three dimensions of the present gear, seen as the earlier one was
+async function turn(packed) {
+  if (packed === turned.packed) return;
+  turned.packed = packed;
+  const bytes = Uint8Array.from(atob(packed), (letter) => letter.charCodeAt(0));
+  const text = await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+  const seen = turned.frame.contentWindow?.rpsView?.get();
+  turned.frame.addEventListener("load", () => seen && turned.frame.contentWindow.rpsView.set(seen), { once: true });
+  turned.frame.srcdoc = text;
 }
 
 // What takes longer than a curve: asked for by a click, answered beside the curves
 async function click(kind, button, use, more = {}) {
-  if (button) button.disabled = true;
+  const ended = button ? followed(kind, button) : () => {};
   document.body.dataset.waiting = kind;
+  running.add(kind);
   try {
-    const found = await (await post(`/${kind}`, { ...asked(), ...more })).json();
+    const found = await post(kind, { ...asked(), ...more });
     if (found.problems) said(found.problems);
-    else use(found);
+    else if (!found.cancelled) use(found);
   } catch {
-    said(["The server does not answer any more; start rps-exudyn explore again."]);
+    said([SILENT]);
   }
+  running.delete(kind);
   delete document.body.dataset.waiting;
-  if (button) button.disabled = false;
+  ended();
+}
+
+// A row that shows how far a click is, and cancels it; the function that is returned removes it
+function followed(kind, button) {
+  const row = make("p", { class: "job" }), text = make("span", {}, "computing"), bar = make("progress", { max: 1 });
+  const cancel = make("button", { type: "button" }, "Cancel");
+  const question = () => ({ state: {}, tab: TAB, of: kind });
+  cancel.setAttribute("aria-label", `Cancel: ${button.textContent}`);
+  cancel.addEventListener("click", () => {
+    cancel.disabled = true;
+    post("cancel", question());
+  });
+  row.append(make("b", {}, button.textContent), bar, text, cancel);
+  by("jobs").append(row);
+  button.disabled = true;
+  const asking = setInterval(async () => {
+    const found = await post("progress", question());
+    if (found.text) text.textContent = found.text;
+    if (Number.isFinite(found.fraction)) bar.value = found.fraction;
+  }, POLL);
+  return () => {
+    clearInterval(asking);
+    row.remove();
+    button.disabled = false;
+  };
 }
 
 const said = (sentences) => by("said").replaceChildren(...sentences.map((text) => make("p", {}, text)));
@@ -137,12 +208,14 @@ function terms(holder, values) {
 
 function show(answer) {
   if (answer.stale) return;
-  document.body.classList.toggle("stale", Boolean(answer.problems));
+  const waits = answer.on_request || (answer.of && answer.of !== key());
+  document.body.classList.toggle("stale", Boolean(answer.problems || waits));
+  by("hint").hidden = !waits;
   by("problems").replaceChildren(...(answer.problems || []).map((text) => make("p", {}, text)));
   if (answer.gear) by("gear").textContent = answer.gear;
   if (answer.geometry) terms(by("geometry"), Object.entries(answer.geometry));
   by("warnings").replaceChildren(...(answer.warnings || []).map((text) => make("li", {}, text)));
-  if (!answer.problems) {
+  if (!answer.problems && !answer.on_request) {
     latest = answer;
     first = first || answer;
     chart();
@@ -152,7 +225,8 @@ function show(answer) {
     by("accuracy").textContent = answer.accuracy;
   }
   const took = performance.now() - sent;
-  by("timing").textContent = answer.ms ? `${answer.ms.toFixed(0)} ms to compute, ${took.toFixed(0)} ms from slider to curve` : "";
+  const waited = answer.of ? "" : `, ${took.toFixed(0)} ms from slider to curve`;
+  by("timing").textContent = answer.ms ? `${answer.ms.toFixed(0)} ms to compute${waited}` : "";
   document.body.dataset.answered = number;
   document.body.dataset.took = took.toFixed(1);
 }
@@ -192,6 +266,7 @@ function wrapped(x, [begin, end]) {
 }
 
 function chart() {
+  if (!latest) return;
   const answer = latest, same = first.across.name === answer.across.name && first.along.name === answer.along.name;
   const width = Math.max(by("chart").clientWidth, 280), height = Math.min(340, 0.66 * width);
   const svg = document.createElementNS(SVG, "svg");
@@ -260,12 +335,12 @@ function keep(name, content, kind) {
 }
 
 async function save() {
-  const reply = await post("/gear", asked());
-  if (!reply.ok) {
-    show(await reply.json());
+  const found = await post("gear", asked());
+  if (found.problems) {
+    show(found);
     return;
   }
-  keep("gear.toml", await reply.text(), "application/toml");
+  keep("gear.toml", found.file, "application/toml");
   const ways = by("both-ways").checked ? " --set test.path=there-and-back" : "";
   by("command").textContent = `gear.toml is written by your browser; go on with: rps-exudyn run ${by("scene").value} --gear gear.toml${ways}`;
 }
@@ -275,7 +350,7 @@ function python() {
   keep("explored.py", `import rps_exudyn as rps
 
 gear = rps.SteeringGear.from_toml("gear.toml")${ways}  # the gear file of the same page
-result = rps.run("${by("scene").value}", gear, fidelity="quasi-static")
+result = rps.run("${by("scene").value}", gear, fidelity="${dynamic() ? "flank" : "quasi-static"}")
 print(result.summary)
 `, "text/x-python");
 }
@@ -312,16 +387,23 @@ function fromAddress() {
 }
 
 async function begin() {
-  const found = await (await fetch("/sliders")).json();
+  const found = await post("sliders", { state: {} });
   sliders = found.sliders.map(slider);
   by("sliders").replaceChildren(...sliders.map(({ row }) => row));
-  by("scene").replaceChildren(...Object.entries(found.scenes).map(([value, title]) => make("option", { value }, title)));
-  for (const id of ["scene", "both-ways"]) {
-    by(id).addEventListener("change", () => {
-      first = axis = null;
-      changed();
-    });
-  }
+  scenes = found.scenes;
+  by("scene").replaceChildren(...Object.entries(scenes).map(([value, { title }]) => make("option", { value }, title)));
+  for (const id of ["scene", "both-ways"]) by(id).addEventListener("change", fresh);
+  by("simulate").addEventListener("click", ({ target }) => {
+    const of = key();
+    click("simulation", target, (answer) => show({ ...answer, of }));
+  });
+  window.addEventListener("pagehide", () => {
+    if (FRAME) return;
+    for (const kind of running) {
+      const content = JSON.stringify({ state: {}, tab: TAB, of: kind });
+      navigator.sendBeacon("/cancel", new Blob([content], { type: "application/json" }));
+    }
+  });
   by("save").addEventListener("click", save);
   by("python").addEventListener("click", python);
   by("sheet").addEventListener("click", ({ target }) => click("sheet", target, ({ page }) => keep("sheet.html", page, "text/html")));
@@ -353,7 +435,7 @@ async function begin() {
     changed();
   });
   fromAddress();
-  ask();
+  fresh();
 }
 
 begin();

@@ -1,0 +1,25 @@
+"""The command `schema`: the JSON schema by which an editor completes and checks gear and study files."""
+
+from pathlib import Path
+from typing import Literal
+
+from rps_exudyn.base.files import check_writable, write_json
+from rps_exudyn.cli.output import DONE, print_json
+
+
+def schema(kind: Literal["gear", "study"] = "gear", /, *, out: Path | None = None) -> int:
+    """Print the JSON schema of gear or study files, by which editors complete and check them.
+
+    Args:
+        kind: gear or study.
+        out: file (.json) that is written instead; the first line of a TOML file then names it:
+            #:schema FILE.
+    """
+    from rps_exudyn.study.schema import SCHEMAS
+
+    if out is None:
+        print_json(SCHEMAS[kind]())
+    else:
+        write_json(check_writable(out, (".json",)), SCHEMAS[kind]())
+        print(f"written: {out}")
+    return DONE

@@ -1,0 +1,225 @@
+"""Answers to all that the page asks for, computed in processes beside this one.
+
+The page's server and the widget hand over what they get, and send back what they are given. A state that
+takes longer than `LONGEST` is given up; until then, it holds one process, and the others answer all other
+tabs. Each kind of click has processes of its own, whose work can be cancelled.
+"""
+
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
+from queue import SimpleQueue
+from threading import Thread
+from typing import Any
+
+from rps_exudyn.base.compiling import CompileStep, CompilingProgress, listening
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.progress import Progress, following
+from rps_exudyn.base.units import pretty
+from rps_exudyn.pages.explore.on_request import KINDS, SIMULATION, on_request
+from rps_exudyn.pages.explore.sliders import SLIDERS, Answer, Wish, answer, scenes
+from rps_exudyn.parameters.gear import SteeringGear, gear_file
+from rps_exudyn.scenes.free_pinion_torque import SCENE
+from rps_exudyn.simulate.cases.processes import Processes
+from rps_exudyn.simulate.cases.run_cases import Task, available_processors
+
+LONGEST = 10.0  # that a state may take [s]
+LONGEST_REQUESTED = 600.0  # that a click may take: it can be cancelled [s]
+MOST_TABS = 4096  # of which the number of the last request is kept
+TOO_LONG = (
+    f"This state takes longer than {LONGEST:.0f} s; download its gear file and compute it by "
+    "rps-exudyn run --gear."
+)
+TOO_LONG_REQUESTED = (
+    f"This takes longer than {LONGEST_REQUESTED / 60:.0f} min; download the gear file and compute it by "
+    "rps-exudyn."
+)
+CANCELLED = {"cancelled": True}
+PATHS = ("sliders", "curve", "gear", "progress", "cancel", *KINDS)
+
+
+@dataclass(frozen=True)
+class Request:
+    """What a page asks for, in which tab, as its which curve, and of which click."""
+
+    wish: Wish
+    tab: str
+    number: int
+    of: str
+
+    @classmethod
+    def from_page(cls, asked: Any) -> "Request":
+        """Read what a page sends.
+
+        Raises:
+            InputError: it is no table with a state.
+        """
+        try:
+            scene, both_ways = str(asked.get("scene", SCENE.name)), bool(asked.get("both_ways"))
+            wish = Wish(asked["state"], scene, both_ways, str(asked.get("measured", "")))
+            return cls(
+                wish, str(asked.get("tab", ""))[:40], int(asked.get("number", 0)), str(asked.get("of", ""))
+            )
+        except (ValueError, KeyError, TypeError, AttributeError, OverflowError):
+            raise InputError("a request must be JSON with a state.") from None
+
+
+@dataclass(eq=False)
+class _Click:
+    """Work that a click has begun, and how far it is."""
+
+    processes: Processes | None = None  # None: it waits for one
+    is_cancelled: bool = False
+    text: str = "waiting for other simulations"
+    fraction: float | None = None
+
+    def take(self, progress: Progress) -> None:
+        self.text, self.fraction = progress.sentence, progress.fraction
+
+    def take_compiled(self, step: CompileStep) -> None:
+        row = CompilingProgress()
+        row.take(step)
+        if not row.is_done:
+            self.text, self.fraction = row.text, row.fraction
+
+    def begin(self, processes: Processes) -> None:
+        self.processes, self.text = processes, "computing"
+
+    def cancel(self) -> None:
+        self.is_cancelled = True
+        if self.processes is not None:
+            self.processes.cancel()
+
+
+class Answering:
+    """Answers about one gear; use it in a `with` block, which ends its processes."""
+
+    def __init__(self, gear: SteeringGear) -> None:
+        self.gear = gear
+        self._newest: dict[str, int] = {}
+        self._clicks: dict[tuple[str, str], _Click] = {}
+        count = max(2, available_processors())
+        self._free: SimpleQueue[Processes] = SimpleQueue()
+        self._begun = [Processes(1, LONGEST) for _ in range(count)]
+        self._patient: dict[str, SimpleQueue[Processes]] = {kind: SimpleQueue() for kind in KINDS}
+        for kind, queue in self._patient.items():
+            for _ in range(count if kind == SIMULATION else 1):
+                queue.put(self._patient_processes())
+
+    def __enter__(self) -> "Answering":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for processes in self._begun:
+            processes.__exit__()
+
+    def warm_up(self) -> None:
+        """Compile here if need be, where a command shows it; the processes start in the background."""
+        answer(SteeringGear(), Wish({}))
+        for processes in list(self._begun):
+            if processes.time_limit == LONGEST:
+                arguments = (processes, self._free, self.task(Wish({})))
+                Thread(target=self._ask, args=arguments, daemon=True).start()
+
+    def task(self, wish: Wish) -> Task:
+        """The call that answers a state."""
+        return Task(partial(answer, self.gear, wish), warm_up=partial(answer, self.gear, Wish({})))
+
+    def reply(self, path: str, asked: Request) -> Answer:
+        """Answer a request of the page, one of `PATHS`."""
+        if path == "sliders":
+            return _controls(self.gear)
+        if path in ("progress", "cancel"):
+            return self._watched(asked, path == "cancel")
+        if path == "curve":
+            return self.computed(asked.wish, asked.tab, asked.number)
+        if path in KINDS:
+            return self.requested(asked.wish, path, asked.tab)
+        try:
+            return {"file": gear_file(asked.wish.gear(self.gear))}
+        except InputError as error:
+            return {"problems": list(error.problems)}
+
+    def _watched(self, asked: Request, ends: bool) -> Answer:
+        """How far a click is; it can be cancelled, too."""
+        click = self._clicks.get((asked.tab, asked.of))
+        if click is None:
+            return {}
+        if ends:
+            click.cancel()
+        return {"text": click.text, "fraction": click.fraction}
+
+    def computed(self, wish: Wish, tab: str, number: int) -> Answer:
+        """One state's answer; "stale" where the same tab has asked for another meanwhile."""
+        self._newest[tab] = max(number, self._newest.pop(tab, 0))
+        while len(self._newest) > MOST_TABS:
+            del self._newest[next(iter(self._newest))]
+        processes = self._free.get()
+        if number < self._newest.get(tab, number):
+            self._free.put(processes)
+            return {"stale": True}
+        return self._ask(processes, self._free, self.task(wish)) | {"number": number}
+
+    def requested(self, wish: Wish, kind: str, tab: str = "") -> Answer:
+        """The answer to a click; a tab's second click of a kind cancels its first one."""
+        if (earlier := self._clicks.get((tab, kind))) is not None:
+            earlier.cancel()
+        click = self._clicks[tab, kind] = _Click()
+        usual = replace(wish, state={})  # what is compiled for it has no time limit
+        warm_up = partial(on_request, self.gear, usual, kind) if kind != SIMULATION else None
+        task = Task(partial(on_request, self.gear, wish, kind), warm_up=warm_up)
+        queue = self._patient[kind]
+        processes = queue.get()
+        click.begin(processes)
+        try:
+            if click.is_cancelled:
+                queue.put(processes)
+                return CANCELLED
+            with following(click.take), listening(click.take_compiled):
+                return self._ask(processes, queue, task)
+        finally:
+            if self._clicks.get((tab, kind)) is click:
+                del self._clicks[tab, kind]
+
+    def _ask(self, processes: Processes, free: "SimpleQueue[Processes]", task: Task) -> Answer:
+        """The answer of a process, which is free afterwards; one that was cancelled has a successor."""
+        try:
+            answers = [found for _, found in processes.run(iter([task]))]
+            if not answers:
+                return CANCELLED
+            if answers[0].timeout:
+                return {"problems": [TOO_LONG if processes.time_limit == LONGEST else TOO_LONG_REQUESTED]}
+            return dict(answers[0].returned())
+        except InputError as error:
+            return {"problems": list(error.problems)}
+        finally:
+            if processes.is_cancelled:
+                processes.__exit__()
+                with suppress(ValueError):
+                    self._begun.remove(processes)
+                processes = self._patient_processes()
+            free.put(processes)
+
+    def _patient_processes(self) -> Processes:
+        made = Processes(1, LONGEST_REQUESTED)
+        self._begun.append(made)
+        return made
+
+
+def _controls(gear: SteeringGear) -> Answer:
+    """What the page builds itself from."""
+    items = {item.path: item for item in gear.declared()}
+    sliders = [
+        {
+            "path": slider.path,
+            "name": slider.name,
+            "low": min(slider.low, slider.of(gear)),
+            "high": max(slider.high, slider.of(gear)),
+            "step": slider.step,
+            "unit": pretty(slider.unit),
+            "value": slider.of(gear),
+            "meaning": items[slider.path].meaning,
+        }
+        for slider in SLIDERS
+    ]
+    return {"sliders": sliders, "scenes": scenes()}

@@ -1,0 +1,132 @@
+"""JSON schemas of gear files and study files, made from the declarations: editors complete and check by them.
+
+A file names its schema in its first line, `#:schema gear.schema.json`, relative to the file. Taplo, which
+editors use for TOML, reads draft 7.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from rps_exudyn.inference.uncertainty.input_sets import SETS
+from rps_exudyn.parameters.declaration import QUANTITY, Table
+from rps_exudyn.parameters.distribution import KINDS
+from rps_exudyn.parameters.fidelity import PRESETS
+from rps_exudyn.parameters.gear import Setup, SteeringGear
+from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.scenes import SCENE_NAMES
+from rps_exudyn.study.axis_tables import DISTRIBUTIONS, MOST_ON_AN_AXIS, SHAPES
+from rps_exudyn.study.definition import DESIGNS
+from rps_exudyn.study.study_file import MOST_SAMPLES
+
+Schema = dict[str, Any]
+
+
+def gear_schema() -> Schema:
+    """Schema of a gear file: every parameter with its meaning, default, limits in SI, and choices."""
+    return _headed("Gear of rps-exudyn", _tables(SteeringGear))
+
+
+def study_schema() -> Schema:
+    """Schema of a study file: its keys, and the parameters that it sets or varies."""
+    settings = _tables(Setup)
+    for name in ("name", "based_on"):  # which name what was chosen
+        settings["fidelity"]["properties"].pop(name, None)
+    paths = [f"{table}.{name}" for table, each in settings.items() for name in each["properties"]]
+    keys: dict[str, Schema] = {
+        "title": {"type": "string", "description": "heading of the report"},
+        "scene": {"enum": list(SCENE_NAMES)},
+        "gear": {"type": "string", "description": "gear file, beside or below this one"},
+        "fidelity": {"enum": list(PRESETS), "description": "what is modelled how", "default": "flank"},
+        "accuracy": {"type": "string", "description": 'largest error, for instance "1 %"'},
+        "set": _closed(settings, "parameters of all cases"),
+        "axis": {"type": "array", "items": _axis(paths, settings), "description": "what is varied"},
+        "design": {"enum": list(DESIGNS), "default": "grid"},
+        "samples": _whole(1, MOST_SAMPLES, "points of a sampled design"),
+        "seed": _whole(0, 2**32 - 1, "seed of a sampled design"),
+        "inputs": {"enum": list(SETS), "description": "inputs of the design uncertain"},
+        "time_limit": _quantity("elapsed time of one case", 0),
+        "keep": _closed(
+            {
+                "signals": {
+                    "anyOf": [
+                        {"enum": ["all", "none"]},
+                        {"type": "array", "items": {"enum": list(SIGNALS)}},
+                    ]
+                },
+                "samples": _whole(2, 10**9, "samples of each signal"),
+                "blocks": {"type": "boolean", "description": "many cases in one file"},
+            },
+            "what is stored of each case",
+        ),
+    }
+    return _headed("Study of rps-exudyn", keys)
+
+
+SCHEMAS = {"gear": gear_schema, "study": study_schema}
+"""Kind of file -> its schema."""
+
+
+def _headed(title: str, properties: Mapping[str, Schema]) -> Schema:
+    return {"$schema": "http://json-schema.org/draft-07/schema#", "title": title, **_closed(properties)}
+
+
+def _closed(properties: Mapping[str, Schema], meaning: str = "") -> Schema:
+    """A table of these keys and no others."""
+    described = {"description": meaning} if meaning else {}
+    return {"type": "object", **described, "properties": properties, "additionalProperties": False}
+
+
+def _tables(table: type[Table]) -> dict[str, Schema]:
+    """Name -> schema of the tables within one, as pydantic makes them of the declarations."""
+    made = table.model_json_schema()["$defs"]
+    found = {}
+    for name, field in table.model_fields.items():
+        assert isinstance(field.annotation, type)
+        parameters = made[field.annotation.__name__]["properties"]
+        meaning = (field.annotation.__doc__ or "").partition("\n")[0]
+        found[name] = _closed({key: _parameter(each) for key, each in parameters.items()}, meaning)
+    return found
+
+
+def _parameter(made: Schema) -> Schema:
+    """The schema of a parameter without what no editor shows."""
+    return {key: each for key, each in made.items() if key not in ("title", "source")}
+
+
+def _axis(paths: list[str], settings: Mapping[str, Schema]) -> Schema:
+    path, value = {"enum": paths}, {"type": ["number", "string"]}
+    ends = {
+        "type": "array",
+        "minItems": 3,
+        "maxItems": 3,
+        "items": value,
+        "description": "[first, last, number]",
+    }
+    many = {"type": "array", "minItems": 1, "maxItems": MOST_ON_AN_AXIS, "items": value}
+    same = {"$ref": "#/properties/axis/items/properties/values"}
+    along = {name: _closed(dict.fromkeys(table["properties"], same)) for name, table in settings.items()}
+    keys: dict[str, Schema] = {
+        "name": {"type": "string", "description": "name of the axis; without it the path"},
+        "path": path | {"description": "the parameter varied"},
+        "paths": {"type": "array", "minItems": 1, "items": path, "description": "parameters of one value"},
+        "unit": {"type": "string", "description": "unit of the plain numbers; without it SI"},
+        "along": _closed(along, "parameters that move along, with one value for each of the axis"),
+        **{shape: many if shape == "values" else ends for shape in SHAPES},
+        **{
+            kind: {"type": "array", "minItems": 2, "maxItems": 2, "items": value, "description": each.numbers}
+            for kind, each in KINDS.items()
+        },
+    }
+    one_of = [{"required": [key]} for key in (*SHAPES, *DISTRIBUTIONS)]
+    return _closed(keys) | {
+        "allOf": [{"oneOf": [{"required": ["path"]}, {"required": ["paths"]}]}, {"oneOf": one_of}]
+    }
+
+
+def _whole(least: int, most: int, meaning: str) -> Schema:
+    return {"type": "integer", "minimum": least, "maximum": most, "description": meaning}
+
+
+def _quantity(meaning: str, more_than: float) -> Schema:
+    number = {"type": "number", "exclusiveMinimum": more_than}
+    return {"anyOf": [number, {"type": "string", "pattern": QUANTITY}], "description": meaning}
