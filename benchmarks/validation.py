@@ -14,7 +14,7 @@ from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
 
 DATA = "validation.json"
-ERROR = "size of E / u_val"
+ERROR = "E / u_val, or gears that keep a limit"
 
 
 def run(folder: Path, only: Sequence[str] = ()) -> None:
@@ -35,7 +35,8 @@ def rows_table(kind: str, folder: Path) -> str:
             size = f" ({shown[ERROR]})" if shown[ERROR] else ""
             by_verdict.setdefault(shown["verdict"], []).append(shown["row"].replace("|", "/") + size)
     return markdown(
-        ("verdict", "rows (size of E / u_val)"), [(v, "; ".join(x)) for v, x in by_verdict.items()]
+        ("verdict", "rows (E / u_val, or gears that keep a limit)"),
+        [(v, "; ".join(x)) for v, x in by_verdict.items()],
     )
 
 

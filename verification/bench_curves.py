@@ -5,10 +5,11 @@ the lengths of the default gear.
 """
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
-from verification.made_up_curves import BenchNoise
+from verification.made_up_curves import BenchNoise, with_noise
 
 ARMS = 9.43e-3, 6.26e-3  # torque per preload and coefficient, of teeth and seat [m]
 GAIN = 5.575e-3  # rack travel per radian [m/rad]
@@ -107,3 +108,20 @@ def bench_record(gear: BenchGear, spacing: float = 1.0) -> dict[str, np.ndarray]
     angle = np.concatenate([forth, forth[::-1]])
     value = np.concatenate([gear.curve(forth, 1), gear.curve(forth[::-1], -1)])
     return {"pinion_angle": angle, "value": value}
+
+
+def folder_of(
+    path: Path, count: int, spacing: float = 1.0, scatter: float = 0.07, slope: float = 0.0
+) -> Path:
+    """A folder with the free torque of each gear of a batch, whose preloads scatter and drift by `slope` of
+    their mean over the batch."""
+    random = np.random.default_rng(4)
+    noise = BenchNoise(white=0.02, repeatability=0.02)
+    for number in range(1, count + 1):
+        drift = slope * ((number - 0.5) / count - 0.5)
+        gear = BenchGear(preload=350 * (1 + scatter * random.standard_normal() + drift))
+        record = with_noise(bench_record(gear, spacing), noise, random)
+        table = np.column_stack([np.degrees(record["pinion_angle"]), record["value"]])
+        head = "angle [deg],torque [N m]"
+        np.savetxt(path / f"gear{number}.csv", table, "%.5f", delimiter=",", header=head, comments="")
+    return path

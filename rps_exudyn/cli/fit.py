@@ -87,7 +87,7 @@ def fit(
         single_law: leave out the fit by another contact law, whose difference is added to the intervals.
         out: gear file (.toml) with the estimates in place, fitted.toml by default; of a batch its table
             (.csv).
-        plot: picture (.png, .svg, .pdf) of measured and fitted torque.
+        plot: picture (.png, .svg, .pdf) of measured and fitted torque; of a batch, of its drift.
         report: the sheet as a page (.html) with pictures, intervals, correlations and what was assumed, or as
             data (.json) of which `report` makes the page.
         series: file (.json) with what this fit leaves for the next gear of the series.
@@ -119,7 +119,7 @@ def fit(
     if batch is not None:
         if files:
             raise InputError("--batch reads all files of its folder; leave out the measured files.")
-        return judge_batch(batch, tolerance, gear, out, checked_jobs(jobs), json)
+        return judge_batch(batch, tolerance, gear, (out, plot), checked_jobs(jobs), json)
     if tolerance is not None:
         raise InputError("--tolerance is that of a production batch; add --batch FOLDER.")
     if not files:
@@ -298,9 +298,15 @@ def parse_tolerance(text: str) -> "Limits":
 
 
 def judge_batch(
-    folder: Path, tolerance: str | None, gear: GearOptions, out: Path | None, jobs: int, as_json: bool
+    folder: Path,
+    tolerance: str | None,
+    gear: GearOptions,
+    asked: tuple[Path | None, Path | None],
+    jobs: int,
+    as_json: bool,
 ) -> int:
-    """Print what a production batch shows, and write the table of its gears.
+    """Print what a production batch shows; write the table of its gears and the chart of their drift, where
+    they are `asked` for.
 
     Raises:
         InputError: a folder, a tolerance or a file that cannot be.
@@ -309,8 +315,10 @@ def judge_batch(
     from rps_exudyn.inference.fitting.production import GUARD, production_batch
 
     limits = parse_tolerance(tolerance) if tolerance is not None else None
-    if out is not None:
-        check_writable(out, (".csv",))
+    out, plot = asked
+    for path, suffixes in ((out, (".csv",)), (plot, PICTURES)):
+        if path is not None:
+            check_writable(path, suffixes)
     with shown_progress(asked=False):
         found = production_batch(folder, gear.load(), jobs=jobs)
     guard = GUARD * found.sd
@@ -319,6 +327,12 @@ def judge_batch(
     if out is not None:
         with replacing(out) as partial:
             partial.write_text("".join(",".join(row) + "\n" for row in (BATCH_COLUMNS, *rows)), "utf-8")
+    if plot is not None:
+        from rps_exudyn.pages.charts.inference import drift_figure
+        from rps_exudyn.pages.charts.style import save
+
+        save(drift_figure(found, limits and limits.guarded(guard)), plot)
+    files = [path for path in asked if path is not None]
     alarms = found.drift.alarms
     if as_json:
         content = {
@@ -331,6 +345,7 @@ def judge_batch(
             "drift_alarms": [found.gears[i].name for i in alarms],
             "risks": [vars(each) | {"limits": [each.limits.low, each.limits.high]} for each in risks],
             "refused": list(found.refused),
+            "files": [str(file) for file in files],
         }
         print_json(content)
         return DONE
@@ -362,7 +377,7 @@ def judge_batch(
     put(f"drift of the moving average: {drifts}")
     for sentence in found.refused:
         put(f"note: left out: {sentence}")
-    print_files([out] if out is not None else [])
+    print_files(files)
     return DONE
 
 

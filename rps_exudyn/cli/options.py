@@ -12,7 +12,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import short
 
 if TYPE_CHECKING:
-    from rps_exudyn.parameters.distribution import Distribution
+    from rps_exudyn.inference.uncertainty.joint import JointInputs
     from rps_exudyn.parameters.gear import Setup, SteeringGear
 
 Flag = Annotated[bool, Parameter(negative=(), show_default=False)]
@@ -70,8 +70,8 @@ class GearOptions:
         with _reporting_together(malformed):
             return SteeringGear.from_tables(self.tables(), settings, where=str(self.gear or ""))
 
-    def carried(self) -> "dict[str, Distribution]":
-        """Path -> distribution of the parameters that carry one.
+    def carried(self) -> "JointInputs":
+        """Path -> distribution of the parameters that carry one, or samples of a fit.
 
         Raises:
             InputError: distributions that cannot be.
@@ -84,7 +84,8 @@ class GearOptions:
         """Name on standard error the parameters that carry a distribution, of which the median is taken."""
         from rps_exudyn.cli.output import note
 
-        if paths := self.carried():
+        own = self.carried()
+        if paths := [path for path in own if path not in own.posterior]:
             note(f"{', '.join(paths)}: the median of its distribution is taken; --band makes the band.")
 
     def tables(self) -> dict[str, Any]:

@@ -415,6 +415,10 @@ class Mesh(LoadedFrictionLaw):
         return "line" if self.law == BY_SCENE else self.law
 
 
+CORRELATION, POSTERIOR = "correlation", "posterior"
+"""Tables of a gear's file that hold no parameters: what its uncertain values share (`uncertainty.joint`)."""
+
+
 class SteeringGear(Table):
     """A rack-and-pinion steering gear and the test it is put to; the defaults are the paper's gear.
 
@@ -457,11 +461,13 @@ class SteeringGear(Table):
         where: str = "",
         context: Mapping[str, bool] | None = None,
     ) -> Self:
-        """Build it from nested dictionaries; parameters that follow from others follow the settings.
+        """Build it from nested dictionaries; parameters that follow from others follow the settings. What
+        uncertain values share is left to bands.
 
         Raises:
             InputError: parameters that are wrong (all of them at once).
         """
+        tables = {name: table for name, table in tables.items() if name not in (CORRELATION, POSTERIOR)}
         return super().from_tables(
             derived.without_followers(tables, settings or {}), settings, where, context
         )

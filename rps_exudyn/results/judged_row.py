@@ -20,6 +20,8 @@ class Verdict(StrEnum):
     NOISE = "within noise"
     WEAK = "consistent, weak"
     DISAGREES = "disagrees"
+    KEPT_BY_ANY = "kept by any gear"
+    CALIBRATED = "calibrated"
     NOT_COMPARABLE = "not comparable"
 
     # on a fitted parameter
@@ -44,9 +46,11 @@ _MEANINGS = {
     Verdict.UNDECIDED: "samples that failed decide",
     Verdict.NOT_EVALUATED: "the number cannot be computed for this gear",
     Verdict.AGREES: "E is within the criterion, and the uncertainties are small enough to show it",
-    Verdict.NOISE: "|E| is below u_val: the uncertainty of inputs or data hides any smaller error",
-    Verdict.WEAK: "|E| is up to 2 u_val, or a limit is kept: only gross errors are excluded",
-    Verdict.DISAGREES: "|E| is beyond the criterion and beyond 2 u_val",
+    Verdict.NOISE: "|E| is below u_val, or some gears keep a limit and some do not: uncertainty hides more",
+    Verdict.WEAK: "|E| is up to 2 u_val, or 95 % of the gears keep a limit: only gross errors are excluded",
+    Verdict.DISAGREES: "|E| is beyond the criterion and beyond 2 u_val, or 95 % of the gears exceed a limit",
+    Verdict.KEPT_BY_ANY: "every gear drawn keeps the limit at half of it or less: the row judges nothing",
+    Verdict.CALIBRATED: "the row centred the inputs: S is not predicted, and the row judges nothing",
     Verdict.NOT_COMPARABLE: "S and D do not mean the same, or one of them is missing",
 }
 ON_COMPARISONS = (
@@ -54,6 +58,8 @@ ON_COMPARISONS = (
     Verdict.NOISE,
     Verdict.WEAK,
     Verdict.DISAGREES,
+    Verdict.KEPT_BY_ANY,
+    Verdict.CALIBRATED,
     Verdict.NOT_COMPARABLE,
 )
 

@@ -83,6 +83,7 @@ def describe(study: Study, provenance: Mapping[str, Any]) -> Description:
         seed=None if study.design == GRID_DESIGN else study.seed,
         cases=tuple(_cases(study)),
         signals=study.keep,
+        correlation=study.correlation,
         time_limit=study.time_limit,
         provenance=dict(provenance),
     )
@@ -96,7 +97,8 @@ def setup_of(study: Study, case: Case) -> Setup:
 def _cases(study: Study) -> Iterator[Case]:
     problems: dict[str, None] = {}
     count = count_of(study)
-    for number, values in enumerate(points(study.axes, study.design, study.samples, study.seed)):
+    drawn = points(study.axes, study.design, study.samples, study.seed, study.correlation)
+    for number, values in enumerate(drawn):
         reached(number / count, partial("{} cases laid out".format, number))
         settings = settings_of(study.axes, values)
         try:

@@ -23,7 +23,7 @@ from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.law_by_scene import SERIES, with_law
 
 FILETYPE = "rps_exudyn-study"
-VERSION = (1, 1)
+VERSION = (1, 2)
 """Major: old readers must refuse the folder. Minor: something was added that they may leave unread."""
 
 GRID_DESIGN = "grid"
@@ -92,6 +92,7 @@ class Description:
     time_limit: float  # of one case [s]
     provenance: Mapping[str, Any]
     title: str = ""  # as in the study file
+    correlation: Mapping[str, float] = field(default_factory=dict)  # "axis, axis" -> that of their scores
 
     @property
     def hashes(self) -> dict[str, Case]:
@@ -146,7 +147,7 @@ def _checksum_line(text: str) -> str:
 def _fits(text: str, content: Mapping[str, Any]) -> bool:
     """Return whether a study.json fits its checksum; version 1.0 had none."""
     if "sha256" not in content:
-        return content.get("version") != list(VERSION)
+        return content.get("version") not in ([1, 1], list(VERSION))
     opening, line, rest = (*text.split("\n", 2), "", "")[:3]
     return f"{line}\n" == _checksum_line(f"{opening}\n{rest}")
 
@@ -172,6 +173,7 @@ class Study:
     time_limit: float  # [s]
     keep: Keep
     blocks: bool | None = None  # whether cases are kept in blocks; None: if they are many
+    correlation: Mapping[str, float] = field(default_factory=dict)  # "axis, axis" -> that of their scores
 
     @property
     def name(self) -> str:

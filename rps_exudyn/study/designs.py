@@ -8,31 +8,40 @@ import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.inference.uncertainty.input_sets import carried, uncertain_inputs
+from rps_exudyn.inference.uncertainty.joint import correlated, read_pairs
 from rps_exudyn.parameters.distribution import Distribution
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import CORRELATION, POSTERIOR, SteeringGear
 from rps_exudyn.study.definition import GRID_DESIGN, UNCERTAIN_DESIGN, Axis, Value
 
 MORRIS_LEVELS = 4  # levels that an axis takes in a Morris design
 
 
-def points(axes: tuple[Axis, ...], design: str, samples: int, seed: int) -> Iterator[dict[str, Value]]:
+def points(
+    axes: tuple[Axis, ...],
+    design: str,
+    samples: int,
+    seed: int,
+    correlation: Mapping[str, float] = MappingProxyType({}),
+) -> Iterator[dict[str, Value]]:
     """Axis name -> SI value of every case; a grid's last axis changes fastest.
 
     Raises:
-        InputError: a sensitivity design without the package that draws it.
+        InputError: a sensitivity design without the package that draws it, or correlations that cannot be.
     """
+    names = [axis.name for axis in axes]
     if design == GRID_DESIGN:
         rows: Iterable[Iterable[Value]] = itertools.product(*(axis.values or () for axis in axes))
     else:
         unit = _unit_points(design, len(axes), samples, seed)
+        unit = correlated(unit, names, read_pairs(correlation, CORRELATION, []))
         rows = zip(*(drawn(axis, column) for axis, column in zip(axes, unit.T, strict=True)), strict=True)
-    names = [axis.name for axis in axes]
     return (dict(zip(names, row, strict=True)) for row in rows)
 
 
@@ -104,8 +113,9 @@ def _unit_points(design: str, axes: int, samples: int, seed: int) -> np.ndarray:
 
 def uncertain_axes(
     gear: Mapping[str, Any], settings: Mapping[str, Any], inputs: str, others: Sequence[Axis]
-) -> tuple[Axis, ...]:
-    """Return an axis for each distribution of the gear's file, of settings, and of a set of inputs.
+) -> tuple[tuple[Axis, ...], dict[str, float]]:
+    """Return an axis for each distribution of the gear's file, of settings, and of a set of inputs, and their
+    correlations.
 
     Args:
         gear: tables of the gear's file.
@@ -114,9 +124,14 @@ def uncertain_axes(
         others: axes of the study's own tables, whose parameters are left to them.
 
     Raises:
-        InputError: a distribution that cannot be, or no such set.
+        InputError: a distribution that cannot be, no such set, or samples of a fit.
     """
     own = carried(gear, settings)
+    if own.posterior:
+        raise InputError(
+            f"the gear's file has a table {POSTERIOR}, from which run --band and check draw, but no study; "
+            "leave it out, or give distributions."
+        )
     given = {path for axis in others for path in (*axis.paths, *axis.along)}
     nominal = SteeringGear.from_tables(gear, settings)
     found = uncertain_inputs(nominal, inputs, own, bool(others))
@@ -128,4 +143,5 @@ def uncertain_axes(
             distribution = {"kind": each.kind, "numbers": [each.first, each.second]}
             name, shown = path, unit.display if unit else ""
             axes.append(Axis(name, (path,), shown, None, "sampled", distribution=distribution))
-    return tuple(axes)
+    pairs = {pair: value for pair, value in found.pairs.items() if not pair & given}
+    return tuple(axes), {", ".join(sorted(pair)): value for pair, value in pairs.items()}

@@ -32,9 +32,10 @@ import numpy as np
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import reached
 from rps_exudyn.base.units import short, shown, to_si
+from rps_exudyn.inference.uncertainty.joint import correlated, read_pairs
 from rps_exudyn.parameters.declaration import read_toml
 from rps_exudyn.parameters.fidelity import PRESETS, Fidelity, preset_table
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import CORRELATION, SteeringGear
 from rps_exudyn.results.block import Keep
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes import SCENE_NAMES, scene_named
@@ -45,8 +46,9 @@ from rps_exudyn.study.designs import ends, uncertain_axes
 from rps_exudyn.study.toml_keys import Keys
 
 MODEL_KEYS = ("scene", "gear", "fidelity", "accuracy", "set")
-DESIGN_KEYS = ("axis", "design", "samples", "seed", "inputs")
+DESIGN_KEYS = ("axis", "design", "samples", "seed", "inputs", CORRELATION)
 KEYS = ("title", *MODEL_KEYS, *DESIGN_KEYS, "time_limit", "keep")
+CORRELATED_DESIGNS = ("latin-hypercube", "sobol", "random", UNCERTAIN_DESIGN)
 MOST_SAMPLES = 1_000_000
 MOST_PROBLEMS = 10  # of axes, reported at once
 
@@ -80,7 +82,7 @@ class _StudyKeys(Keys):
         design = self.choice(content, "design", DESIGNS, GRID_DESIGN)
         settings = self.flat(self.table(content, "set"), "set")
         gear = self.gear(content)
-        axes = self.axes(content, design, gear, settings)
+        axes, shared = self.axes(content, design, gear, settings)
         model = self.cheapest if "accuracy" in content else self.fidelity
         fidelity = model(content, gear, settings)
         return Study(
@@ -96,6 +98,7 @@ class _StudyKeys(Keys):
             time_limit=self.time_limit(content),
             keep=self.keep(self.table(content, "keep")),
             blocks=self.blocks(self.table(content, "keep")),
+            correlation=self.correlation(content, design, axes, shared),
         )
 
     def scene(self, content: Mapping[str, Any]) -> str:
@@ -107,8 +110,9 @@ class _StudyKeys(Keys):
         design: str,
         gear: Mapping[str, Any],
         settings: Mapping[str, Any],
-    ) -> tuple[Axis, ...]:
-        """The axes of the file's own tables; an uncertain design adds one for each uncertain parameter."""
+    ) -> tuple[tuple[Axis, ...], Mapping[str, float]]:
+        """The axes of the file's own tables; an uncertain design adds one for each uncertain parameter, and
+        what these share."""
         if "inputs" in content and design != UNCERTAIN_DESIGN:
             self.wrong("inputs", f"has no meaning for the design {design}; it is for {UNCERTAIN_DESIGN}.")
         uncertain = design == UNCERTAIN_DESIGN
@@ -117,11 +121,31 @@ class _StudyKeys(Keys):
             axes = read_axes(self, content.get("axis", []), design == GRID_DESIGN)
             check_twice(self, axes, settings)
         if not uncertain or self.problems:
-            return axes
+            return axes, {}
         of_gear = {path: value for path, value in settings.items() if not path.startswith(FIDELITY)}
         with self.gathering():
-            return axes + uncertain_axes(gear, of_gear, self.text(content, "inputs", ""), axes)
-        return axes
+            others, shared = uncertain_axes(gear, of_gear, self.text(content, "inputs", ""), axes)
+            return axes + others, shared
+        return axes, {}
+
+    def correlation(
+        self, content: Mapping[str, Any], design: str, axes: tuple[Axis, ...], shared: Mapping[str, float]
+    ) -> dict[str, float]:
+        """ "axis, axis" -> correlation, of the file before that of what the axes share."""
+        if CORRELATION in content and design not in CORRELATED_DESIGNS:
+            allowed = ", ".join(CORRELATED_DESIGNS)
+            self.wrong(CORRELATION, f"has no meaning for the design {design}; it is for {allowed}.")
+        problems: list[str] = []
+        own = read_pairs(content.get(CORRELATION, {}), CORRELATION, problems)
+        pairs = read_pairs(shared, CORRELATION, problems) | own
+        names = [axis.name for axis in axes]
+        for name in {name for pair in own for name in pair} - set(names):
+            self.wrong(CORRELATION, f"names {name}, which is no axis; there are {', '.join(names)}.")
+        self.problems += [f"{self.file}: {problem}" for problem in problems]
+        if not self.problems:
+            with self.gathering():
+                correlated(np.full((1, len(names)), 0.5), names, pairs)
+        return {", ".join(sorted(pair)): value for pair, value in pairs.items()}
 
     def fidelity(
         self, content: Mapping[str, Any], gear: Mapping[str, Any], settings: Mapping[str, Any]

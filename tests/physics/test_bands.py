@@ -1,24 +1,29 @@
 """Bands: distributions, quantiles with their errors, contributions, and the quick band against runs."""
 
+import re
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.stats import qmc
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.inference.uncertainty import band as band_module
 from rps_exudyn.inference.uncertainty.band import Band, band_of_runs
 from rps_exudyn.inference.uncertainty.input_sets import SETS, carried, uncertain_inputs
-from rps_exudyn.inference.uncertainty.quick_band import quick_band
+from rps_exudyn.inference.uncertainty.joint import correlated
+from rps_exudyn.inference.uncertainty.quick_band import formula_torques, quick_band
 from rps_exudyn.inference.uncertainty.samples import Samples
 from rps_exudyn.inference.uncertainty.statistics import LEVELS, contributions, quantiles
 from rps_exudyn.parameters.distribution import KINDS, Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import CORRELATION, POSTERIOR, SteeringGear
 from rps_exudyn.results.outcome import Interrupted
 from rps_exudyn.simulate.cases.run_cases import Answer, Task, run_cases
+from rps_exudyn.solvers.closed_form import mean_state
 
 FORMULA = Fidelity.preset("closed-form")
 EQUILIBRIA = Fidelity.preset("quasi-static").replace({"step_angle": "2 deg"})
@@ -77,7 +82,7 @@ def test_quantiles_of_all_lie_between_the_worst_cases_of_failed_samples(lost: tu
 def test_contributions_of_a_sum_and_of_a_product() -> None:
     """a^2 / sum a^2 for a sum; a product of two centred inputs has none alone."""
     u = Samples.drawn({str(i): Distribution("uniform", 0, 1) for i in range(4)}, 1024, 3).quantile
-    x, names = 2 * u - 1, ["a", "b", "c", "d"]
+    x, names = 2 * u - 1, {name: [i] for i, name in enumerate("abcd")}
     added = contributions(u, 3 * x[:, 0] + 2 * x[:, 1] ** 3 + x[:, 2], names)
     variances = np.array([9 / 3, 4 / 7, 1 / 3])
     assert added is not None
@@ -160,6 +165,104 @@ def test_own_values_and_distributions_come_before_a_series() -> None:
     assert "pinion.runout" not in found  # the gear has one
     assert found["yoke.preload"].nominal == pytest.approx(200)
     assert found["mesh.friction"] == own["mesh.friction"]
+
+
+TEETH, PLUNGER = "mesh.friction", "yoke.friction"
+FRICTIONS = {"mesh": {"friction": "uniform(0.05, 0.15)"}, "yoke": {"friction": "uniform(0.05, 0.15)"}}
+
+
+def drawn_torques(correlation: object, count: int = 400) -> np.ndarray:
+    tables = FRICTIONS | ({} if correlation is None else {CORRELATION: {f"{TEETH}, {PLUNGER}": correlation}})
+    points = Samples.drawn(uncertain_inputs(SteeringGear(), "own", carried(tables, {})), count, seed=4)
+    return formula_torques(SteeringGear(), points)
+
+
+def test_inputs_as_one_have_the_width_of_the_closed_form() -> None:
+    """The free torque is a sum of both frictions: as one its ends are those of both at their ends, one way
+    (1) or the other (-1); independent, its variance is the sum of both."""
+    gear = SteeringGear()
+
+    def torque(teeth: float, plunger: float) -> float:
+        return mean_state(gear.replace({TEETH: teeth, PLUNGER: plunger}), 1, 0.0).torque
+
+    for value, ends in (("as one", ((0.05, 0.05), (0.15, 0.15))), (-1, ((0.05, 0.15), (0.15, 0.05)))):
+        low, high = sorted(torque(*each) for each in ends)
+        found = np.quantile(drawn_torques(value), (0.05, 0.95))
+        # points of a hypercube: one in each four hundredth; the formula bends by less than a percent
+        expected = low + (high - low) * np.array([0.05, 0.95])
+        assert found == pytest.approx(expected, abs=0.02 * (high - low))
+    parts = [torque(0.15, 0.1) - torque(0.05, 0.1), torque(0.1, 0.15) - torque(0.1, 0.05)]
+    for r in (None, 0.5):
+        # the correlation of uniform inputs whose normal scores have 0.5 is 6 / pi asin(0.25) = 0.483
+        cross = 0.0 if r is None else 2 * 6 / np.pi * np.arcsin(r / 2) * parts[0] * parts[1]
+        variance = (parts[0] ** 2 + parts[1] ** 2 + cross) / 12
+        assert np.var(drawn_torques(r, 4000)) == pytest.approx(variance, rel=0.06)  # 3 / sqrt(4000)
+
+
+def test_independent_inputs_are_drawn_as_ever() -> None:
+    """A correlation of 0, and inputs beside correlated ones, leave the hypercube as it is."""
+    inputs = carried(FRICTIONS | {"bush": {"drag": "20 N +- 2 N"}}, {})
+    plain = qmc.LatinHypercube(3, rng=np.random.default_rng(7)).random(32)
+    assert np.array_equal(Samples.drawn(inputs, 32, 7).quantile, plain)
+    pair = frozenset((TEETH, PLUNGER))
+    assert np.array_equal(Samples.drawn(replace(inputs, pairs={pair: 0.0}), 32, 7).quantile, plain)
+    moved = Samples.drawn(replace(inputs, pairs={pair: 0.5}), 32, 7).quantile
+    changed = [i for i in range(3) if not np.array_equal(moved[:, i], plain[:, i])]
+    assert [list(inputs)[i] for i in changed] == [TEETH if list(inputs).index(TEETH) > 0 else PLUNGER]
+
+
+def test_teeth_and_plunger_share_a_grease_unless_the_file_says_otherwise() -> None:
+    gear, pair = SteeringGear(), frozenset((TEETH, PLUNGER))
+    for name in ("series", "unknown"):
+        assert uncertain_inputs(gear, name, {}).pairs == {pair: 0.5}
+        without = carried({CORRELATION: {f"{TEETH}, {PLUNGER}": 0}}, {})
+        assert uncertain_inputs(gear, name, without).pairs == {pair: 0.0}
+    assert uncertain_inputs(gear, None, carried(FRICTIONS, {})).pairs == {}
+
+
+def test_inputs_that_vary_together_have_one_contribution() -> None:
+    """As one, the share of both is that of their sum; beside it the drag's."""
+    tables = FRICTIONS | {
+        "bush": {"drag": "uniform(0 N, 40 N)"},
+        CORRELATION: {f"{TEETH},{PLUNGER}": "as one"},
+    }
+    points = Samples.drawn(uncertain_inputs(SteeringGear(), None, carried(tables, {})), 512, seed=2)
+    torques = formula_torques(SteeringGear(), points)
+    found = contributions(points.quantile, torques, points.inputs.groups)
+    assert found is not None
+    drag = np.var(0.0055747 * points.values["bush.drag"])
+    assert found.fractions["bush.drag"] == pytest.approx(drag / np.var(torques), abs=0.01)
+    assert sum(found.fractions.values()) == pytest.approx(1, abs=0.01)
+    assert len(found.fractions) == 2
+
+
+@pytest.mark.parametrize(
+    ("tables", "said"),
+    [
+        ({CORRELATION: 5}, "correlation is 5; it must be a table"),
+        ({CORRELATION: {TEETH: 0.5}}, "a correlation names two inputs"),
+        ({CORRELATION: {f"{TEETH}, {PLUNGER}": 1.5}}, 'is 1.5; it must be from -1 to 1, or "as one"'),
+        ({CORRELATION: {f"{TEETH}, bush.drag": 0.5}}, "names bush.drag, which does not vary"),
+        ({POSTERIOR: {"yoke.preload": [300.0, "a"]}}, "must be a list of at least 16 numbers"),
+        ({POSTERIOR: {"yoke.preloads": [300.0] * 20}}, "yoke.preloads, which is no parameter"),
+        (
+            {POSTERIOR: {"yoke.preload": [310.0, *range(290, 320)]}},
+            "yoke.preload is 300 N, but 310 N in the table",
+        ),
+    ],
+)
+def test_wrong_tables_of_what_varies_together(tables: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError, match=re.escape(said)):
+        uncertain_inputs(SteeringGear(), None, carried(FRICTIONS | tables, {}))
+
+
+def test_correlations_that_cannot_be_together_are_refused() -> None:
+    names = [TEETH, PLUNGER, "bush.drag"]
+    pairs = {
+        frozenset(each): value for each, value in zip(combinations(names, 2), (0.9, 0.9, -0.9), strict=True)
+    }
+    with pytest.raises(InputError, match="cannot be together"):
+        correlated(np.full((4, 3), 0.3), names, pairs)
 
 
 @pytest.fixture(scope="module")

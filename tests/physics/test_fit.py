@@ -23,15 +23,20 @@ from benchmarks.measured_fit import (
     true_gear,
     true_level,
 )
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.cli.options import GearOptions
 from rps_exudyn.inference.fitting.bench_tests import BenchTest, measurement_of
-from rps_exudyn.inference.fitting.findings import fit_as_dict, open_sentences
+from rps_exudyn.inference.fitting.findings import fit_as_dict, gear_text, open_sentences
 from rps_exudyn.inference.fitting.fit import fit
 from rps_exudyn.inference.fitting.fitted import Estimate, Fit, shape_claims, with_others
 from rps_exudyn.inference.fitting.identifiability import LevelData, advice_of, more_runs
 from rps_exudyn.inference.fitting.nonlinear import OtherEnd
 from rps_exudyn.inference.fitting.series import read_series, write_series
 from rps_exudyn.inference.fitting.unknowns import LEVEL, NUISANCES, USUAL
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
+from rps_exudyn.inference.uncertainty.quick_band import formula_torques
+from rps_exudyn.inference.uncertainty.samples import Samples
+from rps_exudyn.parameters.gear import SteeringGear, gear_file
 from rps_exudyn.results.judged_row import Verdict
 from rps_exudyn.solvers.closed_form import GRAVITY
 from verification.made_up_curves import REAL, BenchNoise, measured_curve, true_curve, with_noise
@@ -322,3 +327,42 @@ def test_teeth_and_runout_under_a_weight_are_no_outliers() -> None:
     found = fit(measurement_of(files), other_law=False)
     assert found.converged
     assert found.estimate("yoke.preload").value == pytest.approx(350.0, rel=0.02)
+
+
+def test_samples_of_a_fit_are_its_intervals(tmp_path: Path) -> None:
+    """Written and read again, the samples have the interval of each parameter (2 %: 512 samples), and the
+    band of the torque is that of the measured level, of normal tails instead of Student's t, though each
+    parameter alone is known ten times worse."""
+    found = free_fit()
+    file = tmp_path / "fitted.toml"
+    file.write_text(gear_text(found, gear_file(found.gear)), "utf-8")
+    options = GearOptions(gear=file)
+    gear, inputs = options.load(), uncertain_inputs(options.load(), None, options.carried())
+    assert set(inputs) == {*LEVEL, "pinion.runout", "pinion.runout_angle"}
+    for path in LEVEL:
+        each = found.estimate(path)
+        ends = np.log(np.quantile(inputs[path].values, (0.025, 0.975)))  # type: ignore[attr-defined]
+        assert ends[1] - ends[0] == pytest.approx(np.log(each.interval[1] / each.interval[0]), rel=0.08)
+    torques = formula_torques(gear, Samples.drawn(inputs, 512, seed=1))
+    assert found.level is not None
+    half = 1.96 * float(found.ended.levels.model.rows.covariance[0, 0]) ** 0.5
+    low, middle, high = np.quantile(torques, (0.025, 0.5, 0.975))
+    assert (high - low) / 2 / middle == pytest.approx(half / found.level.value, rel=0.1)
+    assert middle == pytest.approx(found.level.value, rel=0.01)
+    # P e is measured: preload and runout vary against each other
+    stored = inputs["pinion.runout"].values * np.array(inputs["yoke.preload"].values)  # type: ignore[attr-defined]
+    assert found.runout is not None
+    assert np.quantile(stored, 0.975) == pytest.approx(found.runout.stored_interval[1], rel=0.03)
+
+
+def test_samples_of_a_gear_that_was_changed_are_refused(tmp_path: Path) -> None:
+    """A value given by --set replaces its samples."""
+    found = free_fit()
+    file = tmp_path / "fitted.toml"
+    changed = found.gear.replace({"yoke.preload": "400 N"})
+    file.write_text(gear_text(found, gear_file(changed)), "utf-8")
+    options = GearOptions(gear=file)
+    with pytest.raises(InputError, match=r"yoke\.preload is 400 N, but .* in the table posterior"):
+        uncertain_inputs(options.load(), None, options.carried())
+    options = GearOptions(gear=file, settings=("yoke.preload=410 N",))
+    assert "yoke.preload" not in uncertain_inputs(options.load(), None, options.carried())

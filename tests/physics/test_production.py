@@ -18,8 +18,7 @@ from rps_exudyn.inference.fitting.production import (
 )
 from rps_exudyn.parameters.gear import SteeringGear
 from shell import Command
-from verification.bench_curves import BenchGear, bench_record
-from verification.made_up_curves import BenchNoise, with_noise
+from verification.bench_curves import folder_of
 
 MEAN, SCATTER, OWN = 0.65, 0.07, 0.02
 
@@ -30,19 +29,6 @@ def drawn(seed: int, count: int = 60, scatter: float = SCATTER, slope: float = 0
     true = MEAN * (1 + scatter * random.standard_normal(count) + slope * np.linspace(-0.5, 0.5, count))
     levels = true * (1 + OWN * random.standard_normal(count))
     return [MeasuredGear(f"{i}", float(each), OWN * float(each), None) for i, each in enumerate(levels)]
-
-
-def folder_of(path: Path, count: int, spacing: float = 1.0) -> Path:
-    """A folder with the curve of each gear."""
-    random = np.random.default_rng(4)
-    noise = BenchNoise(white=0.02, repeatability=0.02)
-    for number in range(1, count + 1):
-        gear = BenchGear(preload=350 * (1 + SCATTER * random.standard_normal()))
-        record = with_noise(bench_record(gear, spacing), noise, random)
-        table = np.column_stack([np.degrees(record["pinion_angle"]), record["value"]])
-        head = "angle [deg],torque [N m]"
-        np.savetxt(path / f"gear{number}.csv", table, "%.5f", delimiter=",", header=head, comments="")
-    return path
 
 
 def test_the_scatter_between_gears_is_found_without_that_of_the_measurement() -> None:
@@ -102,6 +88,8 @@ def test_the_command_judges_a_folder_and_names_what_it_cannot_read(command: Comm
         "0.5 N*m to 0.8 N*m",
         "--out",
         "line.csv",
+        "--plot",
+        "drift.svg",
         "--jobs",
         "1",
     ]

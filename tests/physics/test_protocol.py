@@ -1,6 +1,7 @@
 """The predictions on the page of the measuring protocol: those of the closed form at drawn gears."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +27,8 @@ def predicted(test: str, way: str) -> list[float]:
     at = 0 if way == "forth" else 1
     found = [formula_means(gear, bench)[at]]
     for kind in ("series", "unknown"):
-        inputs = {path: each for path, each in uncertain_inputs(gear, kind, {}).items() if path in LEVEL}
+        joint = uncertain_inputs(gear, kind, {})
+        inputs = replace(joint, each={path: each for path, each in joint.items() if path in LEVEL})
         points = Samples.drawn(inputs, SAMPLES, seed=1)
         values = [formula_means(gear.replace(point), bench)[at] for point in points.settings()]
         found += np.quantile(values, [0.05, 0.95]).tolist()

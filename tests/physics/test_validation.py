@@ -11,10 +11,15 @@ from rps_exudyn.assessment.validation.compared_rows import (
     Simulated,
     compare_rows,
     compared_row,
+    predictions,
     verdict,
     verdict_on_limit,
 )
 from rps_exudyn.assessment.validation.row import SHIPPED, read_rows
+from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
+from rps_exudyn.inference.uncertainty.quick_band import formula_torques
+from rps_exudyn.inference.uncertainty.samples import Samples
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.judged_row import Verdict
 from shell import Command
 
@@ -41,11 +46,61 @@ def test_verdict(error: float, uncertainty: float, allowed: float, expected: Ver
 
 
 @pytest.mark.parametrize("side", [1, -1])
-def test_limits_exclude_gross_errors_only(side: int) -> None:
-    """A limit that is kept is no agreement; both sides are alike."""
-    assert verdict_on_limit(-side * 0.5, 0.1, side) is Verdict.WEAK
-    assert verdict_on_limit(side * 0.15, 0.1, side) is Verdict.NOISE
-    assert verdict_on_limit(side * 0.5, 0.1, side) is Verdict.DISAGREES
+def test_limits_are_judged_by_the_share_of_gears_that_keep_them(side: int) -> None:
+    """A limit that is kept is no agreement; one that every gear keeps by far judges nothing."""
+    near, far = 0.8**side, 0.4**side
+    for kept, ratio, expected in (
+        ((1.0, 1.0), near, Verdict.WEAK),
+        ((1.0, 1.0), far, Verdict.KEPT_BY_ANY),
+        ((0.96, 0.96), far, Verdict.WEAK),
+        ((0.5, 0.5), near, Verdict.NOISE),
+        ((0.04, 0.04), 1.2**side, Verdict.DISAGREES),
+        ((0.7, 1.0), far, Verdict.NOISE),  # failed samples decide
+        ((0.0, 0.3), 1.2**side, Verdict.NOISE),
+        ((0.0, 0.0), float("nan"), Verdict.NOT_COMPARABLE),
+    ):
+        assert verdict_on_limit(kept, ratio, side) is expected
+    found = Simulated(1.0, 0.0, 0.1, 0.8, 1.2, drawn=(0.8, 0.9, 1.0, 1.2))
+    assert found.keeping(1, 0.95) == (0.5, 0.5)
+    assert found.keeping(-1, 0.85) == (0.75, 0.75)
+    assert replace(found, drawn=(0.8, float("nan"), 1.0, 1.2)).keeping(1, 0.95) == (0.25, 0.5)
+    assert Simulated(1.0, 0.0, 0.0, 1.0, 1.0).keeping(1, 0.9) == (0.0, 0.0)
+
+
+def test_a_number_held_against_many_manuals_is_one_prediction() -> None:
+    """It counts by its worst row; calibrated rows, limits that any gear keeps and gears with seals do not."""
+    one = _simulated(0.0, 0.1)
+    rows = [ROWS[name] for name in ("tacoma-rotation", "suzuki-rotation", "accent-rotation")]
+    wrong = replace(rows[0], data=replace(rows[0].data, value=2.0, uncertainty=0.01))
+    others = [ROWS[name] for name in ("note-on-centre", "celica-rotation", "legacy-rotation")]
+    compared = [compared_row(row, one) for row in (*rows, wrong, *others)]
+    (group,) = predictions(compared)
+    assert sorted(each.name for each in group) == sorted([wrong.name, *(row.name for row in rows)])
+    assert group[0].verdict is Verdict.DISAGREES
+    assert all(each.verdict is not Verdict.DISAGREES for each in group[1:])
+    assert [each.verdict for each in compared[4:]] == [
+        Verdict.CALIBRATED,
+        Verdict.NOT_COMPARABLE,
+        Verdict.NOT_COMPARABLE,
+    ]
+    assert len(predictions([*compared, compared_row(rows[0], replace(one, value=1.5))])) == 2
+
+
+def test_the_set_unknown_is_centred_on_the_rows_that_it_names() -> None:
+    """Its median torque is the geometric mean of the middles of their ranges within 3 %."""
+    gear, named = SteeringGear(), [row for row in ROWS.values() if row.calibrates]
+    inputs = uncertain_inputs(gear, "unknown", {})
+    torques = formula_torques(gear, Samples.drawn(inputs, 1024, seed=2))
+    wanted = np.exp(np.mean([np.log(row.data.value) for row in named]))
+    assert np.median(torques) == pytest.approx(wanted, rel=0.03)
+
+
+def test_no_row_of_a_gear_with_seals_is_counted() -> None:
+    """Whether it fits or not: torques and forces of gears with hydraulic assistance."""
+    forces = {"torque_mean", "torque_on_centre", "torque_off_centre_max", "push_force_mean"}
+    for row in ROWS.values():
+        seals = "ydraulic assistance" in row.note + row.not_comparable
+        assert not (seals and row.data.quantity in forces and not row.not_comparable), row.name
 
 
 def test_uncertainty_is_the_root_of_the_sum_of_squares() -> None:
@@ -112,7 +167,7 @@ def test_equal_procedures_run_once_and_rows_share_their_band(tmp_path: Path) -> 
     assert told == [(1, 2), (2, 2)]
     assert (first.value, first.low, first.high) == (second.value, second.low, second.high)
     assert first.u_input == pytest.approx(0.1 * 0.45, rel=0.2)  # of the share of the preload
-    assert second.verdict is Verdict.WEAK
+    assert second.verdict is Verdict.KEPT_BY_ANY  # at 41 % of the limit
     assert third.verdict is Verdict.NOT_COMPARABLE
     assert "yokenut" in third.remark
     assert np.isnan(third.error)

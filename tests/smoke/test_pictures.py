@@ -26,6 +26,7 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.study.case_blocks import load
 from rps_exudyn.study.definition import Axis
+from verification.bench_curves import folder_of
 
 ROOT = Path(__file__).parents[2]
 MADE_UP = ROOT / "studies" / "examples" / "measured"
@@ -160,6 +161,10 @@ def fits(album: Album) -> None:
     written = ("--single-law", "--plot", "fit.png", "--report", "fit.html")
     for files in ((free, without), ("spiked.csv",), (without, "--free", "bush.drag")):
         do(album, "fit", *files, *written)
+    Path("line").mkdir()
+    folder_of(Path("line"), 6, 4.0)
+    for more in ((), ("--tolerance", "0.5 N*m to 0.9 N*m")):
+        do(album, "fit", "--batch", "line", "--plot", "drift.png", *more)
 
 
 def validations(album: Album) -> None:

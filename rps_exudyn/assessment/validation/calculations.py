@@ -75,15 +75,16 @@ def bar_frequency(plane: float, number: float) -> float:
     return float(np.sort(modes.frequencies[modes.plane == int(plane)])[int(number) - 1] / (2 * np.pi))
 
 
-def load_test_half_sum(mass: float) -> float:
-    """Return (torque raising + torque holding) / 2 of the default gear by equilibria [N m]."""
-    test = _load_test(mass)
+def load_test_half_sum(mass: float, guided: float = 0) -> float:
+    """Return (torque raising + torque holding) / 2 of the default gear by equilibria [N m], law line, whose
+    forces are those of the closed form; its rack is free, or `guided` (1)."""
+    test = _load_test(mass, guided)
     return (test.torque_forward + test.torque_reverse) / 2
 
 
-def load_test_half_difference(mass: float) -> float:
-    """Return (torque raising - torque holding) / 2 over the free torque, by equilibria."""
-    test = _load_test(mass)
+def load_test_half_difference(mass: float, guided: float = 0) -> float:
+    """Return (torque raising - torque holding) / 2 over the free torque, by equilibria, likewise."""
+    test = _load_test(mass, guided)
     return (test.torque_forward - test.torque_reverse) / 2 / test.free_torque
 
 
@@ -103,9 +104,10 @@ def dynamics_over_equilibria() -> float:
     return moving / still
 
 
-def _load_test(mass: float) -> LoadTest:
-    gear = SteeringGear().replace({"test.load_mass": mass, "test.turns": 1 / 3})
-    found = simulate(LOAD_TEST.name, gear, Fidelity.preset("quasi-static")).summary
+def _load_test(mass: float, guided: float) -> LoadTest:
+    gear = SteeringGear().replace({"test.load_mass": mass, "test.turns": 1 / 3, "mesh.law": "line"})
+    fidelity = Fidelity.preset("quasi-static").replace({"rack": "guided"} if guided else {})
+    found = simulate(LOAD_TEST.name, gear, fidelity).summary
     return LoadTest(1.0, 1.0, found["torque_forward"], found["torque_reverse"], found["free_torque"])
 
 

@@ -25,6 +25,11 @@ from rps_exudyn.simulate.cases.run_cases import Task, run_cases
 from rps_exudyn.simulate.run import simulate
 
 COVERAGE = 2.0  # standard uncertainties that are 95 %
+SURE = 0.95  # share of the gears that keep a limit
+FAR_FROM_LIMIT = 0.5  # of a limit: where every gear is below, it excludes nothing
+SAME = 0.01  # of a number: two of one procedure that are nearer are one prediction
+COUNTED = (Verdict.AGREES, Verdict.NOISE, Verdict.WEAK, Verdict.DISAGREES)
+"""Verdicts on rows that judge a prediction, from the best to the worst."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +42,14 @@ class Simulated:
     low: float  # 5 % of the band; the value without one
     high: float  # 95 %
     message: str = ""
+    drawn: tuple[float, ...] = ()  # numbers of the gears of a band; nan of those that failed
+
+    def keeping(self, side: int, limit: float) -> tuple[float, float]:
+        """Least and greatest share of the gears at most (`side` +1) or at least (-1) at the limit; failed
+        ones may be or not. Of one gear 0 or 1."""
+        numbers = np.array(self.drawn or (self.value,))
+        kept, failed = np.mean(side * (limit - numbers) >= 0), np.mean(~np.isfinite(numbers))
+        return float(kept), float(kept + failed)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,6 +61,20 @@ class ComparedRow(JudgedRow):
     u_input: float
     error: float  # E = S - D
     uncertainty: float  # u_val
+    kept: tuple[float, float] | None  # least and greatest share of the gears that keep a limit
+
+    @property
+    def kept_shown(self) -> str:
+        """The share for a reader; "" of rows without a limit or a number."""
+        if self.kept is None or not self.is_known:
+            return ""
+        least, most = self.kept
+        return f"kept by {least:.0%}" if least == most else f"kept by {least:.0%} to {most:.0%}"
+
+    @property
+    def counts(self) -> bool:
+        """Whether the row judges a prediction."""
+        return self.verdict in COUNTED
 
     def as_dict(self) -> dict[str, Any]:
         """Return the row for a JSON file, which has no nan: None stands for what is missing."""
@@ -70,6 +97,7 @@ class ComparedRow(JudgedRow):
             "u_input": self.u_input,
             "u_D": data.uncertainty,
             "u_val": self.uncertainty,
+            "kept": self.kept and list(self.kept),
             "agreement": self.row.agreement,
             "verdict": self.verdict.value,
             "message": self.remark,
@@ -82,10 +110,13 @@ def compared_row(row: ValidationRow, found: Simulated) -> ComparedRow:
     data = row.data
     error = found.value - data.value
     uncertainty = float(np.hypot(np.hypot(found.u_num, found.u_input), data.uncertainty))
+    kept = found.keeping(data.side, data.value) if data.side else None
     if row.not_comparable:
         judged = Verdict.NOT_COMPARABLE
-    elif data.side:
-        judged = verdict_on_limit(error, uncertainty, data.side)
+    elif row.calibrates:
+        judged = Verdict.CALIBRATED
+    elif kept is not None:
+        judged = verdict_on_limit(kept, found.value / data.value, data.side)
     else:
         judged = verdict(error, uncertainty, row.agreement * abs(data.value))
     return ComparedRow(
@@ -94,12 +125,13 @@ def compared_row(row: ValidationRow, found: Simulated) -> ComparedRow:
         low=found.low,
         high=found.high,
         verdict=judged,
-        remark=row.not_comparable or found.message,
+        remark=row.not_comparable or row.calibrates or found.message,
         row=row,
         u_num=found.u_num,
         u_input=found.u_input,
         error=error,
         uncertainty=uncertainty,
+        kept=kept,
     )
 
 
@@ -121,14 +153,43 @@ def verdict(error: float, uncertainty: float, allowed: float) -> Verdict:
     return Verdict.NOISE if size <= uncertainty else Verdict.WEAK
 
 
-def verdict_on_limit(error: float, uncertainty: float, side: int) -> Verdict:
-    """Judge a row that compares with a limit: S must be at most (`side` +1) or at least (-1) D."""
-    if not np.isfinite(error + uncertainty):
+def verdict_on_limit(kept: tuple[float, float], ratio: float, side: int) -> Verdict:
+    """Judge a row that compares with a limit, by the share of the gears that keep it.
+
+    Args:
+        kept: least and greatest share; samples that failed decide where the verdicts on both differ.
+        ratio: S over the limit.
+        side: +1: at most; -1: at least.
+    """
+    least, most = kept
+    if not np.isfinite(ratio):
         return Verdict.NOT_COMPARABLE
-    beyond = side * error
-    if abs(beyond) <= COVERAGE * uncertainty:
-        return Verdict.NOISE
-    return Verdict.DISAGREES if beyond > 0 else Verdict.WEAK
+    if least == 1 and ratio**side <= FAR_FROM_LIMIT:
+        return Verdict.KEPT_BY_ANY
+    if least >= SURE:
+        return Verdict.WEAK
+    return Verdict.DISAGREES if most <= 1 - SURE else Verdict.NOISE
+
+
+def predictions(comparisons: Sequence[ComparedRow]) -> list[list[ComparedRow]]:
+    """Return the rows that count, those of one predicted number together, the worst verdict first: one number
+    of one procedure is one prediction, whatever many manuals it is held against."""
+    found: dict[str, list[list[ComparedRow]]] = {}
+    for each in comparisons:
+        if not each.counts:
+            continue
+        of_procedure = found.setdefault(_key(each.row.procedure), [])
+        same = [group for group in of_procedure if abs(each.value - group[0].value) <= SAME * abs(each.value)]
+        if same:
+            same[0].append(each)
+        else:
+            of_procedure.append([each])
+    worst_first = list(reversed(COUNTED))
+    return [
+        sorted(group, key=lambda each: worst_first.index(each.verdict))
+        for groups in found.values()
+        for group in groups
+    ]
 
 
 def compare_rows(
@@ -138,7 +199,7 @@ def compare_rows(
 
     `on_progress` gets the number of procedures that are done, and of all.
     """
-    keys = [json.dumps(vars(row.procedure), sort_keys=True, default=dict) for row in rows]
+    keys = [_key(row.procedure) for row in rows]
     procedures = {key: row.procedure for key, row in zip(keys, rows, strict=True)}
     dearest_first = sorted(procedures, key=lambda key: -_expected(procedures[key]))
     tasks = {Task(partial(_outcome, procedures[key])): key for key in dearest_first}
@@ -152,6 +213,10 @@ def compare_rows(
         compared_row(row, found[key].get(row.data.quantity) or found[key].get("") or missing)
         for key, row in zip(keys, rows, strict=True)
     ]
+
+
+def _key(procedure: Procedure) -> str:
+    return json.dumps(vars(procedure), sort_keys=True, default=dict)
 
 
 def _expected(procedure: Procedure) -> float:
@@ -207,7 +272,8 @@ def _of_band(band: Band) -> dict[str, Simulated]:
     found = {}
     for name, each in band.figures.items():
         error = float(np.hypot(each.errors[MEDIAN], band.numerical.get(name, 0.0)))
-        found[name] = Simulated(each.median, error, each.standard, each.low, each.high, failed)
+        drawn = tuple(band.drawn.numbers[name].tolist())
+        found[name] = Simulated(each.median, error, each.standard, each.low, each.high, failed, drawn)
     return found
 
 

@@ -20,6 +20,7 @@ set = { "test.turns" = 1 }
 [criterion]
 agreement = "10 %"               # |E| over |D| up to which both agree
 not_comparable = "..."           # why S and D do not measure the same, if so
+calibrates = "..."               # what of the inputs was centred by this row, if so: then it judges nothing
 """
 
 from collections.abc import Mapping
@@ -43,7 +44,7 @@ KEYS = {
     "": ("title", "kind", "source", "note", "data", "procedure", "criterion"),
     "data": ("quantity", "unit", "value", "uncertainty", "low", "high", "most", "least"),
     "procedure": ("scene", "geometry", "calculation", "arguments", "fidelity", "inputs", "samples", "set"),
-    "criterion": ("agreement", "not_comparable"),
+    "criterion": ("agreement", "not_comparable", "calibrates"),
 }
 FORMS = (("value", "uncertainty"), ("low", "high"), ("most",), ("least",))
 SAMPLES = 32  # of a band, where none are given
@@ -89,6 +90,7 @@ class ValidationRow:
     procedure: Procedure
     agreement: float  # fraction of |D|
     not_comparable: str
+    calibrates: str
 
 
 def read_rows(folder: Path) -> list[ValidationRow]:
@@ -136,6 +138,7 @@ def read_row(file: Path) -> ValidationRow:
         procedure=procedure,
         agreement=reader.number(tables["criterion"], "criterion.agreement", ""),
         not_comparable=tables["criterion"].get("not_comparable", ""),
+        calibrates=tables["criterion"].get("calibrates", ""),
     )
     if reader.problems:
         raise InputError(reader.problems)

@@ -7,7 +7,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from rps_exudyn.assessment.validation.compared_rows import COVERAGE, ComparedRow
+from rps_exudyn.assessment.validation.compared_rows import COVERAGE, ComparedRow, predictions
 from rps_exudyn.assessment.validation.row import KINDS
 from rps_exudyn.pages.charts import style
 from rps_exudyn.pages.report.html import (
@@ -30,7 +30,17 @@ from rps_exudyn.pages.report.sheet import Row, rounded
 from rps_exudyn.results.judged_row import ON_COMPARISONS, Verdict
 from rps_exudyn.results.provenance import provenance
 
-COLUMNS = ("row", "D", "S (5 to 95 %)", "E", "u_num", "u_input", "u_D", "size of E / u_val", "verdict")
+COLUMNS = (
+    "row",
+    "D",
+    "S (5 to 95 %)",
+    "E",
+    "u_num",
+    "u_input",
+    "u_D",
+    "E / u_val, or gears that keep a limit",
+    "verdict",
+)
 TITLES = {
     "validation": "Validation: data of gears",
     "comparison": "Code to code: other programs and models",
@@ -46,6 +56,8 @@ PICTURE = "(simulated - measured) / measured of every row, with 95 % uncertainty
 HEADINGS = {
     Verdict.DISAGREES: "disagree",
     Verdict.WEAK: "weak",
+    Verdict.KEPT_BY_ANY: "kept by any gear",
+    Verdict.CALIBRATED: "calibrated",
     Verdict.NOT_COMPARABLE: "not comparable",
 }
 """Verdict -> its heading in the sheet; the others agree."""
@@ -54,6 +66,8 @@ COLOURS = {
     Verdict.NOISE: "#0072B2",
     Verdict.WEAK: "#8B939D",
     Verdict.DISAGREES: "#B84A00",
+    Verdict.KEPT_BY_ANY: "#C9CED4",
+    Verdict.CALIBRATED: "#CC79A7",
 }
 TICKS = (-100.0, -10.0, -1.0, 0.0, 1.0, 10.0, 100.0)
 LINEAR = 1.0  # percent, below which the axis is linear
@@ -66,9 +80,10 @@ def validation_article(comparisons: Sequence[ComparedRow], command: str) -> Arti
         comparisons: judged rows.
         command: that makes it again.
     """
-    counts = Counter(each.verdict for each in comparisons)
+    judged = predictions(comparisons)
+    counts = Counter(group[0].verdict for group in judged)
     agree = counts[Verdict.AGREES] + counts[Verdict.NOISE]
-    rows = [Row(f"{agree} of {len(comparisons)}", "comparisons with data from outside agree")]
+    rows = [Row(f"{agree} of {len(judged)}", "predictions agree with all their data from outside")]
     for verdict, heading in HEADINGS.items():
         titles = [each.row.title.partition(":")[0] for each in comparisons if each.verdict is verdict]
         if titles:
@@ -105,6 +120,8 @@ def _judged(each: ComparedRow) -> Judgement:
     title, _, what = each.row.title.partition(":")
     remark = each.remark if mark_of(each) is not Mark.KEPT else ""
     verdict = f"{each.verdict.value} · {published}"
+    if each.kept_shown:
+        verdict += f", {each.kept_shown}"
     return judgement(each, title, what.strip(), show, ends, verdict, remark, is_published=True)
 
 
@@ -118,7 +135,8 @@ def row_cells(each: ComparedRow) -> list[str]:
         return [each.row.title, shown, *[""] * 6, each.verdict.value]
     band = each.band_shown(show)
     uncertainties = [show(value) if value else "0" for value in (each.u_num, each.u_input, data.uncertainty)]
-    ratio = f"{abs(each.error) / each.uncertainty:.2g}" if each.uncertainty else ""
+    ratio = f"{abs(each.error) / each.uncertainty:.2g}" if each.uncertainty and not data.side else ""
+    ratio = each.kept_shown or ratio
     return [
         each.row.title,
         shown,

@@ -12,6 +12,7 @@ from rps_exudyn.inference.fitting.fitted import Estimate, Fit
 from rps_exudyn.inference.fitting.identifiability import MOST_RUNS, NARROWED, SEPARATING, WANTED
 from rps_exudyn.inference.fitting.level import LevelEstimate
 from rps_exudyn.inference.fitting.unknowns import LEVEL, declared
+from rps_exudyn.inference.uncertainty.joint import posterior_table
 from rps_exudyn.results.judged_row import Verdict
 from rps_exudyn.scenes.rack_on_rollers import SCENE as RACK_ON_ROLLERS
 from rps_exudyn.solvers.closed_form import mesh_torque_per_force, torque_per_preload
@@ -257,10 +258,12 @@ def fit_as_dict(fit: Fit) -> dict[str, Any]:
 
 
 def gear_text(fit: Fit, gear_file: str) -> str:
-    """The gear file with what its values rest on at its head."""
+    """The gear file with what its values rest on at its head, and the samples that bands take at its end."""
     said = [level_sentence(fit), *open_sentences(fit)]
     said += [f"{path} {value}: {verdict}" for path, value, _, _, verdict in rows(fit)]
     if not fit.converged:
         said.insert(0, "THE FIT DID NOT CONVERGE: these values are where it ended.")
     head = "".join(f"# {sentence}\n" for sentence in said if sentence)
-    return f"# Fitted to {', '.join(dict.fromkeys(each.name for each in fit.passes))}.\n{head}{gear_file}"
+    names = ", ".join(dict.fromkeys(each.name for each in fit.passes))
+    samples = posterior_table(fit.gear, fit.posterior) if fit.posterior else ""
+    return f"# Fitted to {names}.\n{head}{gear_file}{samples}"

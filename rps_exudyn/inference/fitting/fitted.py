@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from time import process_time
 
 import numpy as np
@@ -23,6 +24,7 @@ from rps_exudyn.inference.fitting.level import LevelEstimate, Runout, Wave, runo
 from rps_exudyn.inference.fitting.level_fit import LevelEnd, LevelFit, stepped
 from rps_exudyn.inference.fitting.noise import NORMAL
 from rps_exudyn.inference.fitting.nonlinear import OtherEnd, Solved, first_slopes
+from rps_exudyn.inference.fitting.posterior import SAMPLES, level_samples, runout_samples, shape_samples
 from rps_exudyn.inference.fitting.prediction import NoPredictionError
 from rps_exudyn.inference.fitting.problem import Problem, State, level_rows, linearised, white_noise
 from rps_exudyn.inference.fitting.series import Series, titles
@@ -139,7 +141,7 @@ class Fit:
         converged: whether the iteration reached its minimum.
         simulations: how many gears were simulated.
         cpu_s: CPU time [s].
-        problem: unknowns, measurement and priors of the fit.
+        ended: where the steps ended: unknowns, measurement, priors, covariance.
         series: what the fit of the next gear may begin with.
         refusals: why nothing counts as found although its interval is narrow.
 
@@ -173,7 +175,7 @@ class Fit:
     converged: bool
     simulations: int
     cpu_s: float
-    problem: Problem = field(repr=False)
+    ended: "Ended" = field(repr=False)
     series: Series = field(repr=False)
     refusals: tuple[Refusal, ...] = ()
 
@@ -187,6 +189,16 @@ class Fit:
             if each.path == path:
                 return each
         raise KeyError(path)
+
+    @property
+    def problem(self) -> Problem:
+        """The data and unknowns of the fit."""
+        return self.ended.problem
+
+    @cached_property
+    def posterior(self) -> dict[str, np.ndarray]:
+        """Path -> values (SAMPLES,) of what was fitted, as it varies together, SI; {} without an estimate."""
+        return _posterior(self) if self.converged else {}
 
     @property
     def left_out(self) -> tuple[str, ...]:
@@ -434,7 +446,7 @@ def outcome_of(ended: Ended, gear: SteeringGear, warnings: list[str], began: flo
         converged=converged,
         simulations=problem.prediction.simulations,
         cpu_s=process_time() - began,
-        problem=problem,
+        ended=ended,
         series=Series(
             gear.mesh.contact_law,
             tuple(each.path for each in problem.unknowns),
@@ -483,6 +495,28 @@ def level_data(problem: Problem, fitted: SteeringGear) -> LevelData:
     by_test = {test: logarithmic_slopes(fitted, test, paths) for test in dict.fromkeys(rows.tests)}
     slopes = np.array([way @ by_test[test] for test, way in zip(rows.tests, rows.ways, strict=True)])
     return LevelData(paths, slopes.T @ np.linalg.solve(rows.covariance, slopes))
+
+
+def _posterior(fit: Fit) -> dict[str, np.ndarray]:
+    """Samples of level, runout and, where it explains the curves, shape."""
+    ended, runout = fit.ended, fit.runout
+    laws = dict(zip([each.path for each in ended.problem.unknowns], ended.by_law, strict=True))
+    unknowns, end = list(ended.levels.model.unknowns), ended.levels.end
+    moved = np.array([laws.get(each.path, 0.0) for each in unknowns])
+    found = level_samples(ended.levels.model, end, moved)
+    if runout is not None:
+        preload = found.get("yoke.preload", np.full(SAMPLES, ended.gear.yoke.preload))
+        found |= runout_samples(runout, ended.gear.pinion.runout_angle, ended.offset[1], preload)
+    shaping = [
+        j
+        for j, each in enumerate(ended.problem.unknowns)
+        if not each.is_level and each.path != "pinion.runout"
+    ]
+    if ended.shape is not None and shaping and not unexplained(ended.problem, ended.shape):
+        covariance = np.linalg.inv(ended.shape.equations.information)[np.ix_(shaping, shaping)]
+        own = [ended.problem.unknowns[j] for j in shaping]
+        found |= shape_samples(own, ended.shape.state.u[shaping], covariance, ended.by_law[shaping])
+    return found
 
 
 def _more_runs(problem: Problem, levels: LevelFit, estimates: Sequence[Estimate]) -> MoreRuns | None:

@@ -97,6 +97,9 @@ class Band:
                 path: {"kind": each.kind, "numbers": [each.first, each.second]}
                 for path, each in self.inputs.items()
             },
+            "correlation": {
+                ", ".join(sorted(pair)): value for pair, value in self.drawn.samples.inputs.pairs.items()
+            },
             "samples": len(self.drawn.samples),
             "failures": dict(self.drawn.failures),
             "figures": {
@@ -319,7 +322,7 @@ def figure_quantiles(drawn: Drawn) -> dict[str, Quantiles]:
 
 def contributions_of(drawn: Drawn) -> dict[str, Contributions]:
     """Return the contributions to every figure for which there are enough samples."""
-    found, names = {}, list(drawn.samples.inputs)
+    found, groups = {}, drawn.samples.inputs.groups
     fitted: dict[bytes, Polynomials] = {}  # most figures are known of the same samples
     for name, numbers in drawn.numbers.items():
         known = np.isfinite(numbers)
@@ -327,7 +330,7 @@ def contributions_of(drawn: Drawn) -> dict[str, Contributions]:
             continue
         key = known.tobytes()
         if key not in fitted:
-            fitted[key] = Polynomials.at(drawn.samples.quantile[known], names)
+            fitted[key] = Polynomials.at(drawn.samples.quantile[known], groups)
         if each := fitted[key].contributions(numbers[known]):
             found[name] = each
     return found

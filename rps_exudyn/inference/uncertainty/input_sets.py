@@ -4,7 +4,8 @@
            practice allow; the gear's own values are not used
 `series`   gears of one drawing: scatter about the gear's own values
 
-A parameter that carries a distribution of its own keeps it. `own` takes these alone.
+A parameter that carries a distribution of its own keeps it. `own` takes these alone. In both sets teeth and
+plunger share a grease: their friction is correlated, unless the gear's file says otherwise.
 """
 
 from collections.abc import Mapping
@@ -16,9 +17,17 @@ from annotated_types import Ge, Gt, Le, Lt
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
+from rps_exudyn.inference.uncertainty.joint import (
+    JointInputs,
+    Pair,
+    check_pairs,
+    check_posterior,
+    read_pairs,
+    read_posterior,
+)
 from rps_exudyn.parameters.declaration import Declared
 from rps_exudyn.parameters.distribution import Distribution, is_distribution
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import CORRELATION, POSTERIOR, SteeringGear
 
 
 @dataclass(frozen=True)
@@ -55,7 +64,11 @@ TABLES = "bearing makers' tables of greased and dry liners"
 STANDARD = "ISO 6336-1 against measured stiffness"
 
 UNKNOWN = (
-    Input("yoke.preload", "uniform(200 N, 400 N)", "a maker's text names springs of 300 N; " + PRACTICE),
+    Input(
+        "yoke.preload",
+        "uniform(350 N, 700 N)",
+        MANUAL + " of gears assisted at the column: the median torque",
+    ),
     Input("yoke.friction", "uniform(0.03, 0.20)", TABLES),
     Input("mesh.friction", "uniform(0.05, 0.15)", "general engineering knowledge of greased steel"),
     Input("bush.drag", "uniform(10 N, 40 N)", PRACTICE),
@@ -91,10 +104,13 @@ SERIES = (
 SETS = {"unknown": UNKNOWN, "series": SERIES, "own": ()}
 """Name -> inputs; `own` has none but those that the gear carries."""
 
+GREASE: dict[Pair, float] = {frozenset(("mesh.friction", "yoke.friction")): 0.5}
+"""Correlation of the sets: one grease, but steel on steel and steel on plastic; an estimate."""
+
 
 def uncertain_inputs(
     gear: SteeringGear, inputs: str | None, own: Mapping[str, Distribution], may_be_none: bool = False
-) -> dict[str, Distribution]:
+) -> JointInputs:
     """Return path -> distribution: the gear's own, and those of a set for all other parameters.
 
     Args:
@@ -104,12 +120,13 @@ def uncertain_inputs(
         may_be_none: something else varies.
 
     Raises:
-        InputError: no such set, nothing that varies, or a distribution that leaves its parameter's limits.
+        InputError: no such set, nothing that varies, a distribution that leaves its parameter's limits, or
+            correlations of what does not vary.
     """
     inputs = inputs or ("own" if own or may_be_none else "series")
     if inputs not in SETS:
         raise InputError(f"the set of inputs is {inputs!r}; it must be one of {', '.join(SETS)}.")
-    found = dict(own)
+    joint, found = JointInputs.of(own), dict(own)
     for each in SETS[inputs]:
         if each.path not in own and (drawn := each.of(gear)) is not None:
             found[each.path] = drawn
@@ -119,9 +136,14 @@ def uncertain_inputs(
             '--set yoke.preload="300 N +- 30 N", or take the inputs of a set, series or unknown.'
         )
     declared = {item.path: item for item in SteeringGear.declared()}
-    if problems := [line for path, each in found.items() for line in outside(declared[path], each)]:
+    problems = [line for path, each in found.items() for line in outside(declared[path], each)]
+    for path, samples in joint.posterior.items():
+        problems += check_posterior(samples, declared[path], gear.value_at(path))
+    if problems := problems + check_pairs(joint.pairs, found):
         raise InputError(problems)
-    return found
+    shared = GREASE if SETS[inputs] else {}
+    usual = {pair: each for pair, each in shared.items() if not check_pairs({pair: each}, found)}
+    return JointInputs(found, usual | dict(joint.pairs))
 
 
 # --- The distributions that the parameters of a gear carry, in its file or in settings
@@ -129,16 +151,24 @@ def uncertain_inputs(
 _HOLDS = ((Gt, "gt", gt), (Ge, "ge", ge), (Lt, "lt", lt), (Le, "le", le))
 
 
-def carried(tables: Mapping[str, Any], settings: Mapping[str, Any]) -> dict[str, Distribution]:
-    """Return path -> distribution of the gear's parameters that have one; settings come before tables.
+def carried(tables: Mapping[str, Any], settings: Mapping[str, Any]) -> JointInputs:
+    """Return path -> distribution of the gear's parameters that have one, or samples of a posterior; settings
+    come before tables.
 
     Raises:
         InputError: distributions that cannot be, or that leave what their parameters allow (all at once).
     """
-    found, problems = {}, []
+    found: dict[str, Distribution] = {}
+    problems: list[str] = []
+    pairs = read_pairs(tables.get(CORRELATION, {}), CORRELATION, problems)
+    samples = read_posterior(tables.get(POSTERIOR, {}), problems)
+    if unknown := samples.keys() - {item.path for item in SteeringGear.declared() if item.unit is not None}:
+        problems.append(f"{POSTERIOR} has {', '.join(sorted(unknown))}, which is no parameter with a number.")
     for item in SteeringGear.declared():
         value = settings.get(item.path, _at(tables, item.path))
         if item.unit is None or not is_distribution(value):
+            if item.path in samples and item.path not in settings:
+                found[item.path] = samples[item.path]
             continue
         try:
             found[item.path] = Distribution.read(value, item.unit.si)
@@ -148,7 +178,7 @@ def carried(tables: Mapping[str, Any], settings: Mapping[str, Any]) -> dict[str,
         problems += outside(item, found[item.path])
     if problems:
         raise InputError(problems)
-    return found
+    return JointInputs(found, pairs)
 
 
 def outside(item: Declared, distribution: Distribution) -> list[str]:

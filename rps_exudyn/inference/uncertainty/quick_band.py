@@ -97,8 +97,8 @@ def quick_band(
     formula = formula_torques(gear, points)
     at_runs = done.drawn.numbers[FIGURE] / formula_torques(gear, done.drawn.samples)
     means, resampled = _corrected(done.drawn.samples.quantile, at_runs, points.quantile, formula)
-    found, names = contributions_of(done.drawn), list(inputs)
-    if (mean := contributions(points.quantile, means, names)) is not None:
+    found = contributions_of(done.drawn)
+    if (mean := contributions(points.quantile, means, points.inputs.groups)) is not None:
         found[FIGURE] = mean
     of_mean = quantiles(means, resampled=resampled)
     return Band(

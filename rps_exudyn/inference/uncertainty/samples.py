@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from rps_exudyn.inference.uncertainty.joint import JointInputs
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -21,16 +22,18 @@ TOGETHER = 256  # gears that are followed together at once
 class Samples:
     """Points drawn from the distributions of inputs."""
 
-    inputs: Mapping[str, Distribution]  # path -> distribution
+    inputs: JointInputs  # path -> distribution
     quantile: np.ndarray  # of each input at each point, 0 to 1, shape (n, inputs)
 
     @classmethod
     def drawn(cls, inputs: Mapping[str, Distribution], count: int, seed: int) -> "Samples":
-        """Draw a Latin hypercube: even in each input, and independent enough to separate the inputs."""
+        """Draw a Latin hypercube: even in each input, and independent enough to separate the inputs; then
+        let vary together what does (`JointInputs`)."""
         from scipy.stats import qmc  # loads in a second
 
         points = qmc.LatinHypercube(len(inputs), rng=np.random.default_rng(seed)).random(count)
-        return cls(inputs, points)
+        joint = JointInputs.of(inputs)
+        return cls(joint, joint.joined(points, seed))
 
     def __len__(self) -> int:
         return len(self.quantile)

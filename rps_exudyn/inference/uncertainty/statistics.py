@@ -1,5 +1,6 @@
 """Statistics of drawn numbers: quantiles with their errors, and the contribution of each input."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -79,7 +80,7 @@ def _at(known: np.ndarray, levels: np.ndarray, beyond: float) -> np.ndarray:
 # of each polynomial over u is the input's contribution (its first-order Sobol index), what no sum explains is
 # due to inputs acting together, and to what the polynomials cannot follow. Legendre polynomials are
 # orthogonal over u, so that variances are sums of squared coefficients; what chance adds to them is taken
-# off.
+# off. Inputs that vary together have one contribution, the variance of the sum of their polynomials.
 
 POINTS_PER_TERM = 8  # least
 HIGHEST_DEGREE = 3
@@ -98,22 +99,22 @@ class Contributions:
 class Polynomials:
     """Polynomials of single inputs at some points, to which any number of figures is fitted."""
 
-    names: list[str]  # of the inputs
+    groups: Mapping[str, Sequence[int]]  # name -> numbers of its inputs
     degree: int  # 0 where there are too few points
     terms: np.ndarray  # (n, 1 + inputs degree)
     inverse: np.ndarray  # of the terms, (1 + inputs degree, n)
 
     @classmethod
-    def at(cls, u: np.ndarray, names: list[str]) -> "Polynomials":
-        """From quantiles of the inputs, shape (n, inputs), independent and even over 0 to 1."""
+    def at(cls, u: np.ndarray, groups: Mapping[str, Sequence[int]]) -> "Polynomials":
+        """From quantiles of the inputs, shape (n, inputs), even over 0 to 1, of independent groups."""
         count, inputs = u.shape
         degree = min(HIGHEST_DEGREE, count // (POINTS_PER_TERM * inputs))
         columns = [_orthonormal(u[:, i], d) for i in range(inputs) for d in range(1, degree + 1)]
         terms = np.stack([np.ones(count), *columns], axis=1)
-        return cls(names, degree, terms, np.linalg.pinv(terms))
+        return cls(groups, degree, terms, np.linalg.pinv(terms))
 
     def contributions(self, numbers: np.ndarray) -> Contributions | None:
-        """Return what each input contributes to the variance; None for numbers that do not vary, or too few.
+        """Return what each group contributes to the variance; None for numbers that do not vary, or too few.
 
         Args:
             numbers: at the points, shape (n,), finite.
@@ -126,17 +127,32 @@ class Polynomials:
         left = scaled - self.terms @ coefficients
         noise = float(left @ left) / max(count - self.terms.shape[1], 1)
         chance = noise * (self.inverse[1:] ** 2).sum(axis=1)
-        each = (coefficients[1:] ** 2 - chance).reshape(-1, self.degree).sum(axis=1)
+        single = (coefficients[1:] ** 2 - chance).reshape(-1, self.degree).sum(axis=1)
+        each = np.array(
+            [
+                single[group[0]] if len(group) == 1 else self._together(group, coefficients, noise)
+                for group in self.groups.values()
+            ]
+        )
         each = np.maximum(each, 0.0)
         whole = float(each.sum()) + noise  # not the sample's variance, which chance correlations change
-        shares = zip(self.names, (each / whole).tolist(), strict=True)
+        shares = zip(self.groups, (each / whole).tolist(), strict=True)
         fractions = dict(sorted(shares, key=lambda pair: -pair[1]))
         return Contributions(fractions, noise / whole, float(2 * np.sqrt(self.degree * noise / count)))
 
+    def _together(self, group: Sequence[int], coefficients: np.ndarray, noise: float) -> float:
+        """Variance of the sum of a group's polynomials, without what chance adds."""
+        own = [1 + i * self.degree + d for i in group for d in range(self.degree)]
+        terms, inverse = self.terms[:, own], self.inverse[own]
+        chance = noise * float(np.sum((terms.T @ terms) * (inverse @ inverse.T))) / len(terms)
+        return float(np.var(terms @ coefficients[own])) - chance
 
-def contributions(u: np.ndarray, numbers: np.ndarray, names: list[str]) -> Contributions | None:
-    """Return what each input contributes to the variance of one figure, see `Polynomials`."""
-    return Polynomials.at(u, names).contributions(numbers)
+
+def contributions(
+    u: np.ndarray, numbers: np.ndarray, groups: Mapping[str, Sequence[int]]
+) -> Contributions | None:
+    """Return what each group of inputs contributes to the variance of one figure, see `Polynomials`."""
+    return Polynomials.at(u, groups).contributions(numbers)
 
 
 def _orthonormal(u: np.ndarray, degree: int) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Pictures of bands and fits.
+"""Pictures of bands, fits and production batches.
 
 A band: the scene's signal with its bands of 50 and 90 %, and the inputs that make them. A fit: measured
 curves both ways with the model and its band, residuals, parameters before and after.
@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 
 from rps_exudyn.analysis.passes import turning_points
 from rps_exudyn.inference.fitting.fitted import Fit, FittedPass
+from rps_exudyn.inference.fitting.production import Limits, Production
 from rps_exudyn.inference.fitting.unknowns import LEVEL
 from rps_exudyn.inference.uncertainty.band import Band
 from rps_exudyn.inference.uncertainty.statistics import LEVELS, Contributions
@@ -112,6 +113,47 @@ def _draw_contributions(figure: Figure, above: Axes, shares: Contributions) -> N
     axes.invert_yaxis()
     axes.spines[["top", "right"]].set_visible(False)
     axes.set_xlabel("share of the variance [%]")
+
+
+# --- A production batch
+
+
+def drift_figure(batch: Production, limits: Limits | None) -> Figure:
+    """The levels of all gears in their order with their intervals, and below their moving average with the
+    limits that 1 % of batches without drift exceed; `limits` of acceptance where a tolerance was given."""
+    figure, (levels, average) = style.panels([2.8, 2.4])
+    place, drift = np.arange(1, len(batch.gears) + 1), batch.drift
+    levels.errorbar(
+        place,
+        [each.level for each in batch.gears],
+        yerr=[WIDE * each.sd for each in batch.gears],
+        fmt="o",
+        markersize=3,
+        linewidth=0.8,
+        color=style.COLOURS["torque"],
+        label="a gear, 95 % of its measurement",
+    )
+    for end in (limits.low, limits.high) if limits else ():
+        if np.isfinite(end):
+            levels.axhline(end, **style.REFERENCE_LINE)
+    levels.set_ylabel("mean free torque\n[N m]")
+    average.fill_between(
+        place, drift.mean - drift.limit, drift.mean + drift.limit, label="limits", **style.BAND
+    )
+    average.axhline(drift.mean, **style.REFERENCE_LINE)
+    average.plot(place, drift.average, color=style.COLOURS["torque"], label="moving average")
+    if drift.alarms.size:
+        beyond, colour = drift.alarms, style.COLOURS["failure"]
+        average.plot(place[beyond], drift.average[beyond], "o", markersize=4, color=colour, label="beyond")
+    average.set_ylabel("moving average\n[N m]")
+    style.legend_above(levels)
+    style.legend_above(average)
+    average.set_xlabel("gear, in the order of the files")
+    average.set_xlim(0, len(batch.gears) + 1)
+    state = f"drift from {batch.gears[drift.alarms[0]].name} on" if drift.alarms.size else "no drift"
+    shown = "" if limits is None else " · dashed: limits with guard bands"
+    style.title(figure, f"Production batch of {len(batch.gears)} gears · {state}{shown}")
+    return figure
 
 
 # --- A fit to measured curves

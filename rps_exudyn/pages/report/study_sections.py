@@ -9,6 +9,7 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import words
+from rps_exudyn.inference.uncertainty.joint import groups_of, read_pairs
 from rps_exudyn.inference.uncertainty.statistics import LEVELS, contributions, quantiles
 from rps_exudyn.pages.charts import style
 from rps_exudyn.pages.charts.signals import WIDTH, abscissa
@@ -26,6 +27,7 @@ from rps_exudyn.pages.report.html import (
     Warning,
 )
 from rps_exudyn.pages.report.pictures import picture
+from rps_exudyn.parameters.gear import CORRELATION
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.results.result import Result
@@ -235,7 +237,8 @@ def _contributions(table: CaseTable, name: str, inputs: list[str]) -> Iterable[P
     if not ranks:
         return
     quantile = (np.stack(ranks, axis=1) + 0.5) / len(known)
-    shares = contributions(quantile[known], table.numbers[name][known], inputs) if known.any() else None
+    groups = groups_of(inputs, read_pairs(table.description.correlation, CORRELATION, []))
+    shares = contributions(quantile[known], table.numbers[name][known], groups) if known.any() else None
     if shares is None:
         return
     rows = [[axis, f"{share:.0%}"] for axis, share in shares.fractions.items()]
