@@ -1,4 +1,4 @@
-"""The explorer's answers to random states of its sliders, and how long each slider takes."""
+"""The explorer's answers to random states of its sliders, and how long each slider and each scene takes."""
 
 import json
 from collections import Counter
@@ -9,16 +9,18 @@ from typing import Any
 import numpy as np
 
 from benchmarks.topic import Topic, load_data, markdown, save_data
-from rps_exudyn.pages.explore.sliders import SLIDERS, Slider, Wish, answer
+from rps_exudyn.pages.explore.sliders import SLIDERS, Slider, Wish, answer, scenes
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.free_pinion_torque import SCENE
 
 DATA = "explorer.json"
 KINDS = ("values", "a sentence, the gear's geometry beside it", "a refusal")
 FEW = 3  # sliders that half of the states move; the other half moves any number
 
 
-def run(folder: Path, states: int = 1000, moves: int = 20) -> None:
-    """Answer random states of several sliders, then moves of each slider alone; keep kinds and times."""
+def run(folder: Path, states: int = 200, moves: int = 20) -> None:
+    """Answer random states of several sliders, then moves of each slider alone, then moves of one slider in
+    every scene of equilibria; keep kinds and times."""
     gear, rng = SteeringGear(), np.random.default_rng(20)
     answer(gear, Wish({}))  # compiles
     kinds: Counter[str] = Counter()
@@ -34,17 +36,25 @@ def run(folder: Path, states: int = 1000, moves: int = 20) -> None:
         tried = [asked(gear, [slider], rng) for _ in range(moves)]
         known = [seconds for kind, seconds in tried if kind == KINDS[0]]
         single[slider.path] = {"refused": len(tried) - len(known), **spread(known)}
-    save_data(folder / DATA, {"kinds": dict(kinds), "random": spread(times), "sliders": single})
+    by_scene = {}
+    for scene in (name for name, each in scenes().items() if not each["dynamic"]):
+        answer(gear, Wish({}, scene))  # compiles
+        tried = [asked(gear, [slider], rng, scene) for slider in SLIDERS for _ in range(max(1, moves // 10))]
+        by_scene[scene] = spread([seconds for kind, seconds in tried if kind == KINDS[0]])
+    content = {"kinds": dict(kinds), "random": spread(times), "sliders": single, "scenes": by_scene}
+    save_data(folder / DATA, content)
 
 
-def asked(gear: SteeringGear, sliders: list[Slider], rng: np.random.Generator) -> tuple[str, float]:
+def asked(
+    gear: SteeringGear, sliders: list[Slider], rng: np.random.Generator, scene: str = SCENE.name
+) -> tuple[str, float]:
     """Draw a state of these sliders; return the kind of its answer, which must be JSON, and CPU time [s]."""
     state = {each.path: drawn(each, rng) for each in sliders}
     began = process_time()
-    found = answer(gear, Wish(state))
+    found = answer(gear, Wish(state, scene))
     seconds = process_time() - began
     json.dumps(found, allow_nan=False)
-    if "torque" in found:
+    if "curves" in found:
         return KINDS[0], seconds
     return KINDS[1] if "gear" in found else KINDS[2], seconds
 
@@ -86,11 +96,17 @@ def _shown(found: dict[str, float]) -> list[str]:
     return [f"{1e3 * found[name]:.0f}" if name in found else "-" for name in ("median", "p95", "largest")]
 
 
+def scenes_table(folder: Path) -> str:
+    """CPU time of an answer of each scene of equilibria, one slider moved."""
+    rows = [[f"`{scene}`", *_shown(found)] for scene, found in load_data(folder / DATA)["scenes"].items()]
+    return markdown(["scene, any one slider moved", "median ms", "95 % within ms", "largest ms"], rows)
+
+
 TOPIC = Topic(
     "answers of the explorer to random states, and their time",
     "3 min",
     "first_use",
     run,
     {"states": 4, "moves": 1},
-    {"explorer_kinds": kinds_table, "explorer_times": times_table},
+    {"explorer_kinds": kinds_table, "explorer_times": times_table, "explorer_scenes": scenes_table},
 )
