@@ -10,6 +10,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from rps_exudyn.forces.yoke import seat_wedge_factor
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import (
@@ -18,7 +19,6 @@ from rps_exudyn.solvers.closed_form import (
     mean_lever,
     mean_state,
     runout_harmonics,
-    seat_wedge_factor,
     torque_per_preload,
 )
 from verification.law_area import by_law
