@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rps_exudyn.inference.uncertainty.input_sets import SETS
+from rps_exudyn.inference.uncertainty.joint import AS_ONE
 from rps_exudyn.parameters.declaration import QUANTITY, Table
 from rps_exudyn.parameters.distribution import KINDS
 from rps_exudyn.parameters.fidelity import PRESETS
@@ -19,11 +20,19 @@ from rps_exudyn.study.definition import DESIGNS
 from rps_exudyn.study.study_file import MOST_SAMPLES
 
 Schema = dict[str, Any]
+CORRELATIONS: Schema = {
+    "type": "object",
+    "additionalProperties": {"anyOf": [{"type": "number", "minimum": -1, "maximum": 1}, {"enum": [AS_ONE]}]},
+    "description": 'correlation of the normal scores of two inputs, "A, B" = 0.5',
+}
 
 
 def gear_schema() -> Schema:
     """Schema of a gear file: every parameter with its meaning, default, limits in SI, and choices."""
-    return _headed("Gear of rps-exudyn", _tables(SteeringGear))
+    samples = {"type": "object", "description": "samples that a fit left, of inputs that vary together"}
+    return _headed(
+        "Gear of rps-exudyn", _tables(SteeringGear) | {"correlation": CORRELATIONS, "posterior": samples}
+    )
 
 
 def study_schema() -> Schema:
@@ -41,6 +50,7 @@ def study_schema() -> Schema:
         "set": _closed(settings, "parameters of all cases"),
         "axis": {"type": "array", "items": _axis(paths, settings), "description": "what is varied"},
         "design": {"enum": list(DESIGNS), "default": "grid"},
+        "correlation": CORRELATIONS,
         "samples": _whole(1, MOST_SAMPLES, "points of a sampled design"),
         "seed": _whole(0, 2**32 - 1, "seed of a sampled design"),
         "inputs": {"enum": list(SETS), "description": "inputs of the design uncertain"},
