@@ -1,6 +1,7 @@
 """What the pages refer to: public names, and headings."""
 
 import re
+from html import escape
 from pathlib import Path
 
 import pytest
@@ -91,6 +92,28 @@ def test_formulas_are_set_as_drawings_with_their_text() -> None:
     assert content.startswith('<p>with <span class="formula-span"><svg')
     assert 'aria-label="\\mu N"' in content
     assert "arithmatex" not in content
+
+
+def formulas() -> list[tuple[str, str, str]]:
+    """Page, formula and tag of every formula of the pages, outside of code."""
+    found = []
+    for page in PAGES:
+        text = re.sub(r"```.*?```|`[^`\n]*`", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+        for block, inline in re.findall(
+            r"\$\$(.+?)\$\$|(?<![\\$\w])\$(?!\s)([^$\n]+?)(?<!\s)\$(?!\w)", text, re.DOTALL
+        ):
+            found.append((page.name, (block or inline).strip(), "div" if block else "span"))
+    return found
+
+
+def test_every_formula_can_be_drawn() -> None:
+    """What the drawing of formulas does not accept ends the build of the site."""
+    draw = module_of("hooks").on_page_content
+    assert len(formulas()) > 100
+    for page, formula, tag in formulas():
+        begin, end = ("\\[", "\\]") if tag == "div" else ("\\(", "\\)")
+        content = f'<{tag} class="arithmatex">{begin}{escape(formula)}{end}</{tag}>'
+        assert "<svg" in draw(content), page
 
 
 def test_pages_are_no_longer_than_stated() -> None:
