@@ -77,7 +77,7 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "wrong_input/test_accuracy.py::test_choice_and_its_reason_are_printed",
     "wrong_input/test_accuracy_from_python.py",
     "wrong_input/test_corpus_of_bad_inputs.py",
-    "wrong_input/test_damaged_files.py::test_tables_nested_without_end_are_no_traceback[library_versions",
+    "wrong_input/test_damaged_files.py::test_tables_nested_without_end_are_no_traceback",
     "wrong_input/test_environment.py",
     "wrong_input/test_full_disk.py",
     "wrong_input/test_hostile_files.py::test_pipe_as_a_study_file_is_left_out",
