@@ -26,12 +26,12 @@ def recording(results: Path, name: str, folder: str) -> Iterator[None]:
 
     A topic that goes on where it was stopped counts the CPU time of its last run.
     """
+    made = provenance()  # before the topic writes into the checkout
     before, began = _stamps(results / folder), _cpu_time()
     try:
         yield
     finally:
         after = _stamps(results / folder)
-        made = provenance()
         entry = {
             "command": f"python benchmarks/make.py {name}",
             "commit": made["git_hash"],
