@@ -41,6 +41,21 @@ def test_plan_beyond_a_limit_is_not_run_and_the_repaired_one_is_within(sentence:
     assert not list(breaches(gear, fidelity.replace(repairs), steady=True))
 
 
+def test_a_wide_zone_of_friction_is_refused_where_the_motion_stops() -> None:
+    """There a reversal's work lacks 3 % at 0.9; a steady motion's does not depend on the zone."""
+    wide = STILL.replace({"zone_ratio": 0.9})
+    result = run("reversal", GEAR, fidelity=wide)
+    assert result.status is Status.INVALID
+    assert result.message.startswith("not run: fidelity.zone_ratio is 0.9; a motion that stops")
+    (breach,) = breaches(GEAR, wide, steady=False)
+    work, right = (
+        run("reversal", GEAR, fidelity=STILL.replace(each)).summary["hysteresis_area"]
+        for each in (breach.repair, {"zone_ratio": 0.001})
+    )
+    assert work == pytest.approx(right, rel=0.005)
+    assert not list(breaches(GEAR, wide, steady=True))
+
+
 @pytest.mark.parametrize("preset", ["full", "flank", "quasi-static", "closed-form"])
 def test_presets_are_within_all_limits(preset: str) -> None:
     assert not list(breaches(SteeringGear(), Fidelity.preset(preset), steady=True))

@@ -30,6 +30,7 @@ REPAIRED_STEPS_PER_PITCH = 20
 DEEPEST = 1.5  # deepest contact over the mean one, measured on the paper's gear
 LEAST_STATIONS = {"area": 2, "line": 2, "teeth": 3}  # 3.5 % of the hysteresis by two teeth that bend
 LEAST_ROWS = 8  # of spheres along the face width
+WIDEST_ZONE = 0.2  # 1.3 % of the work of a swing; as its square, 8 % at 0.9
 SPACING = 2.5  # of spheres along the profile, over the width of the strip that touches: 1 % of the torque
 
 
@@ -58,6 +59,8 @@ def breaches(gear: SteeringGear, fidelity: Fidelity, *, steady: bool) -> Iterato
         return
     if steady:
         yield from _tooth_pitch_resolved(gear, fidelity)
+    else:
+        yield from _zone_narrow(fidelity)
     yield from _straight_where_rigid(gear, fidelity)
     yield from _contact_integrated(gear, fidelity)
     yield from _spheres_deep_enough(gear, fidelity)
@@ -79,6 +82,13 @@ def _tooth_pitch_resolved(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Br
             {"step_angle": float(pitch / REPAIRED_STEPS_PER_PITCH)},
             "{:.4g} deg",
         )
+
+
+def _zone_narrow(fidelity: Fidelity) -> Iterator[Breach]:
+    """Full friction over most of a motion that stops and turns."""
+    if fidelity.zone_ratio > WIDEST_ZONE:
+        why = "a motion that stops, where friction is too small within the zone,"
+        yield Breach("fidelity.zone_ratio", fidelity.zone_ratio, WIDEST_ZONE, why, {"zone_ratio": WIDEST_ZONE})
 
 
 def _straight_where_rigid(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:
