@@ -88,7 +88,9 @@ def _zone_narrow(fidelity: Fidelity) -> Iterator[Breach]:
     """Full friction over most of a motion that stops and turns."""
     if fidelity.zone_ratio > WIDEST_ZONE:
         why = "a motion that stops, where friction is too small within the zone,"
-        yield Breach("fidelity.zone_ratio", fidelity.zone_ratio, WIDEST_ZONE, why, {"zone_ratio": WIDEST_ZONE})
+        yield Breach(
+            "fidelity.zone_ratio", fidelity.zone_ratio, WIDEST_ZONE, why, {"zone_ratio": WIDEST_ZONE}
+        )
 
 
 def _straight_where_rigid(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:
