@@ -11,7 +11,6 @@ from typing import Any, Literal
 import numpy as np
 from matplotlib.figure import Figure
 
-from benchmarks.measured_fit import FREE, TRUE, WHITE
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.inference.fitting.bench_tests import measurement_of
 from rps_exudyn.inference.fitting.fit import fit
@@ -22,7 +21,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.judged_row import Verdict
 from rps_exudyn.simulate.run import simulate
-from verification.made_up_curves import measured_curve, with_noise
+from verification.made_up_curves import FREE, TRUE, WHITE, measured_curve, with_noise
 
 DATA, PICTURE = "fit_bow.json", "fit_bow.png"
 ANGLE_ERROR, BOW, RUNOUT, OFFSET = np.radians(0.05), 70e-6, 14e-6, np.radians(2.0)  # standard deviations

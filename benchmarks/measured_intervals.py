@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.measured_fit import SET
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.inference.fitting.bench_tests import BenchTest, measurement_of
 from rps_exudyn.inference.fitting.fit import fit
@@ -24,7 +23,7 @@ from rps_exudyn.inference.fitting.problem import level_rows
 from rps_exudyn.inference.fitting.unknowns import BY_LOAD, LEVEL, WITHOUT_YOKE, unknowns_of
 from rps_exudyn.parameters.gear import SteeringGear
 from verification.bench_curves import GAIN, KINDS, TEETH, BenchGear, bench_record
-from verification.made_up_curves import BenchNoise, measured_curve, with_noise
+from verification.made_up_curves import SET, BenchNoise, measured_curve, with_noise
 
 DATA = "intervals.json"
 NUMBERS = ("run", "gear", "P e", "e")

@@ -15,13 +15,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
-from benchmarks.rack_tooth_elements import ROWS, Compliance, Section, rack_compliance
-from benchmarks.rack_tooth_law import PER_MM, even_load, flattening, law_compliance, plane_strain
 from benchmarks.topic import Topic, markdown
 from rps_exudyn.base.files import replacing
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
+from verification.rack_tooth_elements import ROWS, Compliance, Section, rack_compliance
+from verification.rack_tooth_law import PER_MM, even_load, flattening, law_compliance, plane_strain
 
 DATA, CHART, SUPPORT = "rack_tooth.csv", "rack_tooth.png", "support.csv"
 REFINEMENTS = (1, 2, 3)

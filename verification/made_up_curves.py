@@ -5,14 +5,18 @@ a pass; repeatability changes a whole pass; a sensor has a zero, steps, spikes; 
 joint, a torque channel that comes late.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
+from typing import Any
 
 import numpy as np
 
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.inference.fitting.bench_tests import BenchTest
+from rps_exudyn.inference.fitting.identifiability import logarithmic_slopes
 from rps_exudyn.inference.fitting.prediction import formula_means
+from rps_exudyn.inference.fitting.unknowns import LEVEL
 from rps_exudyn.inference.measured.reading import PUSH, TORQUE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -137,3 +141,112 @@ def _kept(slow: np.ndarray, random: np.random.Generator) -> np.ndarray:
         last = part * last + np.sqrt(1 - part**2) * random.standard_normal()
         values[i] = last
     return values
+
+
+# --- The gear that fits of made-up curves look for, 17 to 25 % off the expected one in each parameter
+
+TRUE: dict[str, object] = {
+    "yoke.preload": 350.0,
+    "mesh.friction": 0.085,
+    "yoke.friction": 0.12,
+    "bush.drag": 25.0,
+    "pinion.runout": 20e-6,
+    "pinion.runout_angle": "70 deg",
+}
+FREE = BenchTest("free")
+WEIGHTS = tuple(BenchTest("load-test", mass * GRAVITY) for mass in (40.0, 80.0, 150.0))
+SET = (FREE, BenchTest("yoke-out"), BenchTest("bearing"), *WEIGHTS)
+SPIKE, SPIKES = 10.0, 0.03  # standard deviations, part of the points
+DISTURBED, SHIFT = np.radians(25.0), 8.0  # of one pass, standard deviations
+GAPS, GAP = 3, np.radians(27.6)  # in each pass: 23 % of it
+WHITE = BenchNoise()
+REPEATED = BenchNoise(repeatability=0.02, zero=0.02)
+
+
+@cache
+def true_gear() -> SteeringGear:
+    """The gear of the made-up curves."""
+    return SteeringGear().replace(TRUE)
+
+
+@cache
+def curve_of(test: BenchTest, law: str = "line") -> dict[str, np.ndarray]:
+    """The true curve of a test by a contact law."""
+    return true_curve(true_gear(), test, law)
+
+
+@cache
+def true_level(law: str = "line") -> float:
+    """Mean free torque of the true gear, half the difference of both directions [N m]."""
+    curve = curve_of(FREE, law)
+    turned = passes({"pinion_angle": curve["pinion_angle"], "value": curve["value"]})
+    means = [np.trapezoid(each.signals["value"], each.angle) / np.ptp(each.angle) for each in turned]
+    return float(sum(abs(mean) for mean in means) / 2)
+
+
+def measured(test: BenchTest, noise: BenchNoise, random: np.random.Generator, law: str = "line") -> Any:
+    """One made-up file of a test."""
+    return measured_curve(with_noise(curve_of(test, law), noise, random), test)
+
+
+def spiked(curve: MeasuredTorque, random: np.random.Generator) -> MeasuredTorque:
+    """Some points far off, to either side."""
+    torque = curve.signals["pinion_torque"].copy()
+    hit = random.random(torque.size) < SPIKES
+    size = SPIKE * WHITE.white * np.abs(torque).mean()
+    torque[hit] += size * random.choice([-1.0, 1.0], hit.sum())
+    return MeasuredTorque(curve.name, {**curve.signals, "pinion_torque": torque})
+
+
+def disturbed(curve: MeasuredTorque, random: np.random.Generator) -> MeasuredTorque:
+    """A stretch of the first pass off to one side."""
+    angle, torque = curve.signals["pinion_angle"], curve.signals["pinion_torque"].copy()
+    begin = random.uniform(angle.min(), angle.max() - DISTURBED)
+    inside = (angle >= begin) & (angle < begin + DISTURBED) & (np.arange(angle.size) < angle.size // 2)
+    torque[inside] += SHIFT * WHITE.white * np.abs(torque).mean()
+    return MeasuredTorque(curve.name, {**curve.signals, "pinion_torque": torque})
+
+
+def with_gaps(curve: MeasuredTorque, random: np.random.Generator) -> MeasuredTorque:
+    """Stretches missing, others in each pass."""
+    angle = curve.signals["pinion_angle"]
+    kept = np.ones(angle.size, dtype=bool)
+    for way in (np.arange(angle.size) < angle.size // 2, np.arange(angle.size) >= angle.size // 2):
+        third = np.ptp(angle) / GAPS
+        for i in range(GAPS):
+            begin = angle.min() + i * third + random.uniform(0, third - GAP)
+            kept &= ~(way & (angle >= begin) & (angle < begin + GAP))
+    return MeasuredTorque(curve.name, {name: values[kept] for name, values in curve.signals.items()})
+
+
+def forward_only(curve: MeasuredTorque, random: np.random.Generator) -> MeasuredTorque:
+    """The first pass."""
+    half = curve.signals["pinion_angle"].size // 2
+    return MeasuredTorque(curve.name, {name: values[:half] for name, values in curve.signals.items()})
+
+
+Disturbance = Callable[[MeasuredTorque, np.random.Generator], MeasuredTorque]
+DISTURBANCES: dict[str, Disturbance] = {
+    "spikes": spiked,
+    "disturbed": disturbed,
+    "missing": with_gaps,
+    "one way": forward_only,
+}
+
+
+def least_deviations(noise: BenchNoise, runs: int = 1, points: int = 722) -> dict[str, float]:
+    """Cramer and Rao's bound of the logarithms of the level's parameters, from the whole set of tests.
+
+    No unbiased estimator scatters less. Half the difference of both directions has the noise of the run, half
+    the sum that of the zero; slopes are the closed form's at the true gear. No prior belief is counted.
+    """
+    paths, information = tuple(LEVEL), np.zeros((len(LEVEL), len(LEVEL)))
+    for test in SET:
+        means, slopes = formula_means(true_gear(), test), logarithmic_slopes(true_gear(), test, paths)
+        friction = abs(means[0] - means[1]) / 2
+        halves = (slopes[0] - slopes[1], noise.repeatability), (slopes[0] + slopes[1], noise.zero)
+        for slope, common in halves:
+            sd = friction * np.hypot(noise.white / np.sqrt(points), common)
+            information += runs * np.outer(slope / 2, slope / 2) / sd**2
+    deviations = np.sqrt(np.diag(np.linalg.inv(information)))
+    return dict(zip(paths, deviations.tolist(), strict=True))

@@ -1,6 +1,5 @@
 """Tables about speed and accuracy, from the files of measured points: models, fronts, references, orders."""
 
-import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -115,41 +114,6 @@ def failures_table(folder: Path) -> str:
     return markdown(("outcome", "points", "families", "for instance"), rows)
 
 
-def orders_table(folder: Path) -> str:
-    """Fitted orders of convergence of the free pinion torque."""
-    rows = [
-        (each.family, each.error, f"{each.observed:.2g}", f"{each.expected:g}")
-        for each in load_measurement(folder / f"{TORQUE}.h5").orders
-    ]
-    return markdown(("family", "error", "observed", "expected"), rows)
-
-
-def explicit_table(folder: Path) -> str:
-    """Exudyn's explicit solvers: the largest step that ran, the smallest that failed."""
-    points, rows = of_torque(folder, "explicit"), []
-    for solver in dict.fromkeys(point.label.split(",")[0] for point in points):
-        own = [point for point in points if point.label.startswith(solver)]
-        best = max((p for p in own if p.ok), key=_first_number, default=None)
-        failed = min((_first_number(p) for p in own if not p.ok), default=np.nan)
-        if best is not None:
-            row = f"{_first_number(best):g} us", f"{failed:g} us", f"{best.error:.2g} %", _time(best.cost)
-            rows.append((solver, *row))
-    return markdown(("solver", "largest step that ran", "fails at", "error", "CPU time per revolution"), rows)
-
-
-def _first_number(point: Point) -> float:
-    return float(re.findall(r"[\d.]+(?= um| us)", point.label)[0])
-
-
-def facets_table(folder: Path) -> str:
-    """Return what flat facets of the pinion do to the torque."""
-    rows = [
-        (point.family, point.label, f"{point.error:.2g} %", f"{point.bias:+.2g} %")
-        for point in of_torque(folder, "shaping", "chord")
-    ]
-    return markdown(("family", "facets, material left over", "torque, RMS", "mean"), rows)
-
-
 # --- contact law and size ----------------------------------------------------------------------------
 def law_rows(content: Any) -> list[tuple[str, ...]]:
     """Law, mean [N mm], off the default's [%], peak to peak [N mm]."""
@@ -178,11 +142,18 @@ LAW_HEAD = ("law", "mean N mm", "against the default %", "peak to peak N mm")
 SCALING_HEAD = ("size", "range", "CPU s", "exponent")
 
 
+def facets_table(folder: Path) -> str:
+    """Return what flat facets of the pinion do to the torque."""
+    rows = [
+        (point.family, point.label, f"{point.error:.2g} %", f"{point.bias:+.2g} %")
+        for point in of_torque(folder, "shaping", "chord")
+    ]
+    return markdown(("family", "facets, material left over", "torque, RMS", "mean"), rows)
+
+
 TABLES = {
     "models": models_table,
     "accuracy_scenes": scenes_table,
     "failures": failures_table,
-    "orders": orders_table,
-    "explicit_solvers": explicit_table,
     "facets": facets_table,
 }

@@ -42,10 +42,8 @@ def stopped() -> Measurement:
 
 
 def test_a_stopped_measurement_is_shown(stopped: Measurement, tmp_path: Path) -> None:
-    stopped.orders = fitted_orders(stopped)
     stopped.save(tmp_path / "free-pinion-torque.h5")
     assert "| no-convergence | 1 | quasi-static | <no equilibrium> |" in TABLES["failures"](tmp_path)
-    assert "joined by lines | 2 | 2 |" in TABLES["orders"](tmp_path)
 
 
 def test_orders_are_fitted_and_kept(stopped: Measurement, tmp_path: Path) -> None:

@@ -13,7 +13,6 @@ import benchmarks
 from benchmarks import (
     efficiency_map,
     measured_bow,
-    measured_fit,
     rack_bow,
     rack_deflection,
     rattle_map,
@@ -81,7 +80,6 @@ PICTURES: dict[str, Callable[[], Figure]] = {
     "bow": lambda: rack_bow.picture(data("flexible_rack/bow.json")["cases"]),
     "deflected": deflected,
     "fit with a bow": lambda: measured_bow.picture(data("fit/fit_bow.json")["cases"]),
-    "fit": lambda: measured_fit.picture(data("fit/fit.json")["levels"]),
     "studies": lambda: study_scaling.picture(data("study_runner/scaling.json")["rows"]),
     "efficiency": efficiency,
     "laws": laws,

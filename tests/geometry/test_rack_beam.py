@@ -152,7 +152,7 @@ def test_root_section_is_a_circle_cut_by_a_chord() -> None:
     ],
 )
 def test_teeth_stiffen_as_in_a_periodic_cell_of_solid_elements(change: dict, y: float, z: float) -> None:
-    """Bending stiffness over that of the root section, as by `benchmarks/bar_section_cell.py`."""
+    """Bending stiffness over that of the root section, as by periodic cells of solid elements."""
     bar = RackBar.of(GEAR.replace(change))
     root, toothed = root_section(bar).second_moments, toothed_section(bar).second_moments
     assert toothed[0] / root[0] == pytest.approx(y, rel=0.015)

@@ -1,24 +1,59 @@
 """The reference of plans that turn the wheel: its integrator against a closed form, its figures against the
 scene's."""
 
+from math import nan
 from typing import cast
 
 import numpy as np
 import pytest
 
 import rps_exudyn as rps
-from benchmarks.stability.wheel_plans import errors, plan_of
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.friction import STATE_SIZE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.result import Result
 from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.balance import Balance
 from rps_exudyn.solvers.steering_column import ColumnModel
-from verification.behind_column import Behind, Wheel, figures
+from verification.behind_column import Behind, Wheel, WheelFigures, figures, size_of
+from verification.sampler import REACHES, drawn, random_gear
 from verification.stability import ScenePlan
+from verification.stated_ranges import GEAR
 
 STIFFNESS, INERTIA = 100.0, 6e-5
 PARTS = ("mesh", "yoke", "bush", "bearing")
+
+SEED = 17
+SCENES = ("steering-feel", "stick-slip")
+ZONES = 1e-3, 1e-2
+
+
+def plan_of(number: int) -> ScenePlan:
+    """The random plan of that number."""
+    rng = np.random.default_rng([SEED, number])
+    scene = SCENES[number % len(SCENES)]
+    while True:
+        gear = random_gear(rng, "reversal" if scene == "stick-slip" else scene)
+        laws = {path: value for path, value in drawn(rng, type(gear), GEAR).items() if "friction_law" in path}
+        gear = gear.replace(laws)
+        try:
+            REACHES[scene](gear)
+        except InputError:
+            continue
+        break
+    still = scene == "steering-feel" and rng.random() < 0.5
+    zone = float(np.exp(rng.uniform(*np.log(ZONES))))
+    fidelity = Fidelity.preset("quasi-static" if still else "flank").replace({"zone_ratio": zone})
+    return ScenePlan(scene, gear, fidelity)
+
+
+def errors(plan: ScenePlan, result: Result, right: WheelFigures) -> dict[str, float]:
+    """Error of the figure; of stick-slip's peak as well."""
+    error = (plan.figure(result) - right.figure) / size_of(plan, right)
+    if plan.scene == "steering-feel":
+        return {"error": error, "metric_error": nan}
+    return {"error": error, "metric_error": result.summary["breakaway_torque"] / right.peak - 1}
 
 
 class NoForces:

@@ -10,19 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.measured_fit import (
-    DISTURBANCES,
-    FREE,
-    REPEATED,
-    SET,
-    WEIGHTS,
-    WHITE,
-    curve_of,
-    least_deviations,
-    measured,
-    true_gear,
-    true_level,
-)
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.options import GearOptions
 from rps_exudyn.inference.fitting.bench_tests import BenchTest, measurement_of
@@ -39,7 +26,24 @@ from rps_exudyn.inference.uncertainty.samples import Samples
 from rps_exudyn.parameters.gear import SteeringGear, gear_file
 from rps_exudyn.results.judged_row import Verdict
 from rps_exudyn.solvers.closed_form import GRAVITY
-from verification.made_up_curves import REAL, BenchNoise, measured_curve, true_curve, with_noise
+from verification.made_up_curves import (
+    DISTURBANCES,
+    FREE,
+    REAL,
+    REPEATED,
+    SET,
+    WEIGHTS,
+    WHITE,
+    BenchNoise,
+    curve_of,
+    least_deviations,
+    measured,
+    measured_curve,
+    true_curve,
+    true_gear,
+    true_level,
+    with_noise,
+)
 
 LEVEL_SD = 0.02 / np.sqrt(722)  # of the mean of both passes, white noise of 2 %
 NEVER = {"yoke.preload", "mesh.friction", "yoke.friction"}

@@ -8,18 +8,6 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
-from benchmarks.rack_tooth_elements import (
-    ORDER,
-    POISSON_RATIO,
-    YOUNGS_MODULUS,
-    Section,
-    assembled,
-    chained,
-    finite_elements,
-    rack_compliance,
-    stiffness,
-)
-from benchmarks.rack_tooth_law import flattening, half_thickness, law_compliance, lever_of
 from benchmarks.tooth_compliance import extrapolated
 from rps_exudyn.base.compiled import kernel
 from rps_exudyn.base.errors import InputError
@@ -39,6 +27,18 @@ from rps_exudyn.tooth_contact.tooth_compliance import (
 )
 from rps_exudyn.tooth_contact.unilateral import local_yield
 from verification.population import random_gears
+from verification.rack_tooth_elements import (
+    ORDER,
+    POISSON_RATIO,
+    YOUNGS_MODULUS,
+    Section,
+    assembled,
+    chained,
+    finite_elements,
+    rack_compliance,
+    stiffness,
+)
+from verification.rack_tooth_law import flattening, half_thickness, law_compliance, lever_of
 
 PAIR = GearPair.of(SteeringGear())
 Body = Callable[[GearPair, np.random.Generator, float, np.ndarray], np.ndarray]

@@ -14,7 +14,6 @@ In plane strain an even load has a closed form (Weber and Banaschek 1953), `toot
 
 import numpy as np
 
-from benchmarks.rack_tooth_elements import POISSON_RATIO, ROWS, YOUNGS_MODULUS, Section
 from rps_exudyn.base.compiled import kernel
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.tooth_contact.tooth_compliance import (
@@ -27,6 +26,7 @@ from rps_exudyn.tooth_contact.tooth_compliance import (
     rack_tooth,
     tooth_data,
 )
+from verification.rack_tooth_elements import POISSON_RATIO, ROWS, YOUNGS_MODULUS, Section
 
 ACROSS, ALONG = 3, 4  # points of the law in a patch
 PER_MM = 1e12  # from m/(N/m) to nm/(N/mm)
