@@ -187,7 +187,8 @@ def size_of(name: str, right: Mapping[str, tuple[float, float]]) -> float:
     of its kind, for what is small besides may be wrong by more."""
     unit = SUMMARY[name].unit if name in SUMMARY else ""
     if unit not in OWN_UNITS:
-        return abs(right[name][0]) + LEAST_SIZES.get(unit, 0.0)
+        least = SUMMARY[name].least if name in SUMMARY else 0.0
+        return max(abs(right[name][0]), least) + LEAST_SIZES.get(unit, 0.0)
     alike = [abs(right[other][0]) for other in right if other in SUMMARY and SUMMARY[other].unit == unit]
     return abs(right[name][0]) + OF_LARGEST * max(alike)
 

@@ -31,6 +31,8 @@ Equilibria are found to 1e-3 N, a hundred thousandth of their torque, and positi
 LEAST_CHANGED = {"um": 1e-7, "mrad": 1e-6, "deg": 1e-5, "%": 1e-3}
 """Display unit -> size in SI below which a metric changes as if it had that size."""
 LEAST_SHARE = 0.01  # the same where a run has a size of its own, of that size
+FACE = 0.01  # face width of a small gear [m], beside which a place on the face changes
+PART = 0.02  # of all work lost, beside which a part's share of it changes
 
 
 @dataclass(frozen=True)
@@ -50,13 +52,16 @@ MEAN, OTHER = 0.02, 0.05  # tolerances of means of torque and force, and of all 
 class Quantity:
     """One number or signal: kept in the SI `unit`, shown in the unit `display`; "" is dimensionless.
 
-    A metric that a simulation shows has its confirmation; formulas, settings and checks have none.
+    A metric that a simulation shows has its confirmation; formulas, settings and checks have none. `least` is
+    the size below which it changes as if it had that size: of a place the length that it is a place on, of a
+    share a part of the whole.
     """
 
     unit: str
     display: str
     long_name: str
     confirmed: Confirmation | None = None
+    least: float = 0.0
 
     def change(self, value: Any, right: Any, size: Any = 0.0) -> Any:
         """Return how far a metric is from the right value, over its tolerance; 0 without a confirmation.
@@ -66,7 +71,8 @@ class Quantity:
         """
         if self.confirmed is None:
             return 0.0 * np.abs(right)
-        least = np.maximum(LEAST_SHARE * size, LEAST_CHANGED.get(self.display, np.finfo(float).tiny))
+        least = max(self.least, LEAST_CHANGED.get(self.display, np.finfo(float).tiny))
+        least = np.maximum(LEAST_SHARE * size, least)
         return np.abs(value - right) / np.maximum(np.abs(right), least) / self.confirmed.tolerance
 
     def show(self, value: float) -> str:
@@ -465,7 +471,14 @@ def _confirmation(name: str) -> Confirmation | None:
     return Confirmation(by, MEAN if name in _MEANS else OTHER)
 
 
-SUMMARY = {name: replace(each, confirmed=_confirmation(name)) for name, each in _SUMMARY.items()}
+def _least(name: str) -> float:
+    """Return the size below which a metric changes as if it had that size [SI]."""
+    return FACE if name == "load_centre" else PART if name.startswith("loss_share_") else 0.0
+
+
+SUMMARY = {
+    name: replace(each, confirmed=_confirmation(name), least=_least(name)) for name, each in _SUMMARY.items()
+}
 
 COUNTERS = {
     "steps": _number("time steps, or positions of equilibrium"),

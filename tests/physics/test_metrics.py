@@ -290,3 +290,10 @@ def test_contact_from_the_start_is_no_impact_and_one_at_the_end_counts() -> None
         {"time": time, "yokenut_force": 0 * force, "plunger_displacement": time}
     )
     assert describe_impacts({"time": time}) == {}
+
+
+def test_a_place_on_the_face_and_a_small_share_are_judged_beside_their_whole() -> None:
+    """10 um off on a face of 10 mm, or a tenth off a share of 0.1 %, is no change; 1 mm and 1 % are."""
+    centre, share = SUMMARY["load_centre"], SUMMARY["loss_share_bush"]
+    assert centre.change(11e-6, 1e-6) < 1 < centre.change(1e-3, 1e-6)
+    assert share.change(1.1e-3, 1e-3) < 1 < share.change(1.1e-2, 1e-3)
