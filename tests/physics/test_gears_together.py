@@ -182,15 +182,15 @@ def test_transmission_error_is_against_each_gears_own_gain() -> None:
 
 def test_a_gear_to_learn_from_is_found_where_its_contact_jumps() -> None:
     """Under a weight by law area the quadrature jumps at single angles, which the follower may not pass; a
-    gear of the table that is lost there is run singly."""
+    gear of the table that is lost there is run singly. How many are lost depends on the processor."""
     gear = by_law(rps.SteeringGear().replace({"test.turns": 1 / 2, "test.load_mass": "80 kg"}), "area")
     preloads = np.linspace(295.0, 305.0, 12)
     found = rps.batch("load-test", gear, {"yoke.preload": preloads}, keep="torque")
-    assert found.in_loop.mean() > 0.7
-    row = int(np.flatnonzero(found.in_loop)[0])
-    alone = rps.run("load-test", gear.replace({"yoke.preload": preloads[row]}), fidelity="quasi-static")
-    for name in ("torque_forward", "torque_reverse"):
-        assert found.summary[name][row] == pytest.approx(alone.summary[name], rel=MEAN)
+    assert found.in_loop.any()
+    for row in (int(np.argmax(found.in_loop)), int(np.argmin(found.in_loop))):
+        alone = rps.run("load-test", gear.replace({"yoke.preload": preloads[row]}), fidelity="quasi-static")
+        for name in ("torque_forward", "torque_reverse"):
+            assert found.summary[name][row] == pytest.approx(alone.summary[name], rel=MEAN)
 
 
 @pytest.mark.parametrize("number", [1, 4, 9, 10, 12, 21])
