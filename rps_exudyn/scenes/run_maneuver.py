@@ -40,15 +40,21 @@ from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state, pushing_
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
 from rps_exudyn.solvers.gear_forces import following_inertia, gear_forces
 from rps_exudyn.solvers.prescribed_motion import Drive, SetOff, Steady, Swing
-from rps_exudyn.solvers.record import COORDINATES, Record, record_of_path, repeated, signals_of
+from rps_exudyn.solvers.record import (
+    COORDINATES,
+    Record,
+    behind_column,
+    record_of_path,
+    repeated,
+    signals_of,
+    under_torque,
+)
 from rps_exudyn.solvers.settled_start import joined_instants, settled_behind, settled_start
 from rps_exudyn.solvers.settling import TOLERANCE
 from rps_exudyn.solvers.steering_column import (
     BehindColumn,
     ColumnModel,
     WheelTorque,
-    behind_column,
-    under_torque,
 )
 
 SHORTEST_STEP = 1e-7  # of the dynamics [s] ...
