@@ -36,6 +36,7 @@ from benchmarks.stability import (
     maps,
     ordinary_gears,
     random_plans,
+    wide_gears,
 )
 from benchmarks.topic import Topic
 
@@ -64,6 +65,7 @@ TOPICS: dict[str, Topic] = {
     "implicit_limits": implicit_limits.TOPIC,
     "random_plans": random_plans.TOPIC,
     "ordinary_gears": ordinary_gears.TOPIC,
+    "wide_gears": wide_gears.TOPIC,
     "corpus": corpus.TOPIC,
     "check_cost": check_cost.TOPIC,
     "damaged_files": damaged_files.TOPIC,

@@ -1,8 +1,10 @@
-"""Similar gears, which must give similar results: mirrored hands, and other units of length, force and time.
+"""Similar gears, which must give similar results: mirrored hands, other units, the other direction first.
 
     twin = in_units(gear, length=2.0, force=4.0, time=1.5)    # every parameter by its own dimension
     summary_in_units(result.summary, 2.0, 4.0, 1.5)           # what its result must be
     twin = mirrored(gear)                                     # the other hand, Z -> -Z
+    twin = begun_otherwise(gear, "reversal")                  # the same motion from its other end
+    for twin in twins(gear, "reversal"):                      # all of them
 
 They need no reference: a length, force or time that stands in the code and is no parameter shows as a
 difference. Steel's modulus stands there by intention (`gears.tooth_stiffness`), so that force must go with
@@ -10,11 +12,17 @@ length^2; where a weight pulls or gravity acts, time^2 with length.
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 
+import numpy as np
+
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result
+from rps_exudyn.scenes import scene_named
 
 BASE = {  # unit -> powers of length, force and time
     "m": (1, 0, 0),
@@ -38,6 +46,11 @@ TURNED_OVER = (  # by a mirror across the rack's travel and the pinion's axis
     "rack.bow_angle",
     "rack.side_angle",
 )
+UNITS = {"length": 2.0, "force": 4.0, "time": 2**0.5}  # moduli of steel and the acceleration of gravity stay
+NO_UNITS = {  # of a name or a list, from which numbers with units follow
+    **dict.fromkeys(("rack.pitch_errors", "pinion.pitch_errors", "housing.seat_stiffness"), "none"),
+    "grease.base_oil": "none",
+}
 LEAST_SHARE = 1e-3  # of a gear's largest metric of a unit: below it a metric is rounding
 
 
@@ -71,6 +84,44 @@ def mirrored(gear: SteeringGear) -> SteeringGear:
     return gear.replace({path: -gear.value_at(path) for path in TURNED_OVER if path in known})
 
 
+def begun_otherwise(gear: SteeringGear, scene: str) -> SteeringGear | None:
+    """Return the gear that makes the same motion from its other end: a path there and back, two cycles of a
+    swing. None where the scene has another motion than that."""
+    test, chosen = gear.test, scene_named(scene)
+    if chosen.swings:
+        return gear.replace({"test.direction": -test.direction}) if test.cycles > 1 else None
+    if chosen.test is None or test.path == "one-way":
+        return None
+    turned = 2 * np.pi * test.turns * test.direction if test.path == "there-and-back" else 0.0
+    return gear.replace({"test.direction": -test.direction, "test.start_angle": test.start_angle + turned})
+
+
+@dataclass(frozen=True)
+class Twin:
+    """A gear that is similar to another one, and by which units its results differ."""
+
+    kind: str
+    gear: SteeringGear
+    units: Mapping[str, float] = field(default_factory=dict)
+
+    def differences(self, result: Result, found: Result) -> dict[str, float]:
+        """Return the `differences` of a gear's result and that of this twin."""
+        if self.kind == "mirrored":
+            own = {SIDES.get(name, name): value for name, value in found.summary.items()}
+            found = replace(found, summary=own | {name: -own[name] for name in ALONG_Z & own.keys()})
+        return differences(result, found, **self.units)
+
+
+def twins(gear: SteeringGear, scene: str) -> Iterator[Twin]:
+    """Yield the gears that must give similar results; one that leaves the range of a parameter is left
+    out."""
+    yield Twin("mirrored", mirrored(gear))
+    with suppress(InputError):
+        yield Twin("in other units", in_units(gear, **UNITS), UNITS)
+    if (other := begun_otherwise(gear, scene)) is not None:
+        yield Twin("begun otherwise", other)
+
+
 def summary_in_units(
     summary: Mapping[str, float], length: float = 1.0, force: float = 1.0, time: float = 1.0
 ) -> dict[str, float]:
@@ -96,4 +147,5 @@ def differences(result: Result, twin: Result, **units: float) -> dict[str, float
 
 
 LEFT_OUT = {"energy_residual"}  # whose size is that of rounding
+SIDES = {"radial_play_side": "radial_play_other_side", "radial_play_other_side": "radial_play_side"}
 ALONG_Z = {"load_centre"}  # which change their sign where Z does

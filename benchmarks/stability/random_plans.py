@@ -64,6 +64,9 @@ COLUMNS = (
     "reference", "refused", "message", "reference_seconds", "seconds", "plan",
 )  # fmt: skip
 
+OutcomeOf = Callable[[Any, Callable[[dict[str, Any]], None]], dict[str, Any]]
+"""Number of a plan, and what gets a part of its outcome early -> its outcome."""
+
 WRONGLY_OK = ("SILENTLY WRONG", "SILENTLY WRONG METRIC")
 LOST = ("no-convergence", "diverged", "timeout", "crashed")
 FALSE_ALARMS = ("invalid, was right", "refused, was right")
@@ -193,7 +196,7 @@ def size_of(name: str, right: Mapping[str, tuple[float, float]]) -> float:
     return abs(right[name][0]) + OF_LARGEST * max(alike)
 
 
-def child(pipe: multiprocessing.connection.Connection) -> None:
+def child(pipe: multiprocessing.connection.Connection, outcome_of: OutcomeOf) -> None:
     """Do plans by their numbers, as the parent sends them; compiling is on no plan's clock."""
     compiled: list[int] = []
 
@@ -209,14 +212,14 @@ def child(pipe: multiprocessing.connection.Connection) -> None:
             number = pipe.recv()
         except EOFError:  # the parent has ended
             return
-        outcome = _guarded(number, lambda found: pipe.send(("ran", found)))
+        outcome = _guarded(outcome_of, number, lambda found: pipe.send(("ran", found)))
         if compiled:
             pipe.send("again")
-            outcome = _guarded(number, lambda found: pipe.send(("ran", found)))
+            outcome = _guarded(outcome_of, number, lambda found: pipe.send(("ran", found)))
         pipe.send(outcome)
 
 
-def _guarded(number: int, done: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
+def _guarded(outcome_of: OutcomeOf, number: Any, done: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
     ran: dict[str, Any] = {}
 
     def kept(found: dict[str, Any]) -> None:
@@ -235,13 +238,15 @@ def _guarded(number: int, done: Callable[[dict[str, Any]], None]) -> dict[str, A
 class Child:
     """A process that does plans, killed and started again when one is out of time."""
 
-    def __init__(self) -> None:
+    def __init__(self, outcome_of: OutcomeOf) -> None:
+        """`outcome_of` is a function of a module: the number of a plan -> what became of it."""
+        self._outcome_of = outcome_of
         self._start()
 
     def _start(self) -> None:
         context = multiprocessing.get_context("spawn")
         self.pipe, other = context.Pipe()
-        self.process = context.Process(target=child, args=(other,), daemon=True)
+        self.process = context.Process(target=child, args=(other, self._outcome_of), daemon=True)
         self.process.start()
         other.close()
 
@@ -253,7 +258,7 @@ class Child:
             return monotonic()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
-    def do(self, number: int, limit: float) -> dict[str, Any]:
+    def do(self, number: Any, limit: float) -> dict[str, Any]:
         """Outcome of a plan, or that it took longer than the limit [s] or ended its process."""
         self.pipe.send(number)
         end, ran = self._used() + limit, {}
@@ -304,7 +309,7 @@ def run(folder: Path, plans: int = PLANS) -> None:
     What stands in the data file already is left as it is: delete the file to begin anew.
     """
     rows: dict[int, dict[str, Any]] = {int(row["number"]): row for row in read(folder / DATA)}
-    worker = Child()
+    worker = Child(outcome_of)
     for first in range(0, plans, BLOCK):
         drawn = {number: plan_of(number) for number in range(first, min(first + BLOCK, plans))}
         for number in by_kernels(drawn):

@@ -78,7 +78,7 @@ class _Count:
         new = {name: each for name, each in own.items() if name not in self._needed}
         self._needed |= new
         weights = {name: len(each.py_func.__code__.co_code) for name, each in new.items()}
-        whole, shown = sum(weights.values()), False
+        whole, shown = sum(weights.values()) or 1, False  # none is new after an interrupted compilation
 
         def step() -> CompileStep:
             seconds = perf_counter() - begun

@@ -2,14 +2,26 @@
 
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
-from verification.similar import ALONG_Z, LEFT_OUT, differences, in_units, mirrored, size_of
+from verification.sampler import random_gear, with_laws
+from verification.similar import (
+    ALONG_Z,
+    LEFT_OUT,
+    NO_UNITS,
+    SIDES,
+    UNITS,
+    differences,
+    in_units,
+    mirrored,
+    size_of,
+    twins,
+)
 
-UNITS = {"length": 2.0, "force": 4.0, "time": 2**0.5}  # moduli of steel and the acceleration of gravity stay
 SAME_HAND, SAME = (
     1e-6,
     4e-3,
@@ -53,7 +65,6 @@ CASES = [
     for name in GEARS
     if (scene, name) != ("steering-torque", "falling")  # it jumps as friction falls: only dynamics follow
 ]
-SIDES = {"radial_play_side": "radial_play_other_side", "radial_play_other_side": "radial_play_side"}
 
 
 def gear_of(name: str) -> SteeringGear:
@@ -107,6 +118,22 @@ def test_a_swing_begun_the_other_way_is_similar() -> None:
     assert first.status is second.status is Status.OK
     shares = differences(first, second)
     assert {metric: share for metric, share in shares.items() if not abs(share) < 2e-3} == {}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("scene", ["free-pinion-torque", "radial-play", "input-shaft-play"])
+def test_random_gears_are_similar(scene: str) -> None:
+    """Gears of any kind and all their twins end in the same way, with the same metrics."""
+    for number in range(2):
+        rng = np.random.default_rng([9, number])
+        gear = with_laws(rng, random_gear(rng, scene)).replace(NO_UNITS)
+        first = rps.run(scene, gear, fidelity="quasi-static")
+        for twin in twins(gear, scene):
+            second = rps.run(scene, twin.gear, fidelity="quasi-static")
+            assert (second.status, second.codes) == (first.status, first.codes), twin.kind
+            if first.status is Status.OK:
+                shares = twin.differences(first, second)
+                assert {metric: share for metric, share in shares.items() if not abs(share) < SAME} == {}
 
 
 @pytest.mark.quick

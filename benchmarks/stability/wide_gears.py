@@ -1,0 +1,110 @@
+"""Gears of the wide population in every scene, by every friction law: how many runs of dynamics are lost.
+
+Gears and tests are drawn by `verification.sampler`, all their parts with the same friction law. Those that
+equilibria end `ok`, or refuse only because inertia matters, are run by dynamics (`flank`); where equilibria
+cannot show the scene, those that they end `ok` in turning steadily. Lost is a run that did not converge,
+diverged, crashed, or took more than 30 s of CPU time, equilibria included. A run that is stopped goes on
+where it was.
+"""
+
+import csv
+from collections.abc import Callable, Iterable
+from itertools import product
+from pathlib import Path
+from time import process_time
+from typing import Any
+from zlib import crc32
+
+import numpy as np
+
+from benchmarks.stability.random_plans import LOST, TIME_LIMIT, Child
+from benchmarks.topic import Topic, markdown
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.friction_law import LAWS, RUBBING_PARTS
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Code, Status
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.simulate.run import simulate
+from verification.sampler import SCENE_WEIGHTS, random_gear
+
+SEED = 33
+GEARS = 20  # in each scene by each law
+STEADY = "free-pinion-torque"
+SCENES = [scene for scene in SCENE_WEIGHTS if not scene_named(scene).at_rest]
+DATA = "wide_gears.csv"
+COLUMNS = ("scene", "law", "number", "equilibria", "dynamics", "codes", "restarts", "seconds", "message")
+
+
+def drawn(scene: str, law: str, number: int) -> SteeringGear:
+    """The gear of that number, all its parts with one friction law."""
+    rng = np.random.default_rng([SEED, crc32(f"{scene} {law}".encode()), number])
+    return random_gear(rng, scene).replace({f"{part}.friction_law": law for part in RUBBING_PARTS})
+
+
+def outcome_of(
+    key: tuple[str, str, int], done: Callable[[dict[str, Any]], None] = lambda found: None
+) -> dict[str, Any]:
+    """How a gear ends by equilibria and by dynamics; `done` gets the first, before the second is run."""
+    (scene, *_), gear, start = key, drawn(*key), process_time()
+    found: dict[str, Any] = {}
+    for name, fidelity in (("equilibria", "quasi-static"), ("dynamics", "flank")):
+        steadily = name == "equilibria" and scene_named(scene).needs_inertia
+        try:
+            result = simulate(STEADY if steadily else scene, gear, fidelity)
+        except InputError as error:
+            return found | {name: Status.INVALID.value, "message": str(error)}
+        found |= {name: result.status.value, "message": result.message, "codes": " ".join(result.codes)}
+        found |= {"restarts": result.counters.get("restarts", 0), "seconds": process_time() - start}
+        if result.status is not Status.OK and list(result.codes) != [Code.SWING_TOO_FAST]:
+            break
+        done(found | {"dynamics": Status.TIMEOUT.value})
+    return found
+
+
+def run(folder: Path, gears: int = GEARS, scenes: Iterable[str] = SCENES) -> None:
+    """Run so many gears in each scene by each law that are not in the data file yet."""
+    rows, worker = read(folder / DATA), Child(outcome_of)
+    known = {(row["scene"], row["law"], int(row["number"])) for row in rows}
+    for number, scene, law in product(range(gears), scenes, LAWS):
+        if (scene, law, number) in known:
+            continue
+        found = worker.do((scene, law, number), TIME_LIMIT)
+        found.setdefault("equilibria", found.get("status"))  # of a process that ended meanwhile
+        rows.append({"scene": scene, "law": law, "number": number} | found)
+        with (folder / DATA).open("w", newline="", encoding="utf-8") as file:
+            table = csv.DictWriter(file, COLUMNS, extrasaction="ignore", lineterminator="\n")
+            table.writeheader()
+            table.writerows(rows)
+
+
+def read(path: Path) -> list[dict[str, Any]]:
+    """Return the gears in a data file."""
+    if not path.exists():
+        return []
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def losses_table(folder: Path) -> str:
+    """Gears lost of those run, by scene and law."""
+    rows = read(folder / DATA)
+    head = ("scene", *(f"{model}, {law}" for model, law in product(("equilibria", "dynamics"), LAWS)))
+    lines = []
+    for scene in [*dict.fromkeys(row["scene"] for row in rows), ""]:
+        cells = [scene or "**all**"]
+        for model, law in product(("equilibria", "dynamics"), LAWS):
+            ends = [row[model] for row in rows if scene in ("", row["scene"]) and row["law"] == law]
+            ran = [each for each in ends if each]
+            cells.append(f"{sum(each in LOST for each in ran)} of {len(ran)}")
+        lines.append(cells)
+    return markdown(head, lines)
+
+
+TOPIC = Topic(
+    f"{GEARS} gears of the wide population a scene and friction law: how many runs are lost",
+    "2 h",
+    "stability",
+    run,
+    {"gears": 1, "scenes": (STEADY,)},
+    {"wide_gears": losses_table},
+)
