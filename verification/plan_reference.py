@@ -59,6 +59,7 @@ HALVED = (1, 2)  # times that the steps of finer runs are halved, ...
 STEPS_OF_FINER = np.deg2rad((0.4, 2.0))  # ... which are the plan's within these bounds [rad], ...
 STATIONS_OF_FINER = 6, 12  # ... twice the plan's stations of a strip within these ...
 LARGEST_TOLERANCE = 1e-5  # ... and whose tolerance is at most this
+NARROW_ZONE = 0.01  # of friction where motion stops: it moves the work of a swing by 1e-4
 MOST_REFINED = 12000  # ... and parts of them
 INSTANTS, GROWN = 24, 0.5  # at which slow motion is linearised; powers of e by which a vibration may grow
 
@@ -139,6 +140,7 @@ def _by_solver(plan: ScenePlan, solver: str) -> tuple[dict[str, tuple[float, flo
 def _finer_model(model: Fidelity, solver: str) -> Fidelity:
     finer = {
         "mesh": "flank",
+        "zone_ratio": min(model.zone_ratio, NARROW_ZONE),
         "strip_stations": int(np.clip(2 * model.strip_stations, *STATIONS_OF_FINER)),
         "strip_points": min(model.strip_points + 2, STATIONS["strip_points"]),
         "step_angle": float(np.clip(model.step_angle, *STEPS_OF_FINER)),
@@ -313,6 +315,7 @@ def _swing(plan: ScenePlan) -> Swing:
 
 def _swung(plan: ScenePlan) -> Expected:
     """The work of a cycle like the one before it."""
+    plan = replace(plan, fidelity=_with_narrow_zone(plan.fidelity))
     drive, forces = _swing(plan), reference_forces(plan)
     before, _ = _settled_cycles(plan, forces, drive, PER_CYCLE)
     motion = _motion(plan, forces, drive, before)
@@ -330,6 +333,10 @@ def _swung(plan: ScenePlan) -> Expected:
     if steps <= MOST_EXPLICIT and not _has_state(plan):
         return Expected(*confirmed(moved), method="Runge-Kutta")
     return Expected(*confirmed(rested), method="equilibria")
+
+
+def _with_narrow_zone(model: Fidelity) -> Fidelity:
+    return model.replace({"zone_ratio": min(model.zone_ratio, NARROW_ZONE)})
 
 
 def _settled_cycles(

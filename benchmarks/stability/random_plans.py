@@ -120,7 +120,8 @@ def outcome_of(number: int, done: Callable[[dict[str, Any]], None] = lambda foun
     found: dict[str, Any] = {"refused": refusal, "status": result.status.value}
     found |= {"message": result.message, "codes": result.codes}
     found["seconds"] = process_time() - start
-    if result.status not in (Status.OK, Status.INVALID) or plan.fidelity.solver == "closed-form":
+    failed = result.status not in (Status.OK, Status.INVALID) or Code.BEYOND_LAW in result.codes
+    if failed or plan.fidelity.solver == "closed-form":
         return found
     done(found)
     start, right, said = process_time(), {}, []
