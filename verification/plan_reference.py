@@ -42,7 +42,7 @@ from verification.led_ways import (
     room_before,
     ways_of,
 )
-from verification.refined_steps import NotFiniteError, NotFoundError, confirmed
+from verification.refined_steps import Confirmed, NotFiniteError, NotFoundError, confirmed
 from verification.runge_kutta import FreeMotion, runge_kutta
 from verification.runs import STEPS_AS_GIVEN
 from verification.seat_cells import by_cells
@@ -59,7 +59,7 @@ HALVED = (1, 2)  # times that the steps of finer runs are halved, ...
 STEPS_OF_FINER = np.deg2rad((0.4, 2.0))  # ... which are the plan's within these bounds [rad], ...
 STATIONS_OF_FINER = 6, 12  # ... twice the plan's stations of a strip within these ...
 LARGEST_TOLERANCE = 1e-5  # ... and whose tolerance is at most this
-NARROW_ZONE = 0.01  # of friction where motion stops: it moves the work of a swing by 1e-4
+NARROW_ZONE = 0.002  # of friction where motion stops: reversal_angle is then within 3 %
 MOST_REFINED = 12000  # ... and parts of them
 INSTANTS, GROWN = 24, 0.5  # at which slow motion is linearised; powers of e by which a vibration may grow
 
@@ -72,6 +72,7 @@ class Expected:
         figure: the scene's number: torque [N m], force [N], or work of the last cycle [J].
         ripple: largest less smallest value of the signal over a way, the larger of both ways; nan where the
             scene has none.
+        figure_doubt, ripple_doubt: by how much half the steps change them.
         cause: why there are none; "" if there are.
         method: "equilibria" or "Runge-Kutta".
     """
@@ -80,6 +81,19 @@ class Expected:
     ripple: float = nan
     cause: str = ""
     method: str = ""
+    figure_doubt: float = 0.0
+    ripple_doubt: float = 0.0
+
+    @classmethod
+    def of(cls, found: Confirmed, method: str) -> "Expected":
+        """Return what a method found."""
+        return cls(
+            found.figure,
+            found.ripple,
+            method=method,
+            figure_doubt=found.figure_doubt,
+            ripple_doubt=found.ripple_doubt,
+        )
 
 
 def expected(plan: ScenePlan) -> Expected:
@@ -173,9 +187,11 @@ def _turned(plan: ScenePlan) -> Expected:
     found = [_along(plan, forces, way) for way in ways]
     senses = [way.sense if plan.scene == "rack-push" else 1 for way in ways]
     figure = float(np.mean([each.figure * sense for each, sense in zip(found, senses, strict=True)]))
+    largest = max(found, key=lambda each: each.ripple)
+    mean = replace(largest, figure=figure, figure_doubt=max(each.figure_doubt for each in found))
     if plan.scene == "load-test":
-        return Expected(figure * test.direction, method=found[0].method)
-    return Expected(figure, max(each.ripple for each in found), method=found[0].method)
+        return replace(mean, figure=figure * test.direction, ripple=nan)
+    return mean
 
 
 def _along(plan: ScenePlan, forces: GearForces, way: Way) -> Expected:
@@ -197,7 +213,7 @@ def _along(plan: ScenePlan, forces: GearForces, way: Way) -> Expected:
                 record = shifted.recorded(time[kept], places[kept], rates[kept])
                 return _figures(plan, drive.place(time[kept] - run_in), record.drive)
 
-            return Expected(*confirmed(moved), method="Runge-Kutta")
+            return Expected.of(confirmed(moved), "Runge-Kutta")
         _check_steady(motion, followed(gear, forces, way, pitches, 1)[1], duration)
 
     def rested(parts: int) -> tuple[float, float]:
@@ -205,7 +221,7 @@ def _along(plan: ScenePlan, forces: GearForces, way: Way) -> Expected:
         force = -drive.sign * path.forces[-along.size :, drive.coordinate]
         return _figures(plan, drive.place(along), force)
 
-    return Expected(*confirmed(rested), method="equilibria")
+    return Expected.of(confirmed(rested), "equilibria")
 
 
 def _figures(plan: ScenePlan, place: np.ndarray, force: np.ndarray) -> tuple[float, float]:
@@ -331,8 +347,8 @@ def _swung(plan: ScenePlan) -> Expected:
         return _settled_cycles(plan, forces, drive, PER_CYCLE * parts)[1], nan
 
     if steps <= MOST_EXPLICIT and not _has_state(plan):
-        return Expected(*confirmed(moved), method="Runge-Kutta")
-    return Expected(*confirmed(rested), method="equilibria")
+        return Expected.of(confirmed(moved), "Runge-Kutta")
+    return Expected.of(confirmed(rested), "equilibria")
 
 
 def _with_narrow_zone(model: Fidelity) -> Fidelity:
@@ -376,4 +392,4 @@ def _shaken(plan: ScenePlan) -> Expected:
         depth = explicit(motion, step, steps, parts)[1][:, PLUNGER] - plan.gear.yoke.clearance
         return float(plan.gear.yoke.nut_stiffness * max(depth.max(), 0.0)), nan
 
-    return Expected(*confirmed(moved), method="Runge-Kutta")
+    return Expected.of(confirmed(moved), "Runge-Kutta")

@@ -45,7 +45,7 @@ SEED = 20261124
 PLANS = 1000
 EVERY_PRESET = 4  # of so many plans one has a preset
 TIME_LIMIT = 30.0  # [s] of CPU time of one plan ...
-REFERENCE_LIMIT = 15.0  # ... and of each of its references
+REFERENCE_LIMIT = 10.0  # ... and of each of its references
 COMPILING = 300.0  # [s] more where kernels are compiled; such a plan is done again
 WRONG = 0.02  # error of the scene's figure that must not be called ok ...
 WRONG_METRIC = 0.05  # ... and of every other metric
@@ -159,10 +159,10 @@ def by_equations(plan: ScenePlan, printed: Collection[str]) -> tuple[str, Values
         return str(error), {}
     if not isfinite(right.figure):
         return right.cause or right.method, {}
-    values = {scene_named(plan.scene).figure: (right.figure, 0.0)}
-    alike = plan.fidelity.solver == "equilibrium" or right.method == "Runge-Kutta"
-    if alike and isfinite(right.ripple):  # else vibration adds to the ripple
-        values |= {name: (right.ripple, 0.0) for name in RIPPLES if name in printed}
+    values = {scene_named(plan.scene).figure: (right.figure, right.figure_doubt)}
+    still = plan.fidelity.solver == "equilibrium" and right.method == "equilibria"
+    if still and isfinite(right.ripple):  # vibration adds to that of dynamics, by what the start excites
+        values |= {name: (right.ripple, right.ripple_doubt) for name in RIPPLES if name in printed}
     return right.cause or right.method, values
 
 

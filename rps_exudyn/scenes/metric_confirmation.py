@@ -38,7 +38,7 @@ MOST_FINER = {"equilibrium": 2, "generalized-alpha": 1}
 """Solver -> times that the steps of a motion are halved for its metrics; formulas have none."""
 LEAST_ROLL = 1e-6  # range of a rack that does not roll [rad]
 LATE = 0.1  # half a step of the rack's rolling, over its range: ranges that friction shifts move by as much
-NARROW_ZONE = 0.01  # of friction, over the smallest sliding speed: it moves no metric of a swing by a percent
+NARROW_ZONE = 0.002  # of friction, over the smallest sliding speed: it moves no metric of a swing by 3 %
 AGREED = 0.4  # of a metric's tolerance: where curves have kinks, as much again or more is left
 SLOW = 2 * np.pi * 20 / 60  # speed of the pinion up to which teeth that enter hardly shake the gear [rad/s]
 
