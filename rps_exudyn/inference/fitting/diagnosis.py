@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rps_exudyn.base.errors import are
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.inference.fitting.bench_tests import mixed_speeds
 from rps_exudyn.inference.fitting.level import ZERO, LevelEstimate
@@ -125,7 +126,7 @@ def notes_of(level: LevelEstimate, gear: SteeringGear) -> Iterator[str]:
     if not level.both_ways:
         yield f"{title} was measured one way only: the sensor's zero counts as friction there"
     if level.spikes:
-        yield f"{level.spikes} points of {title} are left out as spikes"
+        yield f"{are(level.spikes, 'point', f' of {title}')} left out as spikes"
     if of_kind.by_angle:
         yield from _rig(level, gear)
     zero = 0.0 if level.half_sum is None or of_kind.weighted else level.half_sum
@@ -158,6 +159,11 @@ def _rig(level: LevelEstimate, gear: SteeringGear) -> Iterator[str]:
         size = float(np.hypot(*vector))
         if size > OWN_WAVE * sd and size > NAMED * value:
             times = "once" if order == 1 else "twice"
+            teeth = level.tooth_waves.get(1.0)
+            if teeth is not None and not teeth.is_seen:
+                name += (
+                    f", or the teeth, where an encoder counts {gear.pinion.teeth / order:g} times the angle"
+                )
             yield f"friction changes by {100 * size / value:.2g} % {times} per turn: {name}"
     bend, sd = level.bend
     if abs(bend) > OWN_BEND * sd and abs(bend) > NAMED * value:
