@@ -67,7 +67,7 @@ UNEVEN = Swing, SetOff, WheelTorque  # drives under which friction turns about
 NOT_CURED_BY_STEPS = {Code.SWING_TOO_FAST, Code.BEYOND_LAW, Code.START_MATTERS}  # of an invalid swing
 SHAKEN = 0.15  # contractivity: between impacts an old Jacobian takes twice the iterations
 JUMPS = (
-    "; where the gear's torque falls by more than column.stiffness = {:.4g} N*m/rad, or the rack snaps "
+    "; where the gear's torque falls by more than the column's {:.4g} N*m/rad, or the rack snaps "
     "over as it turns about, the gear jumps, which only generalized-alpha follows"
 )
 JUMPS_UNDER_TORQUE = (
