@@ -19,10 +19,10 @@ AGREES = 1e-4  # half a unit of the last digit stated
 
 
 def doctor(*, clear_cache: Flag = False) -> int:
-    """Check that this installation computes what it should, and list where it keeps what.
+    """Check the installation with a reference run, and list versions, cache and folders.
 
     Args:
-        clear_cache: remove the compiled kernels first; they are compiled again when needed.
+        clear_cache: Remove the compiled force laws first; the next run compiles them again.
     """
     from rps_exudyn.base.kernel_cache import cache_folders
 

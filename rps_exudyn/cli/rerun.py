@@ -15,11 +15,11 @@ from rps_exudyn.cli.output import print_json, put, put_table
 
 
 def rerun(file: Path, /, *, out: Path | None = None, every: All = False, json: Json = False) -> int:
-    """Simulate again what a result holds, from the parameters in its file, and compare both.
+    """Repeat the simulation of a result from the parameters in its file, and compare both.
 
     Args:
         file: HDF5 file that `run` or `study` wrote; it is not changed.
-        out: HDF5 file of the new result; without it none is written.
+        out: HDF5 file of the new result; default: none is written.
     """
     from rps_exudyn.analysis.result_comparison import differing_numbers, largest_difference
     from rps_exudyn.cli.printed import print_result, result_as_dict, verdict

@@ -39,16 +39,16 @@ def study(
     yes: Flag = False,
     json: Json = False,
 ) -> int:
-    """Simulate all cases of a study file; interrupted or repeated, it does only what is missing.
+    """Simulate all cases of a study file. Run it again after an interruption: finished cases are kept.
 
     Args:
-        file: TOML file, see docs/studies.md.
-        out: folder of the study; without it one of the file's name in the current folder.
-        jobs: number of worker processes; without it one for each processor.
-        cluster: address of a Dask scheduler that does the cases instead, for instance tcp://10.0.0.1:8786.
-        dry_run: list the cases and estimate the time without simulating.
-        toy: try the study at its smallest size, two values of each axis, in a folder NAME-toy.
-        yes: run it also if there are very many cases.
+        file: Study file (TOML), see docs/studies.md.
+        out: Folder of the study; default: the file's name, in the current folder.
+        jobs: Number of worker processes; default: one per processor.
+        cluster: Address of a Dask scheduler that runs the cases, for instance tcp://10.0.0.1:8786.
+        dry_run: List the cases and estimate the time without simulating.
+        toy: Try the study with two values of each axis, in a folder NAME-toy.
+        yes: Also run a study of more than 5000 cases.
     """
     folder = out or Path(f"{file.stem}-toy" if toy else file.stem)
     request = Request(file, folder, jobs, cluster, toy, yes)

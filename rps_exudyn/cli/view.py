@@ -14,7 +14,7 @@ def view(file: Path, /) -> int:
     """Play the gear of a result in Exudyn's own viewer, where there is a display.
 
     Args:
-        file: HDF5 file that `run` wrote; its motion is computed anew.
+        file: HDF5 file that `run` wrote; its motion is computed again.
     """
     from rps_exudyn.parameters.fidelity import Fidelity
     from rps_exudyn.study.case_blocks import load
