@@ -86,7 +86,9 @@ class GearOptions:
 
         own = self.carried()
         if paths := [path for path in own if path not in own.posterior]:
-            note(f"{', '.join(paths)}: the run uses the median of the distribution; --band computes the band.")
+            note(
+                f"{', '.join(paths)}: the run uses the median of the distribution; --band computes the band."
+            )
 
     def tables(self) -> dict[str, Any]:
         """The tables of the gear's file; {} without one."""

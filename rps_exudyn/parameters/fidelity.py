@@ -45,57 +45,61 @@ class Fidelity(Table):
     based_on: PresetName = parameter(
         "flank", "preset whose choices these are but for those changed", "choice"
     )
-    mesh: Literal["general-contact", "flank"] = parameter("flank", "how the teeth touch", "choice")
+    mesh: Literal["general-contact", "flank"] = parameter("flank", "contact model of the teeth", "choice")
     bush: Literal["chain", "condensed", "rigid"] = parameter(
-        "condensed", "how the bush is modelled", "choice"
+        "condensed", "bush model: chain of segments, condensed stiffness, or rigid", "choice"
     )
     rack: Literal["by-scene", "free", "guided", "flexible"] = parameter(
         "by-scene",
-        "how the rack moves: rigid in all six freedoms, rigid along X and Y only, or bending; by-scene: "
-        "bending where the scene needs it, else free",
+        "rack model: free (rigid, six degrees of freedom), guided (rigid, X and Y only), flexible (bends), "
+        "by-scene (flexible where the scene needs it, else free)",
         "choice",
     )
     pinion: Literal["by-scene", "rigid", "supported"] = parameter(
         "by-scene",
-        "how the pinion is held: it only turns; on two bearings; by-scene: on them where a scene asks",
+        "pinion support: rigid (it only turns), supported (on two bearings), by-scene (supported where the "
+        "scene needs it)",
         "choice",
     )
     solver: Literal["generalized-alpha", "equilibrium", "closed-form"] = parameter(
-        "generalized-alpha", "how the motion is found", "choice"
+        "generalized-alpha",
+        "solver: dynamics (generalized-alpha), equilibrium at each instant, or formulas (closed-form)",
+        "choice",
     )
     step_angle: Angle = parameter(
         "1 deg",
-        "largest pinion rotation per time step or equilibrium; a record has at least four",
+        "largest pinion rotation per time step or equilibrium; a record has at least four steps",
         "choice",
         ge=0.001 * DEG,  # the rack's travel takes a million of them
         le=40 * DEG,
     )
     torque_tolerance: Number = parameter(
         0.0,
-        "equilibrium: steps of a steady motion are halved until they show the torque to this share of its "
-        "mean; 0: as its record asks",
+        "equilibrium: steps of a steady motion are halved until the torque's error is below this share of "
+        "its "
+        "mean; 0: halved only where a check requires it",
         "choice",
         ge=0,
         lt=1,
     )
     swing_steps: int = parameter(
         0,
-        "yoke-impact and rattle: time steps per swing of the plunger between seat and yokenut, their fastest "
-        "motion; 0 takes the scene's own",
+        "yoke-impact and rattle: time steps per vibration of the plunger between seat and yokenut, the "
+        "fastest motion; 0: the scene's default",
         "choice",
         ge=0,
         le=1000,
     )
     tolerance: Number = parameter(
         1e-4,
-        "time steps: unbalanced force at which Newton's method stops, over the yoke's preload",
+        "time steps: unbalanced force over the yoke's preload at which Newton's method stops",
         "choice",
         gt=0,
         le=0.01,
     )
     strip_stations: int = parameter(
         4,
-        "flank: Gauss points along each segment of a line of contact; one more where teeth bend together",
+        "flank: Gauss points along each segment of a line of contact; law teeth adds one",
         "choice",
         ge=1,
         le=12,
@@ -108,12 +112,12 @@ class Fidelity(Table):
         18, "general contact: rows of spheres along the face width", "choice", ge=2, le=2000
     )
     zone_ratio: Number = parameter(
-        0.001, "friction zone over the smallest sliding speed of the teeth", "choice", gt=0, le=1
+        0.001, "width of the friction zone over the smallest sliding speed of the teeth", "choice", gt=0, le=1
     )
 
     friction_elements: int = parameter(
         1,
-        "bristle: elasto-plastic elements of each part; more follow the first loading's shape more closely",
+        "bristle: elasto-plastic elements of each part; more elements give a smoother first loading",
         "choice",
         ge=1,
         le=MOST_ELEMENTS,

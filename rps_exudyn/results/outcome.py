@@ -67,12 +67,12 @@ class Code(StrEnum):
     TEETH_UNLOADED = "teeth-unloaded", "the teeth carry no load"
     BEYOND_LAW = "beyond-law", "the contact left the range of its law"
     BEYOND_FORMULAS = "beyond-formulas", "the gear is outside the range of the closed form"
-    FRICTION_ZONE = "friction-zone", "friction depends on the zone in which it develops"
+    FRICTION_ZONE = "friction-zone", "the friction zone is too wide for the result"
     STEPS_TOO_COARSE = "steps-too-coarse", "the steps are too long for the result"
     ROLLING_TOO_COARSE = "rolling-too-coarse", "the steps are too long for the rack's rolling"
     STEPS_NOT_CONFIRMED = "steps-not-confirmed", "the run in shorter steps failed"
     STRIPS_NOT_CONFIRMED = "strips-not-confirmed", "the run with finer strips failed"
-    RACK_NOT_SETTLED = "rack-not-settled", "the rack still rolls into its place"
+    RACK_NOT_SETTLED = "rack-not-settled", "the rack has not settled in roll"
     START_MATTERS = "start-matters", "the result depends on where the motion began"
     SWING_TOO_FAST = "swing-too-fast", "inertia matters, which equilibria leave out"
     SWING_NOT_SETTLED = "swing-not-settled", "the swing does not become periodic"
@@ -80,7 +80,7 @@ class Code(StrEnum):
     FEW_SPHERES = "few-spheres", "too few spheres touch"
     SPHERES_OUT_OF_PLACE = (
         "spheres-out-of-place",
-        "the rack is not where the spheres were laid for",
+        "the rack is not at the place for which the spheres were made",
     )
     WORK_MISSING = "work-missing", "the work balance does not close"
     EDGES_LOADED = "edges-loaded", "too much work is lost at the tooth edges"
@@ -101,7 +101,7 @@ class Code(StrEnum):
     NOT_HIT = "not-hit", "the yokenut is not hit up to the largest force"
     THRESHOLD_RESOLUTION = "threshold-resolution", "the threshold is known to one cycle of the growing force"
     CAP_PRESSES = "cap-presses", "the yoke's cap still presses the plunger"
-    OTHER_SETTINGS = "other-settings", "safer settings than those asked for were taken"
+    OTHER_SETTINGS = "other-settings", "the run used safer settings than those asked for"
     ACCURACY_NOT_CONFIRMED = "accuracy-not-confirmed", "the finer run failed"
     ACCURACY_NOT_REACHED = (
         "accuracy-not-reached",
@@ -158,8 +158,8 @@ _REMEDIES = {
     Status.DIVERGED: "Use a smaller step or more contact damping (mesh.damping), and check the stiffnesses.",
     Status.NO_CONVERGENCE: "Use a smaller step, another solver, or a wider friction regularization.",
     Status.CONTACT_LOST: "The rack left the mesh: raise yoke.preload, or check yoke.clearance and the load.",
-    Status.TIMEOUT: "Allow more time, or take a cheaper fidelity or fewer turns.",
-    Status.CRASHED: "The solver's process ended: run this case alone to see why.",
+    Status.TIMEOUT: "Allow more time, or use a cheaper fidelity or fewer turns.",
+    Status.CRASHED: "The solver's process ended: run this case by itself to see the cause.",
     Status.INVALID: "The run ended but failed the check that the message names: refine step or contact.",
 }
 
