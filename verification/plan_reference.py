@@ -199,7 +199,7 @@ def curve(plan: ScenePlan) -> Curve:
 
     Raises:
         NotFoundError: there is no equilibrium somewhere.
-        LinAlgError: the gear yields without resistance.
+        LinAlgError: the gear has no stiffness against a force.
     """
     if plan.scene == "reversal":
         swing = _swing(plan)

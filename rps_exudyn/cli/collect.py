@@ -25,7 +25,7 @@ def collect(folder: Path, /, *, out: Path | None = None) -> int:
     for _, sentence in table.skipped[:SHOWN_SKIPPED]:
         say(f"left out: {sentence}")
     if (count := len(table.skipped)) > SHOWN_SKIPPED:
-        say(f"{count} files are left out, these among them; the command study does them again.")
+        say(f"{count} files are left out, these among them; the command study repeats their cases.")
     write_table(table, out)
     print(f"written: {out}")
     print_said(groups(table.ended()))

@@ -28,10 +28,10 @@ def explore(
         raise InputError(f"--port is {port}; it must be from 0 to 65535, 0 for a free one.")
     with Explorer(chosen, host, port) as server:
         if not server.local:
-            say(f"anyone who reaches {host} can compute on this machine now; there is no password.")
+            say(f"anyone who reaches {host} can compute on this machine; there is no password.")
         with shown_progress():
             server.answering.warm_up()
-        print(f"serving: {server.address} (Ctrl-C ends it)", flush=True)
+        print(f"server: {server.address} (Ctrl-C ends it)", flush=True)
         if browser:
             with suppress(webbrowser.Error):
                 webbrowser.open(server.address)

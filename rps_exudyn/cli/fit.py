@@ -115,13 +115,13 @@ def fit(
             raise InputError("--plan plans tests before anything is measured; leave out the measured files.")
         return print_plan(plan, gear, minutes, json)
     if minutes is not None:
-        raise InputError("--minutes is the table of times of a plan; add --plan.")
+        raise InputError("--minutes gives the times of a plan; add --plan.")
     if batch is not None:
         if files:
             raise InputError("--batch reads all files of its folder; leave out the measured files.")
         return judge_batch(batch, tolerance, gear, (out, plot), checked_jobs(jobs), json)
     if tolerance is not None:
-        raise InputError("--tolerance is that of a production batch; add --batch FOLDER.")
+        raise InputError("--tolerance applies to a production batch; add --batch FOLDER.")
     if not files:
         raise InputError("fit needs at least one measured file, for instance rps-exudyn fit measured.csv.")
     out = out or Path("fitted.toml")
@@ -356,7 +356,7 @@ def judge_batch(
         f"scatter between gears {middle:.3g} % ({low:.3g} to {high:.3g} %, 95 %), without that of the "
         f"measurement, {100 * found.sd / found.mean:.3g} %"
     )
-    columns = ("parameter", "mean of the batch", "deviation", "scatter, if it alone makes that of the levels")
+    columns = ("parameter", "mean of the batch", "deviation", "scatter, if no other parameter scatters")
     put_table(
         columns,
         [
@@ -418,7 +418,7 @@ def _written_files(
     from rps_exudyn.parameters.gear import gear_file
 
     if older := number_existing(out):
-        say(f"an older file is kept: {older}.")
+        say(f"previous file renamed to {older}.")
     with replacing(out) as partial:
         partial.write_text(gear_text(fit, gear_file(fit.gear)), encoding="utf-8")
     yield out

@@ -55,7 +55,7 @@ def print_differing(
     """Print how many numbers of a repeated simulation differ from the file `name`, or `every` one of them,
     and the `largest` difference."""
     if not differing:
-        put(f"Every number is that of {name}, bit for bit.")
+        put(f"Every number equals that of {name}, bit for bit.")
         return
     rows = [(what, *map(str, pair)) for what, pair in differing.items()]
     if every:

@@ -123,7 +123,7 @@ def run(
     except Interrupted as interrupt:
         kept, _ = keep(replace(interrupt.recorded, measured=curve), Files(out, picture, overwrite))
         where = f"kept in {kept[0]}" if kept else "lost"
-        raise KeyboardInterrupt(f"interrupted; what was recorded until then is {where}.") from None
+        raise KeyboardInterrupt(f"interrupted; the record until then is {where}.") from None
     result = replace(result, measured=curve)
     with printing(quiet):
         put_accuracy(result, every)

@@ -22,8 +22,7 @@ def view(file: Path, /) -> int:
     result = load(file)
     if not has_display():
         raise InputError(
-            "there is no display for Exudyn's viewer; "
-            f"rps-exudyn animate {file} makes a page for any browser."
+            f"Exudyn's viewer needs a display; rps-exudyn animate {file} makes a page for any browser."
         )
     fidelity = Fidelity.from_tables(result.fidelity, where=str(file))
     if fidelity.solver != "generalized-alpha":

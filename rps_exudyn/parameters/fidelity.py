@@ -43,7 +43,7 @@ class Fidelity(Table):
     """
 
     based_on: PresetName = parameter(
-        "flank", "preset whose choices these are but for those changed", "choice"
+        "flank", "preset whose choices these are except for changed ones", "choice"
     )
     mesh: Literal["general-contact", "flank"] = parameter("flank", "contact model of the teeth", "choice")
     bush: Literal["chain", "condensed", "rigid"] = parameter(
@@ -229,8 +229,8 @@ def _conflicts(chosen: Fidelity) -> Iterator[WrongValue]:
     if chosen.rack == "guided" and chosen.bush != "condensed":
         yield WrongValue(
             ("rack", "bush"),
-            f"fidelity.bush is {chosen.bush}, but fidelity.rack is guided, whose bush only drags: "
-            "leave it condensed.",
+            f"fidelity.bush is {chosen.bush}, but fidelity.rack is guided, which has only the drag of the "
+            f"bush: leave it condensed.",
         )
     if chosen.rack == "flexible" and chosen.bush == "chain":
         yield WrongValue(
@@ -247,8 +247,8 @@ def _conflicts(chosen: Fidelity) -> Iterator[WrongValue]:
     if chosen.pinion == "supported" and chosen.mesh == "general-contact":
         yield WrongValue(
             ("pinion", "mesh"),
-            "fidelity.mesh is general-contact, but fidelity.pinion is supported, which general contact has "
-            "not: choose fidelity.mesh = flank.",
+            "fidelity.mesh is general-contact, but fidelity.pinion is supported, which general contact "
+            "does not offer: choose fidelity.mesh = flank.",
         )
     for choice, solver, understood, reason in _SOLVER_LIMITS:
         value = getattr(chosen, choice)
@@ -268,13 +268,13 @@ _SOLVER_LIMITS = (
         ("condensed",),
         "whose formulas contain only the bush's drag: leave it condensed",
     ),
-    ("pinion", "closed-form", ("by-scene", "rigid"), "whose formulas have a pinion that only turns"),
+    ("pinion", "closed-form", ("by-scene", "rigid"), "whose formulas let the pinion only turn"),
     ("rack", "closed-form", ("by-scene", "free", "guided"), "whose formulas contain no bending"),
     (
         "bush",
         "equilibrium",
         ("condensed", "rigid"),
-        "where nothing swings: condensed is the chain's exact static stiffness",
+        "which needs no segments: condensed is the exact static stiffness of the chain",
     ),
 )
 

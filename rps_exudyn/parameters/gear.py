@@ -531,8 +531,8 @@ def _conflicts(gear: SteeringGear) -> Iterator[WrongValue]:
     if pinion.shaft_length < pinion.face_width:
         yield WrongValue(
             ("pinion.shaft_length", "pinion.face_width"),
-            f"pinion.shaft_length is {mm(pinion.shaft_length)}; it carries the whole gear and must be "
-            f"at least as long as pinion.face_width = {mm(pinion.face_width)}.",
+            f"pinion.shaft_length is {mm(pinion.shaft_length)}; it carries the whole gear and must be at "
+            f"least as long as pinion.face_width = {mm(pinion.face_width)}.",
         )
     if abs(pinion.lead_error) > STEEPEST_LEAD * pinion.face_width:
         yield WrongValue(
@@ -624,7 +624,8 @@ def gear_file(gear: SteeringGear) -> str:
         tables.setdefault(table, []).append(f"{name} = {_toml(value, item)}  # {item.meaning}")
     heads = (f"[{table}]\n" + "\n".join(lines) for table, lines in tables.items())
     body = "\n\n".join(heads) or "# every parameter is that of the default gear"
-    return f"# A gear for rps-exudyn run --gear FILE; what is not here is as in the default gear.\n\n{body}\n"
+    head = "# A gear for rps-exudyn run --gear FILE; other parameters are those of the default gear."
+    return f"{head}\n\n{body}\n"
 
 
 def _toml(value: Any, item: Any) -> str:

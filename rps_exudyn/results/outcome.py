@@ -60,7 +60,7 @@ class Code(StrEnum):
     STEPS_USED_UP = "steps-used-up", "the run took far more time steps than planned"
     FORCE_FAILED = "force-failed", "a function of the model ended with an error"
     NO_EQUILIBRIUM = "no-equilibrium", "no equilibrium was found"
-    NO_RESISTANCE = "no-resistance", "the gear yields without resistance"
+    NO_RESISTANCE = "no-resistance", "the gear has no stiffness against a force"
     INTERRUPTED = "interrupted", "the run was stopped before its end"
     REFUSED = "refused", "a check of the plan failed, nothing was run"
     RACK_OUT_OF_MESH = "rack-out-of-mesh", "the rack left the mesh"

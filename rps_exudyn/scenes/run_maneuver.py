@@ -62,10 +62,10 @@ NOT_CURED_BY_STEPS = {Code.SWING_TOO_FAST, Code.BEYOND_LAW, Code.START_MATTERS} 
 SHAKEN = 0.15  # contractivity: between impacts an old Jacobian takes twice the iterations
 JUMPS = (
     "; where the gear's torque falls by more than column.stiffness = {:.4g} N*m/rad, or the rack snaps "
-    "over as it turns about, the gear jumps, which only generalized-alpha follows"
+    "through at a reversal, the gear jumps; only generalized-alpha follows a jump"
 )
 JUMPS_UNDER_TORQUE = (
-    "; under a given torque the gear jumps where friction falls, which only generalized-alpha follows"
+    "; under a given torque the gear jumps where friction falls; only generalized-alpha follows a jump"
 )
 HALVINGS_FOR_TOLERANCE = 4  # more than a record asks for by itself: kinks are never resolved
 CLOSED = 1e-3  # of the drive's force: how much all periods may drift for one to stand for all
@@ -93,7 +93,7 @@ def run_maneuver(
         try:
             runs.append(SOLVERS[fidelity.solver](gear, fidelity, maneuver, options))
         except np.linalg.LinAlgError as error:
-            message = f"the gear yields without resistance at its start: {error}"
+            message = f"the gear has no stiffness against a force at its start: {error}"
             runs.append(SceneRun(Outcome(Status.NO_CONVERGENCE, message, (Code.NO_RESISTANCE,))))
         except Interrupted as interrupt:
             raise Interrupted(joined([*runs, interrupt.recorded])) from None

@@ -46,7 +46,7 @@ class Batch:
     """What became of n gears, in the order of the table's rows. All values are SI.
 
     Attributes:
-        results: of the rows that were simulated one by one; None where gears were followed together.
+        results: of the rows that were simulated one by one; None where gears were computed together.
         found: these; None if none were.
         alone: why all rows were simulated one by one; "" if single rows were for their own outcome.
 
@@ -65,7 +65,7 @@ class Batch:
 
     @property
     def in_loop(self) -> np.ndarray:
-        """Which rows were followed together, shape (n,), see `batch`."""
+        """Which rows were computed together, shape (n,), see `batch`."""
         return np.array([result is None for result in self.results], dtype=bool)
 
     @property
@@ -144,7 +144,7 @@ def batch(
     Each row is a gear of its own; one that cannot exist is a row with the status `invalid`, and its message
     states why.
 
-    The gears of a free pinion torque, a load test or a rack push are followed together, several times as fast
+    The gears of a free pinion torque, a load test or a rack push are computed together, several times as fast
     as one by one: by the same equations at the same instants, with means within 1e-5 and other metrics mostly
     within 1e-3 of single runs. What is not supported (`together.UNSUPPORTED`) or not found well within the
     bounds of all checks is simulated one by one; `Batch.in_loop` and `Batch.alone` record it. So are tables

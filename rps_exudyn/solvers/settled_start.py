@@ -156,7 +156,7 @@ def settled_behind(
     """Return the equilibrium at the start of a motion of the wheel, the column twisted by its torque.
 
     Raises:
-        LinAlgError: the gear yields without resistance.
+        LinAlgError: the gear has no stiffness against a force.
     """
     twist = 0.0
     for _ in range(TWISTS):

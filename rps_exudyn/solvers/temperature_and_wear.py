@@ -98,7 +98,7 @@ def operating_gear(gear: SteeringGear) -> OperatingGear | None:
     preload = yoke.preload * (1 - SPRING_SOFTENING * warmer) - yoke.spring_rate * moved
     if preload < 0:
         raise InputError(
-            f"conditions leave no preload: the yoke's spring would have to pull by {-preload:.4g} N; lower "
+            f"conditions leave no preload: the force of the yoke's spring would be {-preload:.4g} N; lower "
             "conditions.temperature or yoke.spring_rate."
         )
     worn = wear(gear, preload)
@@ -195,8 +195,9 @@ def grease_drag(gear: SteeringGear) -> float:
     stress = eta * gear.test.speed * abs(float(GearPair.of(gear).gain)) / grease.film
     if stress > LARGEST_SHEAR:
         raise InputError(
-            f"grease.base_oil = {grease.base_oil} is sheared by {stress / 1e6:.3g} MPa at test.speed; its "
-            f"viscosity holds to {LARGEST_SHEAR / 1e6:g} MPa: raise conditions.temperature or grease.film, "
+            f"grease.base_oil = {grease.base_oil} has a shear stress of {stress / 1e6:.3g} MPa at "
+            f"test.speed; its viscosity is known up to {LARGEST_SHEAR / 1e6:g} MPa: raise "
+            f"conditions.temperature or grease.film, "
             "or lower test.speed."
         )
     area = np.pi * rack.bar_diameter * gear.bush.length

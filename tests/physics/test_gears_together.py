@@ -1,4 +1,4 @@
-"""Gears followed together: metrics and signals of all scenes, laws and frictions are those of single runs."""
+"""Gears computed together: metrics and signals of all scenes, laws and frictions are those of single runs."""
 
 import re
 from dataclasses import dataclass

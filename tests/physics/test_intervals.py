@@ -143,7 +143,7 @@ def test_a_late_torque_is_named_and_left_out_or_refused() -> None:
     for seconds, words in (
         (0.0, ""),
         (0.1, ""),
-        (0.5, r" 7(\.\d)? deg \(0\.(5|4\d) s\) after the motion turns back"),
+        (0.5, r" 7(\.\d)? deg \(0\.(5|4\d) s\) after the motion reverses"),
     ):
         record = late_record(seconds)
         curve = MeasuredTorque(
@@ -159,7 +159,7 @@ def test_a_late_torque_is_named_and_left_out_or_refused() -> None:
         "bench", {name: record[name] for name in TORQUE}, beside={"clock": record["clock"]}
     )
     with pytest.raises(
-        InputError, match=r"changes 4[45] deg \((3|2\.9) s\) after the motion turns back \(limit 15 deg\)"
+        InputError, match=r"changes 4[45] deg \((3|2\.9) s\) after the motion reverses \(limit 15 deg\)"
     ):
         measurement_of([(FREE, curve)])
 

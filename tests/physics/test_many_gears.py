@@ -1,4 +1,4 @@
-"""Gears followed together end as single runs of them end; what is not found so is run singly."""
+"""Gears computed together end as single runs of them end; what is not found so is run singly."""
 
 from pathlib import Path
 

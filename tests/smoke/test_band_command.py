@@ -21,7 +21,7 @@ def test_band_is_printed_and_every_sample_kept(command: Command) -> None:
     answer = command(["run", *OPTIONS, "--all", "--band", "64", *settings, "--set", "pinion.runout=32 um"])
     assert answer.status == 0
     assert "of 64 samples failed" in answer.out
-    assert "uses up yoke.clearance" in answer.out
+    assert "exceeds yoke.clearance" in answer.out
     assert re.search(r"Contributions to torque_mean: yoke.preload (9\d|100) %", answer.out)
     assert "law line is off by -1.2 to +0.32 %" in answer.out
     kept = json.loads(Path("r.band.json").read_text())

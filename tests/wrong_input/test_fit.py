@@ -57,7 +57,7 @@ def test_rows_that_are_left_out_are_named_with_the_reason(tmp_path: Path) -> Non
     assert read_measurement([path]).left_out == (
         "bench: 2 rows without a value are left out: lines 102, 105",
         "bench: 1 line without numbers is left out: line 525",
-        "bench: 5 rows are left out, lines 203, 282 to 285, where the angle stands still or jerks back",
+        "bench: 5 rows are left out, lines 203, 282 to 285, where the angle stands still or jumps back",
         "bench: 41 rows are left out, lines 2 to 42, a pass shorter than 20 % of the longest",
     )
 
@@ -68,9 +68,9 @@ def test_rows_of_a_reversal_and_of_long_passes_are_named_too(tmp_path: Path) -> 
     path = tmp_path / "bench.csv"
     path.write_text(HEADER + "".join(f"{a:.2f},0.6\n" for a in angle))
     assert read_measurement([f"reversal={path}"]).left_out == (
-        "bench: 602 rows are left out, lines 2 to 302, 1702 to 2002, within 3 deg of where the motion turns "
-        "about",
-        "bench: 1399 rows of a pass are taken together to 720 medians",
+        "bench: 602 rows are left out, lines 2 to 302, 1702 to 2002, within 3 deg of a reversal of the "
+        "motion",
+        "bench: 1399 rows of a pass are reduced to 720 medians",
     )
 
 
@@ -223,7 +223,7 @@ def test_run_reads_absolute_torques_as_a_fit_does(tmp_path: Path) -> None:
     for mine, theirs in zip(passes(curve.signals), measured.passes, strict=True):
         assert np.sign(mine.signals["pinion_torque"]).mean() == mine.direction
         assert mine.signals["pinion_torque"].mean() == pytest.approx(theirs.value.mean(), rel=1e-3)
-    assert "torques of the same sign both ways are read as against the motion" in curve.assumed
+    assert "torques with one sign in both directions are read as against the motion" in curve.assumed
     weighed = read_measured(path, (), "load-test", SteeringGear())
     assert (weighed.signals["pinion_torque"] > 0).all()
 
@@ -241,6 +241,6 @@ def test_values_in_a_wrong_unit_are_refused(tmp_path: Path) -> None:
         fit([turned(tmp_path / "a.csv", 630.0, -610.0), turned(tmp_path / "b.csv", 6e-4, -6e-4)])
     assert "mean torque of 630 N m" in refused.value.problems[0]
     assert "mean torque of 0.0006 N m" in refused.value.problems[1]
-    assert all("look at the unit of its torque" in each for each in refused.value.problems)
-    with pytest.raises(InputError, match=r"covers 57.3 turns of the pinion .* look at the unit of its angle"):
+    assert all("check the unit of its torque" in each for each in refused.value.problems)
+    with pytest.raises(InputError, match=r"covers 57.3 turns of the pinion .* check the unit of its angle"):
         fit([turned(tmp_path / "c.csv", 0.6, -0.6, reach=180 * 57.3)])

@@ -24,7 +24,7 @@ def test_choice_is_answered_with_what_replaces_it(
     answer = command(["run", "--set", f"{path}={value}"])
     assert answer.status == 2
     assert answer.err.count("\n") == 1
-    assert f"{path} is '{value}', which earlier versions had: {instead}." in answer.err
+    assert f"{path} is '{value}', which only earlier versions have: {instead}." in answer.err
 
 
 @pytest.mark.parametrize("option", ["--mesh=ratio", "--bush=adams-chain"])

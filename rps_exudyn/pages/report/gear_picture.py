@@ -29,8 +29,8 @@ DISTANCES = np.geomspace(0.1, 20, 120)  # of the eye [m]
 CENTRINGS = 4
 ALT = (
     "The gear from below: pinion (orange) in mesh with the rack (grey), the yoke with plunger, spring and "
-    "nut (blue) cut open above it, the bush (green) along the rack. The bearings are no bodies: a friction "
-    "torque on the pinion's shaft."
+    "nut (blue) cut open above it, the bush (green) along the rack. The bearings are not bodies but a "
+    "friction torque on the pinion's shaft."
 )
 
 Anchors = dict[str, tuple[np.ndarray, str, str]]

@@ -1,6 +1,6 @@
 """Cases of one design as one task: a single case is simulated, several go through `batch`.
 
-Results of gears that were followed together are those of single runs within the finding "together".
+Results of gears that were computed together are those of single runs within the finding "together".
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -21,7 +21,7 @@ from rps_exudyn.simulate.batch import Batch, batch
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.solvers.settling import TOLERANCE
 
-FINDING = "many gears followed together: mean within 1e-5, other metrics mostly within 1e-3 of a single run"
+FINDING = "many gears computed together: mean within 1e-5, other metrics mostly within 1e-3 of a single run"
 WARM_UP = {"test.turns": 0.05}
 
 
@@ -81,7 +81,7 @@ class CaseGroup:
     def _together(
         self, batch: Batch, settings: Sequence[Mapping[str, Any]], cpu: float, wall: float
     ) -> Iterator[Result]:
-        """Yield the results of those gears that were followed together, in their order."""
+        """Yield the results of those gears that were computed together, in their order."""
         found, gear = batch.found, self.base.steering_gear
         if found is None:
             return
