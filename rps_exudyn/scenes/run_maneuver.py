@@ -255,9 +255,11 @@ def _along_equilibria(
         start, interrupted = process_time(), False
         try:
             if column is None:
-                led = settled_start(balance, pair, drive, approach, time[:1])
-                path = equilibrium_path(balance, pair, drive, joined_instants(led, time), led)
-                path = path if led is None else replace(path, start=led.start)
+                approach_path = settled_start(balance, pair, drive, approach, time[:1])
+                path = equilibrium_path(
+                    balance, pair, drive, joined_instants(approach_path, time), approach_path
+                )
+                path = path if approach_path is None else replace(path, start=approach_path.start)
             else:
                 path = settled_behind(balance, pair, drive, column, approach)
                 if path.converged:
@@ -329,8 +331,8 @@ def _finished(
     if len(record.time) < 2:
         return SceneRun(outcome)
     pitch = 2 * np.pi / gear.pinion.teeth
-    led = -start.begun * gear.test.speed >= pitch * (1 - 1e-9)
-    record = replace(record, settled=led, start=start.start)
+    settled = -start.begun * gear.test.speed >= pitch * (1 - 1e-9)
+    record = replace(record, settled=settled, start=start.start)
     signals = signals_of(record)
     if outcome.status is Status.OK:
         outcome = options.check(outcome, gear, record, signals, zone if maneuver.is_steady else None)

@@ -179,7 +179,7 @@ def test_what_asks_for_single_runs_stands_in_the_pages() -> None:
 def test_few_gears_are_run_singly(gear: rps.SteeringGear) -> None:
     found = rps.batch(SCENE, gear, {"yoke.preload": [290.0, 310.0]}, keep="torque")
     assert not found.in_loop.any()
-    assert "too few gears" in found.alone
+    assert "too few gears" in found.single_run_reason
 
 
 def test_a_test_that_leaves_the_teeth_is_the_cause_of_every_row(gear: rps.SteeringGear) -> None:

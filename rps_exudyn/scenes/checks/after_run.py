@@ -65,7 +65,7 @@ def validated(
         *([] if friction_zone is None else [friction_developed(signals, friction_zone, GearPair.of(gear))]),
         *([] if friction_zone is None else [torque_resolved(signals)]),
         *([] if friction_zone is None or record.settled else [settled(signals, gear)]),
-        start_forgotten(record.start, signals, gear),
+        start_settled(record.start, signals, gear),
         *([] if friction_zone is None or not equilibria else [rolling_followed(signals, gear)]),
         *([inertia_followed(record, signals, gear)] if equilibria and friction_zone is None else []),
         contact_agreed(contact_disagreement(record)),
@@ -193,14 +193,14 @@ def settled(signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
         )
 
 
-def start_forgotten(start: Start, signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
-    """Check that what the gear came with does not matter: it could settle before the start, on teeth that
+def start_settled(start: Start, signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
+    """Check that the start does not matter: the gear could settle before the start, on teeth that
     the rack has, or what is left hardly moves the mean over the record."""
     recorded = float(signals["time"][-1])
     share = start.unsettled * min(1.0, start.settles_in / recorded) if start.unsettled else 0.0
     if share > UNSETTLED_BOUND:
         pitch = 2 * np.pi / gear.pinion.teeth / gear.test.speed
-        needed, teeth = start.settles_in / pitch, start.led_over / pitch
+        needed, teeth = start.settles_in / pitch, start.approach_time / pitch
         asks = f"in {needed:.3g} tooth pitches" if np.isfinite(needed) else "within any travel tried"
         ends = f", the rack has teeth for {teeth:.3g} before the start" if np.isfinite(teeth) else ""
         yield (

@@ -69,8 +69,8 @@ class CaseGroup:
         table = {path: [each[path] for each in settings] for path in settings[0]}
         wanted = self.keep.signals
         test = scene_named(self.scene).test
-        alone = test is not None and wanted is not None and set(wanted) <= {*test.curve}
-        keep: Literal["torque", "signals"] = "torque" if alone else "signals"
+        torque_only = test is not None and wanted is not None and set(wanted) <= {*test.curve}
+        keep: Literal["torque", "signals"] = "torque" if torque_only else "signals"
         gear, fidelity = self.base.steering_gear, self.base.fidelity
         found = batch(self.scene, gear, table, fidelity=fidelity, keep=keep, ranges=self.ranges)
         each_cpu = (process_time() - cpu) / len(settings)
