@@ -112,9 +112,7 @@ def print_band(band: Band, files: Iterable[Path]) -> None:
     for cause, number in band.drawn.failures.items():
         put(f"{number} x {cause}")
     put_table(_HEAD, list(_figure_rows(band)))
-    put(
-        "Errors are standard errors of the quantiles for this number of samples; the file has more quantiles."
-    )
+    put("At medians: the run at median inputs. Errors: standard errors of the quantiles.")
     name = scene_named(band.nominal.scene).figure
     if (shares := band.contributions.get(name)) is not None:
         largest = list(shares.fractions.items())[:SHOWN]
@@ -130,7 +128,7 @@ def print_band(band: Band, files: Iterable[Path]) -> None:
     print_files(files)
 
 
-_HEAD = ("quantity", "medians' run", "5 %", "median", "95 %", "error of 5 %", "error of 95 %")
+_HEAD = ("quantity", "at medians", "5 %", "median", "95 %", "error of 5 %", "error of 95 %")
 
 
 def _figure_rows(band: Band) -> Iterable[tuple[str, ...]]:
@@ -154,7 +152,7 @@ def _beside(band: Band, name: str) -> str:
         parts.append(f"half the steps change it by {SUMMARY[name].show(band.numerical[name])}")
     if band.law is not None:
         low, high = (100 * each for each in band.law.mean_torque)
-        parts.append(f"the contact law {band.law.law} is off by {low:+.2g} to {high:+.2g} %")
+        parts.append(f"the contact law {band.law.law} deviates by {low:+.2g} to {high:+.2g} %")
     return as_sentence("; ".join(parts))
 
 

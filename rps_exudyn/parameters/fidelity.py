@@ -51,8 +51,9 @@ class Fidelity(Table):
     )
     rack: Literal["by-scene", "free", "guided", "flexible"] = parameter(
         "by-scene",
-        "rack model: free (rigid, six degrees of freedom), guided (rigid, X and Y only), flexible (bends), "
-        "by-scene (flexible where the scene needs it, else free)",
+        "rack model: free (rigid), guided (rigid, X and Y only), flexible (bends), by-scene (flexible "
+        "where the "
+        "scene needs it, else free)",
         "choice",
     )
     pinion: Literal["by-scene", "rigid", "supported"] = parameter(
@@ -75,9 +76,9 @@ class Fidelity(Table):
     )
     torque_tolerance: Number = parameter(
         0.0,
-        "equilibrium: steps of a steady motion are halved until the torque's error is below this share of "
-        "its "
-        "mean; 0: halved only where a check requires it",
+        "equilibrium: steady motion is repeated in half the steps until the torque's error is below this "
+        "share of "
+        "its mean; 0: off",
         "choice",
         ge=0,
         lt=1,

@@ -42,7 +42,7 @@ def test_every_code_is_used(code: Code) -> None:
 
 def remarked(made_up_result: Result) -> Result:
     """Return a result with a remark and its code."""
-    message = "yoke.clearance = 20 um is closed, first at 3 deg"
+    message = "yoke.clearance = 20 um is used up, first at 3 deg"
     return dataclasses.replace(
         made_up_result, message=message, codes=(Code.YOKE_STOPPED.value, "of-tomorrow")
     )

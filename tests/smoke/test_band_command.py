@@ -63,7 +63,7 @@ def test_band_as_json_and_files_that_were_there(command: Command) -> None:
 
 def test_run_without_a_band_takes_the_median(command: Command) -> None:
     answer = command(["run", *OPTIONS, "--set", "yoke.preload=uniform(200 N, 600 N)"])
-    assert "yoke.preload: the median of its distribution is taken" in answer.err
+    assert "yoke.preload: the run uses the median of the distribution" in answer.err
     assert rps.load("r.h5").gear.yoke.preload == 400
 
 

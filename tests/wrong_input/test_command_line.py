@@ -26,7 +26,7 @@ def no_simulation(monkeypatch: pytest.MonkeyPatch) -> None:
 
 MISTAKES = {
     "runn": 'Unknown command "runn".',
-    "run free-pinion-torque again": "again is more than the command takes",
+    "run free-pinion-torque again": "again is not an argument of this command",
     "run somewhere": "SCENE is 'somewhere'; it must be one of free-pinion-torque",
     "run --speed 3": "Unknown option",
     "run --out": "requires an argument",
