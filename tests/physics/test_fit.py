@@ -125,7 +125,7 @@ def test_a_series_is_the_same_from_its_file(tmp_path: Path) -> None:
     other = fit(measurement, like=read_series(path), free=("yoke.preload",))
     assert other.converged
     assert any(
-        "series is not taken over: it fitted yoke.preload, mesh.friction" in each for each in other.warnings
+        "series is not used: it fitted yoke.preload, mesh.friction" in each for each in other.warnings
     )
 
 

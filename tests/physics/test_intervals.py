@@ -99,7 +99,7 @@ def test_spikes_are_left_out_and_edges_of_teeth_are_not() -> None:
         (BenchNoise(0.01, cardan=0.05), 1.0, "twice per turn: a cardan joint"),
         (BenchNoise(0.01, bow=0.1), 1.0, "at the ends of the travel"),
         (BenchNoise(0.01, zero=0.3), 1.0, "the zero of the sensor"),
-        (BenchNoise(0.01), 2.0, "0.5 times as often per turn"),
+        (BenchNoise(0.01), 2.0, "0.5 times per turn"),
     ],
 )
 def test_notes_name_what_explains_a_misfit(noise: BenchNoise, turns: float, words: str) -> None:

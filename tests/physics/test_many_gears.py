@@ -152,7 +152,7 @@ def test_records_of_a_table_are_those_of_packed_gears() -> None:
         (SCENE, {}, {"pinion.teeth": [6]}, "differ in pinion.teeth"),
         (SCENE, {}, {"rack.travel": [0.14]}, "differ in rack.travel"),
         (SCENE, {"test.path": "lock-to-lock"}, {"pinion.normal_module": [0.0018]}, "differ in pinion.normal"),
-        (SCENE, {}, {"yoke.preload": ["300 N"]}, "no plain numbers"),
+        (SCENE, {}, {"yoke.preload": ["300 N"]}, "not plain numbers"),
     ],
 )
 def test_what_asks_for_single_runs_is_said(

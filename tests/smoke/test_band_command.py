@@ -23,7 +23,7 @@ def test_band_is_printed_and_every_sample_kept(command: Command) -> None:
     assert "of 64 samples failed" in answer.out
     assert "exceeds yoke.clearance" in answer.out
     assert re.search(r"Contributions to torque_mean: yoke.preload (9\d|100) %", answer.out)
-    assert "law line is off by -1.2 to +0.32 %" in answer.out
+    assert "law line deviates by -1.2 to +0.32 %" in answer.out
     kept = json.loads(Path("r.band.json").read_text())
     assert kept["samples"] == len(kept["values"]["yoke.preload"]) == 64
     failed = sum(value is None for value in kept["values"]["torque_mean"])

@@ -98,4 +98,4 @@ def test_processes_share_the_simulations_of_a_fit(files: list[str], monkeypatch:
 def test_a_simulation_beyond_its_time_limit_is_named(command: Command, files: list[str]) -> None:
     answer = command(["fit", files[0], "--single-law", "--jobs", "1", "--time-limit", "0.1 ms"])
     assert answer.status == 2
-    assert "no equilibrium where it begins: a run did not end" in answer.err
+    assert "no equilibrium at its initial guess: a run did not end" in answer.err

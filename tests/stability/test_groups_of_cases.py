@@ -214,7 +214,7 @@ def test_members_found_together_end_alike_in_whichever_group(tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("extra", "reason"),
     [
-        (SINGLY, "ask for single runs"),
+        (SINGLY, "need single runs"),
         ('[set]\nrack.bow = "0.1 mm"\n', "a bow, a side force"),
     ],
 )

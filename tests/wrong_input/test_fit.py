@@ -95,7 +95,7 @@ def test_curves_too_short_and_parameters_without_belief_are_refused(short: Path)
         fit([long], free=("yoke.clearance",))
     with pytest.raises(InputError, match="needs at least one free parameter"):
         fit([long], free=("pinion.runout",))
-    with pytest.raises(InputError, match=r"yoke\.friction is 0; a parameter that is fitted must begin"):
+    with pytest.raises(InputError, match=r"yoke\.friction is 0; a fitted parameter must start"):
         fit([long], SteeringGear().replace({"yoke.friction": 0.0}))
     with pytest.raises(InputError, match="at least one measured curve"):
         fit([])
