@@ -38,6 +38,7 @@ class Change:
 CHANGES = {
     "bush: chain of 25 segments": Change({"bush": "chain"}),
     "bush: rigid": Change({"bush": "rigid"}),
+    "bush: clearance of 50 um": Change(gear={"bush.clearance": "50 um"}),
     "yokenut: none": Change(gear={"yoke.clearance": "9 mm"}),
     "rack: no roll, yaw, pitch, sway": Change({"rack": "guided"}),
     "rack: rigid": Change({"rack": "free"}),
@@ -72,17 +73,20 @@ CHANGES = {
     "friction: bristles of 5 um": Change(gear=BRISTLES),
     "friction: bristles of 5 um, four elements": Change({"friction_elements": 4}, gear=BRISTLES),
     "column: half as stiff": Change(gear={"column.stiffness": SteeringGear().column.stiffness / 2}),
+    "housing: mounts of 5 N/um": Change(gear={"housing.mount_stiffness": "5e6 N/m"}),
     "column: half as damped": Change(gear={"column.damping": SteeringGear().column.damping / 2}),
     "column: universal joint bent by 20 deg": Change(gear={"column.joint_angle": "20 deg"}),
     "temperature -30 degC": Change(gear={"conditions.temperature": "-30 degC"}),
     "temperature -30 degC, base oil PAO 32": Change(
         gear={"conditions.temperature": "-30 degC", "grease.base_oil": "PAO 32"}
     ),
+    "spring: set by 5 %": Change(gear={"conditions.spring_set": 0.05}),
     "wear of 1e6 cycles": Change(gear={"conditions.steering_cycles": 1e6}),
     "pinion: on bearings": Change({"pinion": "supported"}),
     "pinion: bearing clearances of 20 um": Change(
         {"pinion": "supported"}, {"bearing.upper_clearance": "20 um", "bearing.lower_clearance": "20 um"}
     ),
+    "pinion: bearings rub by 0.05 of their load": Change({"pinion": "supported"}, {"bearing.friction": 0.05}),
     "pinion: axial float of 0.1 mm": Change({"pinion": "supported"}, {"pinion.axial_float": "0.1 mm"}),
     "pinion: axial float of 0.1 mm under 40 N of friction": Change(
         {"pinion": "supported"}, {"pinion.axial_float": "0.1 mm", "pinion.axial_friction": "40 N"}

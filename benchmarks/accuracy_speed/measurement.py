@@ -40,6 +40,8 @@ FAMILIES = {
     "quasi-static, teeth": "that in equilibrium",
     "flank, bending rack": "the default law and a rack that bends, likewise",
     "quasi-static, bending rack": "that in equilibrium",
+    "flank, supported pinion": "the default law and a pinion on bearings, likewise",
+    "quasi-static, supported pinion": "that in equilibrium",
     "flank, Stribeck": "the default law and friction that falls with speed, likewise",
     "quasi-static, Stribeck": "that in equilibrium",
     "flank, bristles": "the default law and friction with a state, likewise",

@@ -15,6 +15,7 @@ from pathlib import Path
 from cyclopts import App, CycloptsError, UnusedCliTokensError
 
 from rps_exudyn.base.errors import InputError, unwrapped_interrupts
+from rps_exudyn.base.files import printable
 from rps_exudyn.cli.animate import animate
 from rps_exudyn.cli.check import check
 from rps_exudyn.cli.collect import collect
@@ -122,5 +123,5 @@ def _sentence(error: CycloptsError) -> str:
 
 def _refuse(problems: Iterable[str]) -> int:
     for problem in problems:
-        say(problem)
+        say(printable(problem))
     return WRONG_INPUT

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import check_depth
 from rps_exudyn.base.units import short
 
 if TYPE_CHECKING:
@@ -187,7 +188,8 @@ def _value(text: str) -> Any:
 
     try:
         tables = tomllib.loads(f"value = {text}")
-    except (ValueError, RecursionError):  # no TOML, or a number with more digits than Python reads
+        check_depth(tables, "a value")
+    except (ValueError, RecursionError):  # no TOML, a number with more digits than Python reads, too deep
         return text
     return tables["value"] if len(tables) == 1 else text
 

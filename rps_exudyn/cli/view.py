@@ -27,7 +27,7 @@ def view(file: Path, /) -> int:
     fidelity = Fidelity.from_tables(result.fidelity, where=str(file))
     if fidelity.solver != "generalized-alpha":
         fidelity = Fidelity.preset("flank")
-    from rps_exudyn.multibody.solve import play, solved_model
+    from rps_exudyn.multibody.viewer import play, solved_model
 
     with TemporaryDirectory() as folder:
         motion = Path(folder) / "motion.txt"

@@ -11,6 +11,7 @@ from rps_exudyn.parameters.declaration import (
     Expansion,
     Length,
     Number,
+    SpringRate,
     Stiffnesses,
     Table,
     Temperature,
@@ -34,6 +35,9 @@ class Conditions(Table):
     cycle_angle: Angle = parameter(
         "90 deg", "amplitude of these cycles at the pinion", "estimate", gt=0, le=1080 * DEG
     )
+    spring_set: Number = parameter(
+        0.0, "share of its force that the yoke's spring has lost by setting", "estimate", ge=0, le=0.5
+    )
 
 
 class Housing(Table):
@@ -46,6 +50,13 @@ class Housing(Table):
         "none",
         "stiffness of the pinion's seat at mid mesh along and about e, Y, axis: 6 values, or 36; none: rigid",
         "estimate",
+    )
+
+    mount_stiffness: SpringRate = parameter(
+        0.0,
+        "stiffness of the housing's mounts along the rack, which yield behind a steering column; 0: rigid",
+        "estimate",
+        ge=0,
     )
 
 

@@ -356,6 +356,20 @@ class Bush(FrictionLaw):
     viscous_drag: ViscousDrag = parameter(
         0.0, "viscous drag coefficient of the rack; a grease adds its own", "estimate", ge=0, le=1e6
     )
+    clearance: Length = parameter(
+        0.0, "diametral clearance of the bar in the bush at 20 degC", "estimate", ge=0, le=1e-3
+    )
+    interference: Length = parameter(
+        0.0,
+        "diametral interference of the bar in the bush at 20 degC, to which its drag is proportional over "
+        "temperature; 0: the drag does not depend on it",
+        "estimate",
+        ge=0,
+        le=1e-3,
+    )
+    expansion: Expansion = parameter(
+        "115e-6 1/K", "linear thermal expansion (POM)", "estimate", ge=0, le=3e-4
+    )
     distance: Length = parameter(
         "350 mm", "distance from the mesh to the bush's free end, along the rack", "estimate", gt=0
     )
@@ -368,6 +382,13 @@ class Bearing(FrictionLaw):
     """The pinion's bearings and seal."""
 
     friction_torque: Torque = parameter("30 N*mm", "constant Coulomb friction torque", "estimate", ge=0)
+    friction: Number = parameter(
+        0.0,
+        "friction coefficient at the shaft's radius under the radial forces of a supported pinion",
+        "estimate",
+        ge=0,
+        le=1,
+    )
     upper_position: Length = parameter(
         "25 mm", "place of the upper bearing on the pinion's axis, from the middle of the mesh", "estimate"
     )
@@ -552,6 +573,12 @@ def _conflicts(gear: SteeringGear) -> Iterator[WrongValue]:
             ("bush.inner_diameter", "bush.outer_diameter"),
             f"bush.inner_diameter is {mm(bush.inner_diameter)}; it must be smaller than "
             f"bush.outer_diameter = {mm(bush.outer_diameter)}.",
+        )
+    if bush.clearance and bush.interference:
+        yield WrongValue(
+            ("bush.clearance", "bush.interference"),
+            f"bush.clearance is {mm(bush.clearance)} and bush.interference {mm(bush.interference)}; the bar "
+            "has room in the bush or is pressed by it: one of them must be 0 mm.",
         )
     if rack.bar_diameter >= bush.inner_diameter:
         yield WrongValue(

@@ -148,6 +148,7 @@ SIGNALS = {
         "torque of the column on the steering wheel: wheel_torque without the wheel's inertia"
     ),
     "column_twist": Quantity("rad", "deg", "twist of column and torsion bar"),
+    "housing_displacement": _deflection("displacement of the housing on its mounts along X, behind a column"),
     "tyre_force": _force("force of the tyres' spring on the rack along +X"),
     "load_force": _force("force that pulls the rack's end towards -X"),
     "road_force": _force("force of the road along the tie rod on the rack's end beside the pinion"),
@@ -225,7 +226,7 @@ SIGNALS = {
     ),
     "work_rack_damping": _energy("work lost to the damping of a flexible rack from the start of recording"),
     "work_column_damping": _energy("work lost to the column's damping from the start of recording"),
-    "column_energy": _energy("elastic energy of the column's twist; part of stored_energy"),
+    "column_energy": _energy("elastic energy of column and mounts; part of stored_energy"),
     "bending_energy": _energy("elastic energy of a flexible rack's bending; part of stored_energy"),
     "stored_energy": _energy(
         "kinetic energy, and elastic energy of springs and contacts, from the start of recording"
@@ -433,6 +434,8 @@ _SUMMARY = {
     "operating_viscous_drag": Quantity(
         "N*s/m", "N*s/m", "viscous drag coefficient of the rack at the gear's temperature"
     ),
+    "operating_bush_clearance": _deflection("diametral clearance of the bar in the bush at that temperature"),
+    "operating_bush_drag": _force("Coulomb drag of the bush at that temperature"),
     "wear_liner": _deflection("depth worn off the liner of the plunger's seat, along the yoke's axis"),
     "wear_teeth": _deflection("approach of the rack to the pinion by the wear of the flanks"),
     "rattle_impulse_per_cycle": Quantity(

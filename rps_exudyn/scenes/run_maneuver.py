@@ -40,15 +40,21 @@ from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state, pushing_
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
 from rps_exudyn.solvers.gear_forces import following_inertia, gear_forces
 from rps_exudyn.solvers.prescribed_motion import Drive, SetOff, Steady, Swing
-from rps_exudyn.solvers.record import COORDINATES, Record, record_of_path, repeated, signals_of
+from rps_exudyn.solvers.record import (
+    COORDINATES,
+    Record,
+    behind_column,
+    record_of_path,
+    repeated,
+    signals_of,
+    under_torque,
+)
 from rps_exudyn.solvers.settled_start import joined_instants, settled_behind, settled_start
 from rps_exudyn.solvers.settling import TOLERANCE
 from rps_exudyn.solvers.steering_column import (
     BehindColumn,
     ColumnModel,
     WheelTorque,
-    behind_column,
-    under_torque,
 )
 
 SHORTEST_STEP = 1e-7  # of the dynamics [s] ...
@@ -61,7 +67,7 @@ UNEVEN = Swing, SetOff, WheelTorque  # drives under which friction turns about
 NOT_CURED_BY_STEPS = {Code.SWING_TOO_FAST, Code.BEYOND_LAW, Code.START_MATTERS}  # of an invalid swing
 SHAKEN = 0.15  # contractivity: between impacts an old Jacobian takes twice the iterations
 JUMPS = (
-    "; where the gear's torque falls by more than column.stiffness = {:.4g} N*m/rad, or the rack snaps "
+    "; where the gear's torque falls by more than the column's {:.4g} N*m/rad, or the rack snaps "
     "through at a reversal, the gear jumps; only generalized-alpha follows a jump"
 )
 JUMPS_UNDER_TORQUE = (

@@ -124,9 +124,7 @@ def test_a_series_is_the_same_from_its_file(tmp_path: Path) -> None:
     assert read.simulations == kept.simulations <= 3
     other = fit(measurement, like=read_series(path), free=("yoke.preload",))
     assert other.converged
-    assert any(
-        "series is not used: it fitted yoke.preload, mesh.friction" in each for each in other.warnings
-    )
+    assert any("series is not used: it fitted yoke.preload, mesh.friction" in each for each in other.warnings)
 
 
 @pytest.mark.parametrize(("case", "most"), [("spikes", 0.0025), ("disturbed", 0.007), ("missing", 0.003)])

@@ -93,7 +93,15 @@ def _picture(gear: SteeringGear, wish: Wish) -> Answer:
     if found is None:
         return {"problems": ["This gear cannot be drawn."]}
     labels = [vars(each) for each in found.labels]
-    return {"image": found.image, "alt": found.alt, "labels": labels, "page": found.page}
+    arrows = [vars(each) for each in found.arrows]
+    return {
+        "image": found.image,
+        "alt": found.alt,
+        "size": found.size,
+        "labels": labels,
+        "arrows": arrows,
+        "page": found.page,
+    }
 
 
 def _pattern(gear: SteeringGear, wish: Wish) -> Answer:

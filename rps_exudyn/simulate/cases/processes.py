@@ -26,9 +26,9 @@ from typing import IO
 from rps_exudyn.base.compiling import CompileStep, publish
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import Progress, passed_on
+from rps_exudyn.simulate.cases.frames import frame_of, frames_in
 from rps_exudyn.simulate.cases.run_cases import Answer, Task
 from rps_exudyn.simulate.cases.time_limit import GRACE
-from rps_exudyn.simulate.cases.worker import frame_of, frames_in
 
 START_LIMIT = 900.0  # [s] until a process must be ready, all its kernels compiled
 FAILED_STARTS = 8  # in a row, after which no more are made ...
