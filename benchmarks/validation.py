@@ -52,7 +52,7 @@ def conclusions_table(folder: Path) -> str:
     half = (unknown["band"][1] - unknown["band"][0]) / 2 / unknown["S"]
     return (
         markdown(("row", "data", "simulated (5 to 95 %)", "verdict"), cells)
-        + f"\n\nOther rows: {others}. Half of the 90 % band of the mean torque is {half:.0%} of its median."
+        + f"\n\nOther rows: {others}. Half of the 90 % band of the mean torque is {100 * half:.0f} % of its median."
     )
 
 

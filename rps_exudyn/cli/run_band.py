@@ -128,7 +128,7 @@ def print_band(band: Band, files: Iterable[Path]) -> None:
     print_files(files)
 
 
-_HEAD = ("quantity", "at medians", "5 %", "median", "95 %", "error of 5 %", "error of 95 %")
+_HEAD = ("quantity", "at medians", "5 %", "median", "95 %", "error at 5 %", "error at 95 %")
 
 
 def _figure_rows(band: Band) -> Iterable[tuple[str, ...]]:

@@ -343,13 +343,13 @@ class Yoke(LoadedFrictionLaw):
 class Bush(FrictionLaw):
     """The bush that guides the far end of the rack: a hollow cylinder, its far end held by the housing."""
 
-    outer_diameter: Length = parameter("30 mm", "outer diameter", "estimate", gt=0)
-    inner_diameter: Length = parameter("25 mm", "inner diameter", "estimate", gt=0)
-    length: Length = parameter("30 mm", "length", "estimate", gt=0)
-    youngs_modulus: Pressure = parameter("2.6 GPa", "Young's modulus (POM)", "estimate", gt=0)
-    poisson_ratio: Number = parameter(0.35, "Poisson's ratio", "estimate", ge=0, lt=0.5)
-    density: Density = parameter(1410.0, "density", "estimate", gt=0)
-    segments: Count = parameter(25, "number of rigid segments", "paper", ge=1, le=400)
+    outer_diameter: Length = parameter("30 mm", "outer diameter of the bush", "estimate", gt=0)
+    inner_diameter: Length = parameter("25 mm", "inner diameter of the bush", "estimate", gt=0)
+    length: Length = parameter("30 mm", "length of the bush", "estimate", gt=0)
+    youngs_modulus: Pressure = parameter("2.6 GPa", "Young's modulus of the bush (POM)", "estimate", gt=0)
+    poisson_ratio: Number = parameter(0.35, "Poisson's ratio of the bush", "estimate", ge=0, lt=0.5)
+    density: Density = parameter(1410.0, "density of the bush", "estimate", gt=0)
+    segments: Count = parameter(25, "number of rigid segments of the bush", "paper", ge=1, le=400)
     drag: Force = parameter(
         "20 N", "constant Coulomb drag of the sliding fit (friction preload)", "estimate", ge=0
     )
@@ -361,14 +361,14 @@ class Bush(FrictionLaw):
     )
     interference: Length = parameter(
         0.0,
-        "diametral interference of the bar in the bush at 20 degC, to which its drag is proportional over "
-        "temperature; 0: the drag does not depend on it",
+        "diametral interference of the bar in the bush at 20 degC; the drag is proportional to the "
+        "interference at all temperatures; 0: constant drag",
         "estimate",
         ge=0,
         le=1e-3,
     )
     expansion: Expansion = parameter(
-        "115e-6 1/K", "linear thermal expansion (POM)", "estimate", ge=0, le=3e-4
+        "115e-6 1/K", "linear thermal expansion of the bush (POM)", "estimate", ge=0, le=3e-4
     )
     distance: Length = parameter(
         "350 mm", "distance from the mesh to the bush's free end, along the rack", "estimate", gt=0

@@ -26,7 +26,7 @@ class Verdict(StrEnum):
 
     # on a fitted parameter
     FOUND = "found"
-    BY_PRIOR = "follows from priors of others"
+    BY_PRIOR = "follows from other priors"
     OPEN = "not separable"
     NOT_MOVED = "not identifiable (prior kept)"
     NOT_ZERO = "found, differs from zero"
@@ -50,7 +50,7 @@ _MEANINGS = {
     Verdict.WEAK: "|E| is up to 2 u_val, or 95 % of the gears keep a limit: only gross errors are excluded",
     Verdict.DISAGREES: "|E| is beyond the criterion and beyond 2 u_val, or 95 % of the gears exceed a limit",
     Verdict.KEPT_BY_ANY: "every sampled gear stays below half of the limit: the row tests nothing",
-    Verdict.CALIBRATED: "the inputs were centred by this row: it tests nothing",
+    Verdict.CALIBRATED: "the inputs were fitted to this row, so it tests nothing",
     Verdict.NOT_COMPARABLE: "S and D are different quantities, or one is missing",
 }
 ON_COMPARISONS = (

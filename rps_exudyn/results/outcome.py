@@ -74,7 +74,7 @@ class Code(StrEnum):
     STRIPS_NOT_CONFIRMED = "strips-not-confirmed", "the run with finer strips failed"
     RACK_NOT_SETTLED = "rack-not-settled", "the rack has not settled in roll"
     START_MATTERS = "start-matters", "the result depends on where the motion began"
-    SWING_TOO_FAST = "swing-too-fast", "inertia matters, which equilibria leave out"
+    SWING_TOO_FAST = "swing-too-fast", "equilibria leave out inertia, which matters here"
     SWING_NOT_SETTLED = "swing-not-settled", "the swing does not become periodic"
     CONTACT_DISAGREES = "contact-disagrees", "two evaluations of the contact forces differ"
     FEW_SPHERES = "few-spheres", "too few spheres touch"
@@ -84,7 +84,7 @@ class Code(StrEnum):
     )
     WORK_MISSING = "work-missing", "the work balance does not close"
     EDGES_LOADED = "edges-loaded", "too much work is lost at the tooth edges"
-    FLANK_LIFTED = "flank-lifted", "flanks of one side carry nothing in a part of the record"
+    FLANK_LIFTED = "flank-lifted", "flanks of one side carry no load during part of the record"
     YOKE_STOPPED = "yoke-stopped", "the yoke touched its nut"
     CLEARANCE_CLOSED = "clearance-closed", "the yoke touches its nut from the start"
     TEETH_OVERLOADED = "teeth-overloaded", "the contact pressure is above that of case-hardened steel"
@@ -94,8 +94,8 @@ class Code(StrEnum):
         "metrics are omitted: half the step or another cycle changes them",
     )
     RACK_RIGID = "rack-rigid", "the model leaves out the bending of the rack, which matters here"
-    NO_EFFICIENCY = "no-efficiency", "a number that is called efficiency is not between 0 and 1"
-    OTHER_LAW = "other-law", "the closed form takes another contact law"
+    NO_EFFICIENCY = "no-efficiency", "an efficiency is not between 0 and 1"
+    OTHER_LAW = "other-law", "the closed form uses another contact law"
     HELD_BY_FRICTION = "held-by-friction", "friction holds the gear against the torque"
     FRICTION_NEVER_FALLS = "friction-never-falls", "no friction falls with speed: sliding is steady"
     NOT_HIT = "not-hit", "the yokenut is not hit up to the largest force"

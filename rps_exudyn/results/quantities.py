@@ -434,8 +434,10 @@ _SUMMARY = {
     "operating_viscous_drag": Quantity(
         "N*s/m", "N*s/m", "viscous drag coefficient of the rack at the gear's temperature"
     ),
-    "operating_bush_clearance": _deflection("diametral clearance of the bar in the bush at that temperature"),
-    "operating_bush_drag": _force("Coulomb drag of the bush at that temperature"),
+    "operating_bush_clearance": _deflection(
+        "diametral clearance of the bar in the bush at the gear's temperature"
+    ),
+    "operating_bush_drag": _force("Coulomb drag of the bush at the gear's temperature"),
     "wear_liner": _deflection("depth worn off the liner of the plunger's seat, along the yoke's axis"),
     "wear_teeth": _deflection("approach of the rack to the pinion by the wear of the flanks"),
     "rattle_impulse_per_cycle": Quantity(
@@ -595,13 +597,13 @@ LABELS = {
     "roller_force_mean": "mean force on the rack",
     "hysteresis_area": "work of a whole cycle",
     "torque_jump": "jump of the torque across a reversal",
-    "reversal_angle": "angle until it runs on after a reversal",
+    "reversal_angle": "angle of the reversal",
     "feel_area": "work of a whole cycle at the wheel",
     "feel_running_torque": "running torque at the wheel",
     "breakaway_torque": "breakaway torque",
     "on_centre_stiffness": "stiffness on centre",
     "stick_slip_torque": "amplitude of the torque",
-    "stick_share": "share of the time in which it sticks",
+    "stick_share": "share of time at rest",
     "efficiency_forward": "efficiency, pinion drives",
     "efficiency_reverse": "efficiency, rack drives",
     "impact_peak_force": "largest force of an impact",

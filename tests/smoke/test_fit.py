@@ -78,7 +78,7 @@ def test_interrupt_while_the_picture_is_drawn_names_the_files_that_are_there(
 
 def test_fit_as_json(command: Command, files: list[str]) -> None:
     answer = command(["fit", files[0], "--single-law", "--json", "--free", "yoke.preload"])
-    assert answer.json["estimates"]["yoke.preload"]["verdict"] == "follows from priors of others"
+    assert answer.json["estimates"]["yoke.preload"]["verdict"] == "follows from other priors"
     assert answer.json["converged"] is True
     rest = "made_up_free: 1 row is left out, line 364, where the angle stands still or jumps back"
     assert answer.json["left_out"] == [rest]
