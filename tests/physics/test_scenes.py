@@ -112,7 +112,7 @@ def test_a_heavy_weight_lifts_one_flank() -> None:
     both = ran("load-test", {"test.load_mass": 0.9 * limit, **stiff})
     one = ran("load-test", {"test.load_mass": 1.1 * limit, **stiff})
     assert both["mesh_normal_force_coast"].min() > 0
-    assert "coast flanks carry nothing" in one.message
+    assert "coast flanks carry no load" in one.message
 
 
 def test_a_weight_that_lifts_the_rack_out_of_mesh_is_said_to() -> None:
@@ -300,7 +300,7 @@ def test_impulse_of_the_pulse_is_taken_up_by_the_parts_it_meets() -> None:
 
 @pytest.mark.parametrize("fidelity", ["quasi-static", "closed-form"])
 def test_impact_without_inertia_is_refused(fidelity: str) -> None:
-    with pytest.raises(InputError, match="without inertia nothing hits"):
+    with pytest.raises(InputError, match="equilibria have no impacts"):
         rps.run("yoke-impact", GEAR, fidelity=fidelity)
 
 

@@ -197,7 +197,7 @@ def _with_unit(where: str, layout: Layout, title: _Title, quantity: str) -> Meas
     size = _Title(title.index, title.text, title.name, unit).size(quantity)
     if size is None:
         raise InputError(
-            f"{where}: [{short(unit, 30)}] is no unit of {quantity} that is certain; write for instance "
+            f"{where}: [{short(unit, 30)}] is no unit of {quantity} that is unambiguous; write for instance "
             f"{EXAMPLES[quantity]}, or state it: {example}."
         )
     by_unit = not title.is_named(quantity) and title.name != quantity and not from_cells
