@@ -258,11 +258,11 @@ def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: fl
             rows.append(BudgetRow(name, NORMAL * leak, True, "the passes are shorter than one"))
     waves_of_sum = _tooth_waves(groups, law, both, teeth)
     asks = [
-        f"{count} points of {test.title} are at {each:.4g}: is its sensor at the end of its range?"
+        f"{count} points of {test.title} are at {each:.4g}: check the end of its sensor's range"
         for each, count in sorted(_at_an_end(passes).items())
     ]
     if all(run.constant for run in runs):
-        asks.append(f"{test.title} holds one value only: what is the smallest step of its sensor?")
+        asks.append(f"{test.title} holds one value only: state the smallest step of its sensor")
     return LevelEstimate(
         test=test,
         value=value,
@@ -446,7 +446,7 @@ def _tooth_waves(
 
 def _noise_words(law: AveragedLaw) -> str:
     if law.correlated > LIKELY:
-        return "noise that keeps its sign over some degrees, by restricted likelihood"
+        return "noise correlated over some degrees, by restricted likelihood"
     return "white noise within the run, by restricted likelihood"
 
 

@@ -128,6 +128,14 @@ function rest() {
       label.style.top = `${top}%`;
       return label;
     });
+    const forces = document.createElementNS(SVG, "svg");
+    forces.setAttribute("viewBox", `0 0 ${found.size.join(" ")}`);
+    for (const { part, line, head } of found.arrows) {
+      for (const halo of ["halo ", ""]) {
+        drawn(forces, "polyline", { points: line, class: halo + part });
+        drawn(forces, "polygon", { points: head, class: halo + part });
+      }
+    }
     const button = make("button", { type: "button" }, "Turn it in 3-D");
     button.addEventListener("click", () => {
       turned = { frame: make("iframe", { title: "The gear in three dimensions" }), packed: "" };
@@ -135,7 +143,7 @@ function rest() {
       by("picture").closest(".pair").classList.add("turned");
       turn(found.page);
     });
-    by("picture").replaceChildren(image, ...labels, ...("DecompressionStream" in window ? [button] : []));
+    by("picture").replaceChildren(image, forces, ...labels, ...("DecompressionStream" in window ? [button] : []));
   });
 }
 
