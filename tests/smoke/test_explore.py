@@ -296,7 +296,7 @@ def test_dropped_file_with_the_racks_travel_takes_the_gear_of_the_page_and_doubt
     rows = [*(f"{x:.4f};6.2" for x in travel), *(f"{x:.4f};-6.2" for x in travel[::-1])]
     found = dropped("\n".join(["rack travel [mm];torque [N m]", *rows]).encode())
     assert np.ptp(found["measured"][0]["x"]) == pytest.approx(360, abs=1)
-    assert any("look at the unit of its torque" in text for text in found["assumed"])
+    assert any("check the unit of its torque" in text for text in found["assumed"])
 
 
 def test_sheet_picture_and_pattern_are_those_of_the_state(server: Explorer) -> None:

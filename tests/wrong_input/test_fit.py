@@ -291,7 +291,7 @@ def test_a_reversal_over_less_than_a_pitch_counts_the_ripple_that_it_misses(tmp_
 
 def test_a_gear_of_a_batch_with_a_wrong_unit_is_refused(tmp_path: Path) -> None:
     path = turned(tmp_path / "gear1.csv", 6.6, -6.6)
-    with pytest.raises(InputError, match="look at the unit of its torque"):
+    with pytest.raises(InputError, match="check the unit of its torque"):
         measured_gear(path, SteeringGear())
 
 

@@ -139,7 +139,7 @@ def _tellable(measurement: Measurement, gear: SteeringGear, free: list[str]) -> 
             )
             raise InputError(
                 f"{measurement.names[each.run]} covers {np.degrees(np.ptp(each.angle)):.3g} deg in a pass; "
-                f"{needed}: look at the unit of its angle, or turn further."
+                f"{needed}: check the unit of its angle, or turn further."
             )
     longest = max((float(np.ptp(each.angle)) for each in turning), default=0.0)
     warnings = []
