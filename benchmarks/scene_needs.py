@@ -327,7 +327,20 @@ def needs_table(folder: Path) -> str:
             if refused or any(text.startswith("**") for text in texts):
                 short = name.removeprefix("free-pinion-torque, ")
                 moved.setdefault(title, []).append(f"{short} (cannot)" if refused else short)
-    return markdown(("change", "matters to"), [(title, ", ".join(found)) for title, found in moved.items()])
+    short = [name.removeprefix("free-pinion-torque, ") for name in load_data(folder / DATA)["needs"]]
+    return markdown(
+        ("change", "matters to"), [(title, _listed(found, short)) for title, found in moved.items()]
+    )
+
+
+def _listed(found: list[str], every: list[str]) -> str:
+    """Return these cases, or all except the others where those are fewer."""
+    missing = [name for name in every if not any(each.startswith(name) for each in found)]
+    cannot = [each for each in found if each.endswith(" (cannot)")]
+    if len(missing) + len(cannot) >= len(found) / 2:
+        return ", ".join(found)
+    but = f" except {', '.join(missing)}" if missing else ""
+    return f"all{but}" + (f"; {', '.join(cannot)}" if cannot else "")
 
 
 def first_scene_table(folder: Path) -> str:

@@ -99,7 +99,7 @@ def test_spikes_are_left_out_and_edges_of_teeth_are_not() -> None:
         (BenchNoise(0.01, cardan=0.05), 1.0, "twice per turn: a cardan joint"),
         (BenchNoise(0.01, bow=0.1), 1.0, "at the ends of the travel"),
         (BenchNoise(0.01, zero=0.3), 1.0, "the zero of the sensor"),
-        (BenchNoise(0.01), 2.0, "0.5 times as often per turn"),
+        (BenchNoise(0.01), 2.0, "0.5 times per turn"),
     ],
 )
 def test_notes_name_what_explains_a_misfit(noise: BenchNoise, turns: float, words: str) -> None:
@@ -143,7 +143,7 @@ def test_a_late_torque_is_named_and_left_out_or_refused() -> None:
     for seconds, words in (
         (0.0, ""),
         (0.1, ""),
-        (0.5, r" 7(\.\d)? deg \(0\.(5|4\d) s\) after the motion turns back"),
+        (0.5, r" 7(\.\d)? deg \(0\.(5|4\d) s\) after the motion reverses"),
     ):
         record = late_record(seconds)
         curve = MeasuredTorque(
@@ -159,7 +159,7 @@ def test_a_late_torque_is_named_and_left_out_or_refused() -> None:
         "bench", {name: record[name] for name in TORQUE}, beside={"clock": record["clock"]}
     )
     with pytest.raises(
-        InputError, match=r"changes 4[45] deg \((3|2\.9) s\) after the motion turns back \(limit 15 deg\)"
+        InputError, match=r"changes 4[45] deg \((3|2\.9) s\) after the motion reverses \(limit 15 deg\)"
     ):
         measurement_of([(FREE, curve)])
 

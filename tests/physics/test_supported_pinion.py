@@ -321,9 +321,9 @@ def test_supports_that_no_model_has_are_one_sentence() -> None:
         gear_forces(GEAR.replace({"bearing.upper_position": "5 mm"}), SUPPORTED)
     with pytest.raises(InputError, match="resist every motion"):
         gear_forces(GEAR.replace({"housing.seat_stiffness": [1e8, 1e8, 0, 1e5, 1e5, 1e5]}), SUPPORTED)
-    with pytest.raises(InputError, match="formulas have a pinion that only turns"):
+    with pytest.raises(InputError, match="formulas let the pinion only turn"):
         rps.Fidelity.preset("closed-form").replace({"pinion": "supported"})
-    with pytest.raises(InputError, match="general contact has not"):
+    with pytest.raises(InputError, match="general contact does not offer"):
         rps.Fidelity.preset("full").replace({"pinion": "supported"})
     with pytest.raises(InputError, match="needs a supported pinion"):
         rps.run("input-shaft-play", GEAR, fidelity=QUASI_STATIC.replace({"pinion": "rigid"}))

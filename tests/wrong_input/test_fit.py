@@ -32,8 +32,8 @@ def short(tmp_path: Path) -> Path:
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("load-test=a.csv", "must say the weight of a load test"),
-        ("bearing@3kg=a.csv", "must say the weight of a load test, and of no other"),
+        ("load-test=a.csv", "must state the weight of a load test"),
+        ("bearing@3kg=a.csv", "must state the weight of a load test, and only of a load test"),
         ("load-test@heavy=a.csv", "the weight is 'heavy', which is no quantity in kg"),
         ("load-test@-3kg=a.csv", "the weight is -3 kg; it must be more than 0"),
     ],
@@ -57,7 +57,7 @@ def test_rows_that_are_left_out_are_named_with_the_reason(tmp_path: Path) -> Non
     assert read_measurement([path]).left_out == (
         "bench: 2 rows without a value are left out: lines 102, 105",
         "bench: 1 line without numbers is left out: line 525",
-        "bench: 5 rows are left out, lines 203, 282 to 285, where the angle stands still or jerks back",
+        "bench: 5 rows are left out, lines 203, 282 to 285, where the angle stands still or jumps back",
         "bench: 41 rows are left out, lines 2 to 42, a pass shorter than 20 % of the longest",
     )
 
@@ -68,9 +68,9 @@ def test_rows_of_a_reversal_and_of_long_passes_are_named_too(tmp_path: Path) -> 
     path = tmp_path / "bench.csv"
     path.write_text(HEADER + "".join(f"{a:.2f},0.6\n" for a in angle))
     assert read_measurement([f"reversal={path}"]).left_out == (
-        "bench: 602 rows are left out, lines 2 to 302, 1702 to 2002, within 3 deg of where the motion turns "
-        "about",
-        "bench: 1399 rows of a pass are taken together to 720 medians",
+        "bench: 602 rows are left out, lines 2 to 302, 1702 to 2002, within 3 deg of a reversal of the "
+        "motion",
+        "bench: 1399 rows of a pass are reduced to 720 medians",
     )
 
 
@@ -91,11 +91,11 @@ def test_curves_too_short_and_parameters_without_belief_are_refused(short: Path)
         fit([short])
     long = short.with_name("long.csv")
     long.write_text(HEADER + "".join(f"{a},0.6\n" for a in range(100)))
-    with pytest.raises(InputError, match=r"yoke\.clearance cannot be fitted: no standard deviation"):
+    with pytest.raises(InputError, match=r"yoke\.clearance cannot be fitted, because it has no prior"):
         fit([long], free=("yoke.clearance",))
     with pytest.raises(InputError, match="needs at least one free parameter"):
         fit([long], free=("pinion.runout",))
-    with pytest.raises(InputError, match=r"yoke\.friction is 0; a parameter that is fitted must begin"):
+    with pytest.raises(InputError, match=r"yoke\.friction is 0; a fitted parameter must start"):
         fit([long], SteeringGear().replace({"yoke.friction": 0.0}))
     with pytest.raises(InputError, match="at least one measured curve"):
         fit([])
@@ -158,9 +158,9 @@ def test_mixed_speeds_are_said(tmp_path: Path) -> None:
 
 def test_a_file_that_is_no_series_is_refused(tmp_path: Path) -> None:
     for content, sentence in (
-        ("[]", "is no file of a series"),
-        ('{"what": "a gear"}', "is no file of a series"),
-        ("{", "is no file of a series"),
+        ("[]", "is not a file that fit --series wrote"),
+        ('{"what": "a gear"}', "is not a file that fit --series wrote"),
+        ("{", "is not a file that fit --series wrote"),
     ):
         (tmp_path / "s.json").write_text(content)
         with pytest.raises(InputError, match=sentence):
@@ -177,7 +177,7 @@ def test_command_refuses_in_one_sentence(command: Command, short: Path) -> None:
         (["none.csv"], "none.csv cannot be read: there is no such file"),
         ([str(short), "--out", "a.json"], "a.json"),
         ([str(short), "--like", "none.json"], "none.json cannot be read"),
-        ([str(short), "--like", "deep.json"], "deep.json is no file of a series"),
+        ([str(short), "--like", "deep.json"], "deep.json is not a file that fit --series wrote"),
         ([str(short), "--prior", "x"], "--prior x: x cannot be fitted"),
     ):
         answer = command(["fit", *arguments])
@@ -198,8 +198,8 @@ def turned(path: Path, forth: float, back: float, *, reach: float = 180.0, falls
 @pytest.mark.parametrize(
     ("forth", "back", "falls", "sentence"),
     [
-        (1.63, 0.39, True, r"means of 1.63 and 0.39 in both directions.*subtract the zero"),
-        (-1.33, -0.09, True, r"means of -1.33 and -0.09 in both directions.*subtract the zero"),
+        (1.63, 0.39, True, r"means of 1.63 and 0.39 in both directions.*subtract the sensor's zero"),
+        (-1.33, -0.09, True, r"means of -1.33 and -0.09 in both directions.*subtract the sensor's zero"),
         (0.6, -0.6, False, r"passes in one direction .* opposite signs, 0.6 and -0.6 in SI"),
     ],
 )
@@ -213,7 +213,7 @@ def test_torques_that_are_no_friction_about_zero_are_refused(
 def test_absolute_values_below_zero_are_read_as_against_the_motion(tmp_path: Path) -> None:
     measured = read_measurement([turned(tmp_path / "a.csv", -0.63, -0.61)])
     assert [each.direction * each.value.mean() > 0 for each in measured.passes] == [True, True]
-    assert any("same sign both ways" in sentence for sentence in measured.assumed)
+    assert any("one sign in both directions" in sentence for sentence in measured.assumed)
 
 
 def test_run_reads_absolute_torques_as_a_fit_does(tmp_path: Path) -> None:
@@ -223,7 +223,7 @@ def test_run_reads_absolute_torques_as_a_fit_does(tmp_path: Path) -> None:
     for mine, theirs in zip(passes(curve.signals), measured.passes, strict=True):
         assert np.sign(mine.signals["pinion_torque"]).mean() == mine.direction
         assert mine.signals["pinion_torque"].mean() == pytest.approx(theirs.value.mean(), rel=1e-3)
-    assert "torques of the same sign both ways are read as against the motion" in curve.assumed
+    assert "torques with one sign in both directions are read as against the motion" in curve.assumed
     weighed = read_measured(path, (), "load-test", SteeringGear())
     assert (weighed.signals["pinion_torque"] > 0).all()
 
@@ -241,6 +241,6 @@ def test_values_in_a_wrong_unit_are_refused(tmp_path: Path) -> None:
         fit([turned(tmp_path / "a.csv", 630.0, -610.0), turned(tmp_path / "b.csv", 6e-4, -6e-4)])
     assert "mean torque of 630 N m" in refused.value.problems[0]
     assert "mean torque of 0.0006 N m" in refused.value.problems[1]
-    assert all("look at the unit of its torque" in each for each in refused.value.problems)
-    with pytest.raises(InputError, match=r"covers 57.3 turns of the pinion .* look at the unit of its angle"):
+    assert all("check the unit of its torque" in each for each in refused.value.problems)
+    with pytest.raises(InputError, match=r"covers 57.3 turns of the pinion .* check the unit of its angle"):
         fit([turned(tmp_path / "c.csv", 0.6, -0.6, reach=180 * 57.3)])

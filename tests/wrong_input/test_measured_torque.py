@@ -161,7 +161,7 @@ def test_an_angle_that_begins_anew_is_counted_on_over_turns(tmp_path: Path) -> N
     rows = "".join(f"{a % 360},{0.6 if i < 217 else -0.6}\n" for i, a in enumerate(angle))
     measured = read_measured_torque(written(tmp_path, HEADER + rows))
     assert [round(np.degrees(np.ptp(each.angle))) for each in passes(measured.signals)] == [1080, 1075]
-    assert any("begins anew 6 times" in sentence for sentence in measured.assumed)
+    assert any("restarts 6 times" in sentence for sentence in measured.assumed)
 
 
 @pytest.mark.parametrize(

@@ -158,7 +158,8 @@ def named_test(text: str) -> tuple[BenchTest, Path]:
     kind, load, file = found["kind"], found["load"], Path(found["file"])
     if KINDS[kind].weighted != (load is not None):
         raise InputError(
-            f"{text} must say the weight of a load test, and of no other: {LOAD_TEST.name}@80kg=FILE."
+            f"{text} must state the weight of a load test, and only of a load test: "
+            f"{LOAD_TEST.name}@80kg=FILE."
         )
     try:
         mass = units.to_si(load, "kg") if load else 0.0
@@ -251,7 +252,7 @@ def _lateness(turned: Sequence[Pass], name: str) -> tuple[float, str]:
     if angle <= LATE:
         return 0.0, ""
     time = f" ({seconds:.2g} s)" if np.isfinite(seconds) else ""
-    late = f"the torque changes {np.degrees(angle):.2g} deg{time} after the motion turns back"
+    late = f"the torque changes {np.degrees(angle):.2g} deg{time} after the motion reverses"
     if angle > TOO_LATE:
         raise InputError(
             f"{name}: {late} (limit {np.degrees(TOO_LATE):.0f} deg): its channel is late; shift it by "
@@ -296,7 +297,7 @@ def _rows_left_out(
     """Which rows of a file, by their numbers of lines (n,), are in none of its measured passes, and why."""
     unmoved = np.setdiff1d(lines, np.concatenate([each.signals["line"] for each in turned]))
     if unmoved.size:
-        yield f"{_rows(unmoved)}, where the angle stands still or jerks back"
+        yield f"{_rows(unmoved)}, where the angle stands still or jumps back"
     for each, found in zip(turned, measured, strict=True):
         inside, numbers = _sliding(found.test, each, after), each.signals["line"]
         if not np.ptp(found.angle) > shortest:
@@ -304,9 +305,9 @@ def _rows_left_out(
             continue
         if not inside.all():
             degrees = np.degrees(max(after, TURNING if found.test.of_kind.turns_about else 0.0))
-            yield f"{_rows(numbers[~inside])}, within {degrees:.2g} deg of where the motion turns about"
+            yield f"{_rows(numbers[~inside])}, within {degrees:.2g} deg of a reversal of the motion"
         if inside.sum() > MOST_POINTS:
-            yield f"{inside.sum()} rows of a pass are taken together to {MOST_POINTS} medians"
+            yield f"{inside.sum()} rows of a pass are reduced to {MOST_POINTS} medians"
 
 
 def _rows(lines: np.ndarray) -> str:
@@ -338,9 +339,11 @@ def _factors(means: dict[int, float]) -> tuple[dict[int, int], list[str]]:
     """Factors that give torques of both directions the signs of result files, and what is said of it."""
     if len(means) == 2 and means[1] * means[-1] > 0:
         sign = 1 if means[1] > 0 else -1
-        return {1: sign, -1: -sign}, ["torques of the same sign both ways are read as against the motion"]
+        return {1: sign, -1: -sign}, [
+            "torques with one sign in both directions are read as against the motion"
+        ]
     if any(sense * mean < 0 for sense, mean in means.items()):
-        said = "torques count negative where they drive along the motion; their signs are turned"
+        said = "torques are negative along the motion; their signs are reversed"
         return {1: -1, -1: -1}, [said]
     return {1: 1, -1: 1}, []
 
@@ -384,13 +387,14 @@ def _check_signs(ways: dict[int, list[MeasuredPass]], means: dict[int, float], n
         if own and -min(own) > UNSIGNED * max(own) > 0 > min(own) * max(own):
             raise InputError(
                 f"{name} has passes in one direction of the angle whose torques have opposite signs, "
-                f"{max(own):.3g} and {min(own):.3g} in SI; let the angle fall where the motion goes back."
+                f"{max(own):.3g} and {min(own):.3g} in SI; the angle must decrease where the motion goes "
+                f"back."
             )
     forth, back = (abs(means.get(sense, np.nan)) for sense in (1, -1))
     if len(means) == 2 and means[1] * means[-1] > 0 and min(forth, back) < UNSIGNED * max(forth, back):
         raise InputError(
-            f"{name} has means of {means[1]:.3g} and {means[-1]:.3g} in both directions, in SI: neither "
-            "absolute values of one friction nor a friction about the sensor's zero; subtract the zero."
+            f"{name} has means of {means[1]:.3g} and {means[-1]:.3g} in both directions, in SI: they are "
+            f"neither absolute values nor centred on zero; subtract the sensor's zero."
         )
 
 
@@ -418,6 +422,6 @@ def mixed_speeds(measurement: Measurement, gain: float) -> list[str]:
     where = [f"{measurement.names[each.run]} ({each.test.title})" for *_, each in (slowest, fastest)]
     places = where[0] if where[0] == where[1] else " and ".join(where)
     return [
-        f"speeds are mixed, {low} to {high} in {places}: one coefficient of friction is fitted to all of "
-        "them; turn every test at one speed"
+        f"speeds are mixed, {low} to {high} in {places}: one friction coefficient is fitted to all of "
+        f"them; run every test at one speed"
     ]

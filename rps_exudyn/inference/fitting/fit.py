@@ -94,14 +94,15 @@ def fit(
     problem = _problem(measurement, gear, free, priors or {})
     before = like.series if isinstance(like, Fit) else like
     if before is not None and (why := before.misfit(problem, gear.mesh.contact_law)):
-        warnings.append(f"the fit of the series is not taken over: {why}")
+        warnings.append(f"the fit of the series is not used: {why}")
         before = None
     with CaseRunner(jobs, time_limit) as problem.prediction.runner:
         try:
             ended = _ended(problem, gear, before, "pinion.runout" in (priors or {}))
         except NoPredictionError as error:
             raise InputError(
-                f"the fit finds no equilibrium where it begins: {error}; give a gear that runs, by --gear."
+                f"the fit finds no equilibrium at its initial guess: {error}; give a gear that runs, by "
+                f"--gear."
             ) from None
         if before is not None:
             ended = replace(ended, by_law=before.by_law)
@@ -153,7 +154,7 @@ def _problem(
         whole = within_the_teeth(gear, float(angles.min()) - half, float(angles.max()) + half)
     unknowns = unknowns_of(gear, free, priors)
     if not unknowns:
-        raise InputError("a fit needs at least one free parameter of which its curves can tell.")
+        raise InputError("a fit needs at least one free parameter that its curves depend on.")
     levels = levels_of(measurement.passes, gear.pinion.teeth, float(GearPair.of(gear).gain))
     return Problem(
         measurement=measurement,
@@ -313,7 +314,7 @@ def _sizes(passes: list[MeasuredPass], gear: SteeringGear) -> Iterator[str]:
         what = "force" if unit == "N" else "torque"
         yield (
             f"has a mean {what} of {size:.3g} {unit} where the gear given would show {expected:.3g} {unit}: "
-            f"look at the unit of its {what}, or give a gear that is nearer by --gear"
+            f"check the unit of its {what}, or give a more similar gear by --gear"
         )
 
 
@@ -323,5 +324,5 @@ def _travels(passes: list[MeasuredPass], gear: SteeringGear) -> Iterator[str]:
     if passes[0].test.of_kind.by_angle and turned > MOST_TRAVELS * whole:
         yield (
             f"covers {turned / TURN:.3g} turns of the pinion where the gear given has teeth for "
-            f"{whole / TURN:.3g}: look at the unit of its angle"
+            f"{whole / TURN:.3g}: check the unit of its angle"
         )

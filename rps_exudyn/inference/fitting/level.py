@@ -256,7 +256,7 @@ def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: fl
         leak = abs(np.sin(span / 2) / (span / 2)) * UNSEEN * abs(value) / np.sqrt(2)
         rows.append(BudgetRow("waves of a turn", NORMAL * leak, True, "the passes are shorter than one"))
     waves_of_sum = _tooth_waves(groups, law, both, teeth)
-    asked = f"{test.title} holds one value only: what is the smallest step of its sensor?"
+    asked = f"{test.title} holds one value only: state the smallest step of its sensor"
     return LevelEstimate(
         test=test,
         value=value,
@@ -410,7 +410,7 @@ def _tooth_waves(
 
 def _noise_words(law: AveragedLaw) -> str:
     if law.correlated > LIKELY:
-        return "noise that keeps its sign over some degrees, by restricted likelihood"
+        return "noise correlated over some degrees, by restricted likelihood"
     return "white noise within the run, by restricted likelihood"
 
 

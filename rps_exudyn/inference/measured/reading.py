@@ -116,12 +116,12 @@ def read_curve(
         notes.append("the pinion angle is the sum of speed times time, from 0 on")
     if is_in_random_order(table[0]):
         raise InputError(
-            f"{path} holds its {wanted[0].replace('_', ' ')}s in random order: they turn back after a few "
-            "rows each; write the rows in the order in which they were recorded."
+            f"{path} holds its {wanted[0].replace('_', ' ')}s in random order: write the rows in the order "
+            f"in which they were recorded."
         )
     if wanted[0] in TORQUE and not instead:
         table[0], turns = counted_on(table[0])
-        notes += [f"the angle begins anew {turns} times and is counted on from turn to turn"] if turns else []
+        notes += [f"the angle restarts {turns} times and is continued from turn to turn"] if turns else []
     signals = dict(zip(wanted, table, strict=True))
     if not np.ptp(table[0]) > 0 or not passes({"pinion_angle": table[0]}):
         raise InputError(
@@ -284,7 +284,7 @@ def _check_directions(path: str | Path, layout: Layout, driven: np.ndarray) -> N
     if len({each.direction for each in passes({"pinion_angle": driven})}) == 1 and words:
         raise InputError(
             f"{path} has several directions ({', '.join(short(word, 20) for word in words)}), but its "
-            "angle moves one way in all of them; let it fall where the motion goes back."
+            "angle moves one way in all of them; it must decrease where the motion goes back."
         )
 
 
@@ -368,7 +368,7 @@ def _check_text(
     names = known_columns(row[1]) or sum(cell.endswith((")", "]")) for cell in row[1]) > 1
     if within and names and row[1] != named:
         raise InputError(
-            f"{path}, line {row[0]} names its columns anew: {short(', '.join(row[1]), 60)}; save each table "
+            f"{path}, line {row[0]} names its columns again: {short(', '.join(row[1]), 60)}; save each table "
             "in a file of its own."
         )
     wrong = [cell for cell, is_known in zip(cells, known, strict=True) if not is_known]

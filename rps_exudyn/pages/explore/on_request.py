@@ -65,7 +65,7 @@ def _band(gear: SteeringGear, wish: Wish) -> Answer:
     inputs = uncertain_inputs(chosen, None, {})
     band = band_of_runs(wish.scene, chosen, model, inputs, SAMPLES, on_progress=report)
     if band.curves is None:
-        return {"problems": ["The runs have no common curve, and no band of it."]}
+        return {"problems": ["The runs share no curve, so there is no band."]}
     signal = scene_named(wish.scene).signal
     along = abscissa(band.nominal)
     ends = {"low": 0, "inner_low": 1, "inner_high": -2, "high": -1}

@@ -58,7 +58,7 @@ class Explorer(ThreadingHTTPServer):
             super().__init__((host, port), _Handler)
         except (OSError, OverflowError, TypeError) as error:
             no_name = isinstance(error, TypeError)  # Python's own error for it
-            why = "it is no name of a host" if no_name else getattr(error, "strerror", None) or error
+            why = "it is not a host name" if no_name else getattr(error, "strerror", None) or error
             raise InputError(f"--host {host} --port {port} cannot be used: {why}.") from None
 
     @property

@@ -102,8 +102,8 @@ def settings_of(state: Any) -> dict[str, Any]:
 # --- The answer: the scene's curve, numbers, losses, geometry; or why there is none
 
 MODELS = {
-    "quasi-static": " Quasi-static: equilibria at each instant, without inertia. Friction is as given.",
-    "flank": " Dynamics by fidelity flank. Friction is as given.",
+    "quasi-static": " Quasi-static: equilibria at each instant, without inertia. Friction as given.",
+    "flank": " Dynamics by fidelity flank. Friction as given.",
 }
 MOST_POINTS = 3000  # of a curve
 SIZES = (
