@@ -194,6 +194,6 @@ def _encoder(level: LevelEstimate, teeth: int) -> Iterator[str]:
     wrong = not own.is_seen if ratio > 1 else others[ratio].size > 1.5 * own.size
     if wrong:
         yield (
-            f"the teeth show {ratio * teeth:.3g} times per turn of the angle and the given pinion has {teeth}: "
+            f"the teeth show {ratio * teeth:.3g} times per turn of the angle, the given pinion has {teeth}: "
             "the encoder may have a ratio, or the pinion another number of teeth"
         )
