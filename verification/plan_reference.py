@@ -6,7 +6,7 @@
     finer_metrics(plan)            every metric of the scene by finer runs, with its doubt
     curve(plan)                    the scene's signal over time, of slow motion
 
-Equilibria come from far before the record (`led_ways`). The seat is a sum over cells; the teeth's contact an
+Equilibria come from far before the record (`approach_paths`). The seat is a sum over cells; the contact an
 integral over generators, or over many stations where its law knows no generators; steps are fine whatever the
 plan's are, and halved until halves of them say the same. Where a plan has inertia and its motion is fast,
 classical Runge-Kutta goes on from there; slow motion is that without inertia.
@@ -33,14 +33,14 @@ from rps_exudyn.solvers.closed_form import GRAVITY
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
 from rps_exudyn.solvers.prescribed_motion import Drive, Steady, Swing
-from verification.led_ways import (
-    Way,
+from verification.approach_paths import (
+    Pass,
     equilibria_at,
     followed,
     instants_before,
+    passes_of,
     pitches_before,
     room_before,
-    ways_of,
 )
 from verification.refined_steps import Confirmed, NotFiniteError, NotFoundError, confirmed
 from verification.runge_kutta import FreeMotion, runge_kutta
@@ -70,7 +70,7 @@ class Expected:
 
     Attributes:
         figure: the scene's number: torque [N m], force [N], or work of the last cycle [J].
-        ripple: largest less smallest value of the signal over a way, the larger of both ways; nan where the
+        ripple: largest less smallest value of the signal over a course, the larger of both; nan where the
             scene has none.
         figure_doubt, ripple_doubt: by how much half the steps change them.
         cause: why there are none; "" if there are.
@@ -183,9 +183,9 @@ def _turned(plan: ScenePlan) -> Expected:
     test = plan.gear.test
     load = test.direction * GRAVITY * test.load_mass if plan.scene == "load-test" else 0.0
     forces = reference_forces(plan, load)
-    ways = ways_of(plan)[: None if plan.scene == "rack-push" else 1]  # whose mean is the figure
-    found = [_along(plan, forces, way) for way in ways]
-    senses = [way.sense if plan.scene == "rack-push" else 1 for way in ways]
+    courses = passes_of(plan)[: None if plan.scene == "rack-push" else 1]  # whose mean is the figure
+    found = [_along(plan, forces, course) for course in courses]
+    senses = [course.sense if plan.scene == "rack-push" else 1 for course in courses]
     figure = float(np.mean([each.figure * sense for each, sense in zip(found, senses, strict=True)]))
     largest = max(found, key=lambda each: each.ripple)
     mean = replace(largest, figure=figure, figure_doubt=max(each.figure_doubt for each in found))
@@ -194,12 +194,12 @@ def _turned(plan: ScenePlan) -> Expected:
     return mean
 
 
-def _along(plan: ScenePlan, forces: GearForces, way: Way) -> Expected:
-    """Mean and spread of what the drive overcomes over one way."""
-    gear, drive, pitches = plan.gear, way.drive(plan.gear), pitches_before(plan.gear, forces, way)
+def _along(plan: ScenePlan, forces: GearForces, course: Pass) -> Expected:
+    """Mean and spread of what the drive overcomes over one course."""
+    gear, drive, pitches = plan.gear, course.drive(plan.gear), pitches_before(plan.gear, forces, course)
     if plan.fidelity.solver == "generalized-alpha":
-        duration = way.length / gear.test.speed
-        run_in = min(RUN_IN * 2 * np.pi / gear.pinion.teeth, room_before(gear, way)) / gear.test.speed
+        duration = course.length / gear.test.speed
+        run_in = min(RUN_IN * 2 * np.pi / gear.pinion.teeth, room_before(gear, course)) / gear.test.speed
         motion = _motion(plan, forces, drive, instants_before(gear, pitches, -run_in))
         step = _explicit_step(motion)
         if (steps := ceil((duration + run_in) / step)) <= MOST_EXPLICIT and not _has_state(plan):
@@ -214,10 +214,10 @@ def _along(plan: ScenePlan, forces: GearForces, way: Way) -> Expected:
                 return _figures(plan, drive.place(time[kept] - run_in), record.drive)
 
             return Expected.of(confirmed(moved), "Runge-Kutta")
-        _check_steady(motion, followed(gear, forces, way, pitches, 1)[1], duration)
+        _check_steady(motion, followed(gear, forces, course, pitches, 1)[1], duration)
 
     def rested(parts: int) -> tuple[float, float]:
-        along, path = followed(gear, forces, way, pitches, parts)
+        along, path = followed(gear, forces, course, pitches, parts)
         force = -drive.sign * path.forces[-along.size :, drive.coordinate]
         return _figures(plan, drive.place(along), force)
 
@@ -225,7 +225,7 @@ def _along(plan: ScenePlan, forces: GearForces, way: Way) -> Expected:
 
 
 def _figures(plan: ScenePlan, place: np.ndarray, force: np.ndarray) -> tuple[float, float]:
-    """Mean and spread of a force over a way; the mean of a load test is that over whole tooth pitches from
+    """Mean and spread of a force over a course; the mean of a load test is that over whole tooth pitches from
     where it begins, if there is one."""
     along, pitch = np.abs(place - place[0]), 2 * np.pi / plan.gear.pinion.teeth
     end = along[-1]
@@ -240,7 +240,7 @@ def curve(plan: ScenePlan) -> Curve:
 
     Raises:
         NotFoundError: there is no equilibrium somewhere.
-        LinAlgError: the gear yields without resistance.
+        LinAlgError: the gear has no stiffness against a force.
     """
     if plan.scene == "reversal":
         swing = _swing(plan)
@@ -249,14 +249,16 @@ def curve(plan: ScenePlan) -> Curve:
         kept = time >= 0
         return Curve(time[kept], -swing.sign * path.forces[kept, swing.coordinate])
     test = plan.gear.test
-    ways = ways_of(plan)
-    if plan.scene == "load-test" and len(ways) == 1:
-        ways.append(Way(ways[0].body, ways[0].last, ways[0].first))
+    courses = passes_of(plan)
+    if plan.scene == "load-test" and len(courses) == 1:
+        courses.append(Pass(courses[0].body, courses[0].last, courses[0].first))
     load = test.direction * GRAVITY * test.load_mass if plan.scene == "load-test" else 0.0
     forces, begin, times, values = reference_forces(plan, load), 0.0, [], []
-    for way in ways:
-        along, path = followed(plan.gear, forces, way, pitches_before(plan.gear, forces, way), CURVE_FINER)
-        drive = way.drive(plan.gear)
+    for course in courses:
+        along, path = followed(
+            plan.gear, forces, course, pitches_before(plan.gear, forces, course), CURVE_FINER
+        )
+        drive = course.drive(plan.gear)
         times.append(begin + along)
         values.append(-drive.sign * path.forces[-along.size :, drive.coordinate])
         begin += float(along[-1])

@@ -277,14 +277,14 @@ def _left_out(run: SceneRun, change: Mapping[str, float], figure: str) -> SceneR
     if not change:
         return run
     if figure in change:
-        shown = f"{figure} does not stand: {_by(change)} change {_all_shown(change)}"
+        shown = f"{figure} is not confirmed: {_by(change)} change {_all_shown(change)}"
         return run.invalid(Code.STEPS_TOO_COARSE, shown)
     return run.without(change).noting(not_confirmed(change))
 
 
 def not_confirmed(change: Mapping[str, float]) -> Remark:
     """Return the remark on metrics that are left out, metric -> its change over its tolerance."""
-    text = f"{_by(change)} change what is left out: {_all_shown(change)}"
+    text = f"{_by(change)} change metrics that are omitted: {_all_shown(change)}"
     return Remark(Code.METRIC_NOT_CONFIRMED, text)
 
 
@@ -364,9 +364,9 @@ def _settled(
     if before and run.ok and (beyond := unclosed(run.signals, maneuver)) > 1:
         return run.invalid(
             Code.SWING_NOT_SETTLED,
-            f"the swing does not settle: after {before[-1]} cycles the next one still ends {beyond:.2g} "
-            f"times as far from where it began as is allowed, {CLOSED:.0%} of the torque and "
-            f"{IN_PLACE:.1%} of the rack's travel",
+            f"the swing does not settle: after {before[-1]} cycles the next one still changes by "
+            f"{beyond:.2g} times the limits of {CLOSED:.0%} of the torque and {IN_PLACE:.1%} of the rack's "
+            f"travel",
         ), settled
     return run, settled
 
@@ -404,7 +404,7 @@ def _settled_under_torque(
         return run.invalid(
             Code.SWING_NOT_SETTLED,
             f"the swing does not settle: from {CYCLES_UNDER_TORQUE[-1]} cycles before the record {figure} "
-            f"still changes by {refined.change * OTHER:.1%}, allowed are {AGREED * OTHER:.1%}; the hand's "
+            f"still changes by {refined.change * OTHER:.1%} (limit {AGREED * OTHER:.1%}); the hand's "
             "torque may be near resonance of the wheel on the tyres",
         ), settled
     return run, settled
