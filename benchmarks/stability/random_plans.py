@@ -124,7 +124,8 @@ def outcome_of(number: int, done: Callable[[dict[str, Any]], None] = lambda foun
     if failed or plan.fidelity.solver == "closed-form":
         return found
     done(found)
-    start, right, said = process_time(), {}, []
+    start, said = process_time(), []
+    right: Values = {}
     for name, values in references(tested, result.summary.keys()):
         said.append(name)
         right = values | right  # those of other methods come first
