@@ -100,6 +100,7 @@ LONG = (  # files, folders or single tests that the everyday set leaves out
     "physics/test_sampler.py::test_every_scene_law_and_choice_is_drawn_in_plans",
     "smoke/test_animation_in_browser.py",
     "smoke/test_cluster.py",
+    "smoke/test_examples.py::test_notebook_runs",
     "smoke/test_explore.py::test_crowd_is_answered_beside_a_slow_state",
     "smoke/test_explore.py::test_sheet_picture_and_pattern_are_those_of_the_state",
     "smoke/test_explore.py::test_state_is_in_the_address_and_a_file_can_be_dropped",
