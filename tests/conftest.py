@@ -102,6 +102,8 @@ LONG = (  # files, folders or single tests that the everyday set leaves out
     "smoke/test_cluster.py",
     "smoke/test_examples.py::test_notebook_runs",
     "smoke/test_explore.py::test_crowd_is_answered_beside_a_slow_state",
+    "smoke/test_explore.py::test_dynamics_and_the_gear_in_three_dimensions",
+    "smoke/test_explore.py::test_page_in_a_browser",
     "smoke/test_explore.py::test_sheet_picture_and_pattern_are_those_of_the_state",
     "smoke/test_explore.py::test_state_is_in_the_address_and_a_file_can_be_dropped",
     "smoke/test_compiling.py::test_first_use_is_never_silent_and_its_total_is_right",
