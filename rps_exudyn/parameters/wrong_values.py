@@ -46,6 +46,7 @@ class ConflictError(ValueError):
         super().__init__("\n".join(problem.sentence for problem in problems))
 
 
+MOST_NAMED = 50  # problems, each in a sentence
 MUCH_LESS_ALIKE = 0.2  # than the nearest name: what is so is not offered beside it
 
 
@@ -62,7 +63,9 @@ def problems_of(
     remaining: ValidationError | None = error
     while remaining:
         items = remaining.errors()
-        for item in items:
+        for number, item in enumerate(items):
+            if len(found) >= MOST_NAMED:
+                return [*found, WrongValue((), f"{len(items) - number} more values are wrong.")]
             problems = _meant(table, item, given, settings)
             found += [problem for problem in problems if not problem.concerns(_paths(wrong))]
         new = [item["loc"] for item in items if item["loc"] not in wrong]
@@ -112,7 +115,7 @@ def _problem(
     elif item["type"] == "finite_number":
         sentence = f"{path} is {shown}; it must be finite."
     elif instead := choice_instead(path, value):
-        sentence = f"{path} is {shown}, which earlier versions had: {instead}."
+        sentence = f"{path} is {shown}, which only earlier versions have: {instead}."
     else:
         sentence = f"{path} is {shown}; it must be {table.declared_at(path)[0].allowed}."
     return WrongValue((path,), sentence)

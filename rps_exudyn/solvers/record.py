@@ -405,14 +405,17 @@ def of_column(record: Record) -> dict[str, np.ndarray]:
     twisting = ratio * rate + record.of_rates("pinion")[:, 0]
     torque = column.torque(twist, twisting)
     lost = column.damping * twisting**2
-    return {
+    signals = {
         "wheel_angle": angle,
         "pinion_torque": torque,
         "column_torque": ratio * torque,
-        "column_twist": twist,
+        "column_twist": column.own_share * twist,
         "column_energy": 0.5 * column.stiffness * twist**2,
         "work_column_damping": lost,
     }
+    if column.own_share < 1:
+        signals["housing_displacement"] = -(1 - column.own_share) * column.gain * twist
+    return signals
 
 
 def under_torque(record: Record, column: ColumnModel, drive: WheelTorque, wheel: np.ndarray) -> Record:

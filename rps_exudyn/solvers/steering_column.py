@@ -7,12 +7,17 @@ pinion at phi,
 
 A universal joint with the bend beta turns its output by tan u = tan theta / cos beta, theta counted from
 where the wheel-side yoke's axis lies in the bend's plane.
+
+The housing's mounts stand in series: what turns the pinion by T pushes the rack by T / g and the housing back
+by T / (g k_m), which is a twist of T / (g^2 k_m). The rack's load, the gear's own friction among it, counts
+as held by the vehicle.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.prescribed_motion import Drive, SetOff, Steady
 
@@ -21,19 +26,25 @@ Angle = np.ndarray | float
 
 @dataclass(frozen=True)
 class ColumnModel:
-    """Inertia, joint and spring between hand and pinion."""
+    """Inertia, joint and spring between hand and pinion; the housing's mounts yield with it."""
 
     inertia: float  # of the wheel [kg m^2]
     stiffness: float  # [N m/rad]
     damping: float  # [N m s/rad]
     bend: float  # of the joint [rad]
     phase: float  # of its wheel-side yoke at wheel angle 0 [rad]
+    own_share: float = 1.0  # of the twist that is the column's; the rest is that of the mounts
+    gain: float = 0.0  # of the gear: the housing's way along X over the mounts' twist [m/rad]
 
     @classmethod
     def of(cls, gear: SteeringGear) -> "ColumnModel":
-        """Return the column of a gear."""
-        given = gear.column
-        return cls(given.wheel_inertia, given.stiffness, given.damping, given.joint_angle, given.joint_phase)
+        """Return the column of a gear, in series with the mounts of its housing: their damping is that of
+        slow motion."""
+        given, gain = gear.column, float(GearPair.of(gear).gain)
+        mounts = gear.housing.mount_stiffness * gain**2
+        share = mounts / (given.stiffness + mounts) if mounts else 1.0
+        stiffness, damping = given.stiffness * share, given.damping * share**2
+        return cls(given.wheel_inertia, stiffness, damping, given.joint_angle, given.joint_phase, share, gain)
 
     def output(self, angle: Angle) -> np.ndarray:
         """Return the angle u behind the joint [rad], 0 at wheel angle 0, of the shape of the angles."""

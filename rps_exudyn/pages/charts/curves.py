@@ -164,6 +164,8 @@ FOLDED, BINS = 121, 24  # points of a simulated pitch, and classes of a measured
 def ripple_figure(result: Result) -> Figure | None:
     """The torque of the first pass less its mean over one tooth pitch, the mean of all its teeth, and the
     measured one likewise, whose runout is left out with that; None where the record covers no revolution."""
+    if not {"pinion_angle", "pinion_torque"} <= result.signals.keys():
+        return None
     turned = passes(result.signals)
     if not turned or np.ptp(turned[0].angle) < 2 * np.pi * (1 - 1e-6):
         return None

@@ -152,7 +152,7 @@ def _notices(result: Result) -> Iterable[PageBlock]:
     if result.status is not Status.OK:
         yield Warning(
             f"The simulation failed ({result.status}): {result.message or 'no message'} "
-            f"{result.status.remedy} Its numbers must not be used."
+            f"{result.status.remedy} Do not use its numbers."
         )
     elif result.message:
         yield Grid(("remarks",), [[sentence] for sentence in sentences(result.message)])
@@ -160,7 +160,7 @@ def _notices(result: Result) -> Iterable[PageBlock]:
 
 def _heading(result: Result) -> str:
     """What the curve shows."""
-    if not is_scene(result.scene):
+    if not result.signals or not is_scene(result.scene):
         return "Curves"
     signal = words(scene_named(result.scene).signal).capitalize()
     return f"{signal} over the pinion's angle" if result.scene == FREE_TURNING_SCENE.name else signal
@@ -208,7 +208,7 @@ def _losses(result: Result) -> Iterable[Section]:
 def _details(result: Result, compared: Compared, path: Path) -> Iterable[PageBlock]:
     """Everything else, folded."""
     if result.signals and (every := signals_figure(result)) is not None:
-        yield Fold("All signals that move", [Pictures([picture(every, "All signals that move")])])
+        yield Fold("Signals that vary", [Pictures([picture(every, "Signals that vary")])])
     yield from _measured_fold(result, compared)
     yield from _numbers(result)
     yield Fold("Parameters", list(_parameters(result)))
@@ -219,7 +219,7 @@ def _details(result: Result, compared: Compared, path: Path) -> Iterable[PageBlo
 
 def _numbers(result: Result) -> Iterable[PageBlock]:
     if not result.summary:
-        yield Text("It left no numbers.")
+        yield Text("It has no numbers.")
         return
     count = len(result.summary)
     yield Fold(f"All {count} quantities", [_quantities(SUMMARY, result.summary)])
@@ -326,7 +326,7 @@ def _parameters(result: Result) -> Iterable[PageBlock]:
         yield Fold("What it took", [Facts(rows)])
     if result.findings:
         found = [(words(name), as_text(value)) for name, value in result.findings.items()]
-        yield Fold("What the solver found", [Facts(found)])
+        yield Fold("Findings of the solver", [Facts(found)])
     if result.geometry:
         yield Fold("Geometry", [_quantities(GEOMETRY, result.geometry)])
 
@@ -337,7 +337,7 @@ def _quantities(known: Mapping[str, Quantity], values: Mapping[str, float]) -> G
 
 
 def _commands(path: Path) -> str:
-    return f"rps-exudyn rerun {path}     # the same again, from what the file holds\nrps-exudyn show {path}"
+    return f"rps-exudyn rerun {path}     # repeat this run\nrps-exudyn show {path}"
 
 
 # --- The section about the contact of the teeth: loads of the lines, shares of the teeth, contact pattern
@@ -355,11 +355,11 @@ def _contact_blocks(result: Result) -> Iterator[PageBlock]:
     from rps_exudyn.pages.charts.analyses import load_figure, pattern_figure
 
     if result.status is not Status.OK:
-        yield Text("The simulation failed: its loads would not be those of the gear.")
+        yield Text("The simulation failed: its loads are not those of the gear.")
         return
     if result.fidelity["mesh"] != "flank":
         modelled = result.fidelity["mesh"]
-        yield Text(f"fidelity.mesh is {modelled}; loads along the lines of contact are those of flank.")
+        yield Text(f"fidelity.mesh is {modelled}; only flank has loads along lines of contact.")
         return
     try:
         yield Pictures([picture(pattern_figure(result), "Contact pattern")])
