@@ -65,7 +65,7 @@ def explorer(gear: SteeringGear | None = None) -> Any:
     except ImportError:
         raise InputError("The widget needs anywidget: pip install 'rps-exudyn[notebook]'.") from None
 
-    class Explorer(AnyWidget):  # type: ignore[misc]  # of a library without types
+    class Explorer(AnyWidget):
         _esm = _FRONT
         page = Unicode(page()).tag(sync=True)
 
