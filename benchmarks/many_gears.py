@@ -1,4 +1,4 @@
-"""Gears followed together beside single runs: gears per second, how many are found, how far they differ.
+"""Gears computed together beside single runs: gears per second, how many are found, how far they differ.
 
 The gears are random gears of the design of `studies/tolerance.toml`: over a turn with runout and a pitch
 error, and without both over one tooth pitch. Both ways go one after the other in one process; CPU times are

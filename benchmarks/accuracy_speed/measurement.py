@@ -48,7 +48,7 @@ FAMILIES = {
     "quasi-static, bristles": "that in equilibrium",
     "flank, four bristles": "that with four elements, likewise",
     "quasi-static, four bristles": "that in equilibrium",
-    "loop over gears, line": "equilibria by the default law of many gears followed together, of each",
+    "loop over gears, line": "equilibria by the default law of many gears computed together, of each",
     "spheres at rest": "equilibrium, contact of the spheres",
     "shaped pinion": "spheres at rest on flanks as they are cut, compared with those on the analytic flank",
     "meshed pinion": "spheres at rest on triangles, likewise",

@@ -29,7 +29,7 @@ class Conditions(Table):
         "20 degC", "temperature of the whole gear", "estimate", ge=COLDEST, le=HOTTEST
     )
     steering_cycles: Number = parameter(
-        0.0, "steering cycles that the gear has made, each to both sides and back; 0: new", "estimate",
+        0.0, "steering cycles behind the gear, each to both sides and back; 0: new", "estimate",
         ge=0, le=1e8,
     )  # fmt: skip
     cycle_angle: Angle = parameter(

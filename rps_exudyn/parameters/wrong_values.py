@@ -115,7 +115,7 @@ def _problem(
     elif item["type"] == "finite_number":
         sentence = f"{path} is {shown}; it must be finite."
     elif instead := choice_instead(path, value):
-        sentence = f"{path} is {shown}, which earlier versions had: {instead}."
+        sentence = f"{path} is {shown}, which only earlier versions have: {instead}."
     else:
         sentence = f"{path} is {shown}; it must be {table.declared_at(path)[0].allowed}."
     return WrongValue((path,), sentence)

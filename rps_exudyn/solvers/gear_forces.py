@@ -215,7 +215,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         pool = np.concatenate([pool, numbers, of_ideal])
     if (mesh.law, bar is not None) not in LAWS:
         instead = choice_instead("mesh.law", mesh.law)
-        raise InputError(f"mesh.law is {mesh.law!r}, which earlier versions had: {instead}.")
+        raise InputError(f"mesh.law is {mesh.law!r}, which only earlier versions have: {instead}.")
     law = LAWS[mesh.law, bar is not None]
     approach = static_approach(gear.yoke.preload, LAWS[mesh.law, False], ideal, pool, pair.axis_offset)
     supported = np.zeros(0)

@@ -102,7 +102,7 @@ def operating_gear(gear: SteeringGear) -> OperatingGear | None:
     preload -= yoke.spring_rate * moved
     if preload < 0:
         raise InputError(
-            f"conditions leave no preload: the yoke's spring would have to pull by {-preload:.4g} N; lower "
+            f"conditions leave no preload: the force of the yoke's spring would be {-preload:.4g} N; lower "
             "conditions.temperature or yoke.spring_rate."
         )
     worn, (room, drag) = wear(gear, preload), bush_in_operation(gear)
@@ -238,8 +238,9 @@ def grease_drag(gear: SteeringGear) -> float:
     stress = eta * gear.test.speed * abs(float(GearPair.of(gear).gain)) / grease.film
     if stress > LARGEST_SHEAR:
         raise InputError(
-            f"grease.base_oil = {grease.base_oil} is sheared by {stress / 1e6:.3g} MPa at test.speed; its "
-            f"viscosity holds to {LARGEST_SHEAR / 1e6:g} MPa: raise conditions.temperature or grease.film, "
+            f"grease.base_oil = {grease.base_oil} has a shear stress of {stress / 1e6:.3g} MPa at "
+            f"test.speed; its viscosity is known up to {LARGEST_SHEAR / 1e6:g} MPa: raise "
+            f"conditions.temperature or grease.film, "
             "or lower test.speed."
         )
     area = np.pi * rack.bar_diameter * gear.bush.length

@@ -24,9 +24,9 @@ from rps_exudyn.pages.report.html import (
     Text,
     provenance_facts,
 )
-from rps_exudyn.pages.report.judged import ORDER, judgement, limits_of, listed, mark_of
+from rps_exudyn.pages.report.judged import ORDER, judgement, limits_of, mark_of
 from rps_exudyn.pages.report.pictures import picture
-from rps_exudyn.pages.report.sheet import Row, rounded
+from rps_exudyn.pages.report.sheet import Row, listed, rounded
 from rps_exudyn.results.judged_row import ON_COMPARISONS, Verdict
 from rps_exudyn.results.provenance import provenance
 
@@ -47,9 +47,9 @@ TITLES = {
     "verification": "Code verification: closed forms and standards",
 }
 UNKNOWN = (
-    "Manuals print neither module, friction, spring nor accuracy of their gears: their rows compare with the "
-    "band of any gear with the default teeth (inputs unknown). Half of that band is 44 % of the mean torque, "
-    "wider than most rows; such a row excludes gross errors and validates no parameter."
+    "Manuals state neither module, friction, spring nor accuracy of their gears: their rows compare with the "
+    "band of any gear with the default teeth (inputs unknown), which is wider than most rows. Such a row "
+    "excludes gross errors and validates no parameter."
 )
 HEADS = ("source", "simulated, with 90 % of the gears; grey is what was published", "simulated", "verdict")
 PICTURE = "(simulated - measured) / measured of every row, with 95 % uncertainty"
@@ -182,5 +182,5 @@ def validation_figure(comparisons: Sequence[ComparedRow]) -> Figure:
     )
     for verdict, colour in COLOURS.items():
         axes.plot([], [], "o", color=colour, label=verdict.value)
-    style.legend_above(axes)
+    style.name_curves(axes)
     return figure

@@ -20,6 +20,7 @@ NAMES = {
 """Quantity -> words that name it in the header of a file, as a regular expression."""
 
 GERMAN = re.compile(r"winkel|moment\b|drehung|weg\b|hub\b|kraft|verschiebung", re.I)
+_DRIVEN = ("pinion_angle", "rack_displacement")
 EXAMPLES = {
     "pinion_angle": "[deg]",
     "pinion_torque": "[N m]",
@@ -149,9 +150,10 @@ def _found(where: str, titles: list[_Title], quantity: str) -> _Title:
             f"{EXAMPLES[quantity]}, or choose one: {choice.format('TITLE')}."
         )
     if len(fitting) > 1:
+        below = "" if quantity in _DRIVEN else "; if they are two directions, write one below the other"
         raise InputError(
             f"{where} has {len(fitting)} columns that may be {quantity}: {_shown(fitting, ' and ')}; choose "
-            f"one: {choice.format(fitting[0].name or fitting[0].index + 1)}."
+            f"one: {choice.format(fitting[0].name or fitting[0].index + 1)}{below}."
         )
     return fitting[0]
 
@@ -197,7 +199,7 @@ def _with_unit(where: str, layout: Layout, title: _Title, quantity: str) -> Meas
     size = _Title(title.index, title.text, title.name, unit).size(quantity)
     if size is None:
         raise InputError(
-            f"{where}: [{short(unit, 30)}] is no unit of {quantity} that is certain; write for instance "
+            f"{where}: [{short(unit, 30)}] is no unit of {quantity} that is unambiguous; write for instance "
             f"{EXAMPLES[quantity]}, or state it: {example}."
         )
     by_unit = not title.is_named(quantity) and title.name != quantity and not from_cells

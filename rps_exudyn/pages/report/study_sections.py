@@ -27,6 +27,7 @@ from rps_exudyn.pages.report.html import (
     Warning,
 )
 from rps_exudyn.pages.report.pictures import picture
+from rps_exudyn.pages.report.study_rows import count
 from rps_exudyn.parameters.gear import CORRELATION
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
@@ -57,11 +58,6 @@ def case_link(table: CaseTable, case: Case) -> Links:
 def settings(table: CaseTable, case: Case, digits: int = 6) -> list[str]:
     """The values of the axes as text."""
     return [show_value(axis, case.values[axis.name], digits) for axis in table.description.axes]
-
-
-def count(number: int, noun: str) -> str:
-    """The number with its noun: "1 case", "3 cases"."""
-    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def remarks_section(table: CaseTable) -> list[Section]:
@@ -210,7 +206,7 @@ def _band_blocks(table: CaseTable, names: Sequence[str]) -> Iterable[PageBlock]:
     rows = [
         _levels_of(table.numbers[name], name, failed) for name in names if _known(table.numbers[name]).any()
     ]
-    head = ("number", *(f"{100 * level:g} %" for level in LEVELS), "error of 5 %", "error of 95 %")
+    head = ("number", *(f"{100 * level:g} %" for level in LEVELS), "error at 5 %", "error at 95 %")
     rows = [row for row in rows if row]
     if not rows:
         yield Text(f"Quantiles need at least {LEAST_KNOWN} cases that ended ok.")
