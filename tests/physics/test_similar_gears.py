@@ -27,7 +27,7 @@ SAME_HAND, SAME = (
     1e-6,
     4e-3,
 )  # of each metric; equilibria are found to 1e-3 N, and ripples are small differences
-GEARS = {
+GEARS: dict[str, dict[str, object]] = {
     "default": {},
     "skew": {
         "pinion.helix_angle": "20 deg",
