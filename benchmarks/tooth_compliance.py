@@ -157,6 +157,10 @@ def numbers(result: Result) -> dict[str, Any]:
     found: dict[str, Any] = {name: result.summary[name] for name in names if name in result.summary}
     if "rack_y" in result.signals:
         found["approach"] = -float(np.mean(result["rack_y"]))
+    if "efficiency_forward" in found:
+        raising = slice(0, result["pinion_angle"].size // 2)
+        travel = result.summary["rack_gain"] / (2 * np.pi) * result["pinion_angle"]
+        found["lag"] = float(np.mean((travel - result["rack_displacement"])[raising]))
     return found | ({} if result.status is rps.Status.OK else {"message": result.message})
 
 
@@ -250,13 +254,17 @@ def ripple_table(folder: Path) -> str:
 
 
 def loaded_table(folder: Path) -> str:
-    """Efficiency under 2 kN by elements, and what the laws add to it."""
+    """Efficiency under 2 kN by elements, and what the laws add to it; the rack's lag likewise."""
     rows = []
     for name, found in load_data(folder / DATA)["gears"].items():
         of = found["loaded"][REFERENCE]["efficiency_forward"]
         more = [found["loaded"][law].get("efficiency_forward") for law in ("teeth", "line")]
-        rows.append((name, f"{of:.4f}", *(f"{100 * (each - of):+.2f}" if each else "-" for each in more)))
-    return markdown(("gear", "elements", "teeth, points", "line, points"), rows)
+        points = [f"{100 * (each - of):+.2f}" if each else "-" for each in more]
+        lag = found["loaded"][REFERENCE]["lag"]
+        late = [percent(found["loaded"][law]["lag"], lag) for law in ("teeth", "line")]
+        rows.append((name, f"{of:.4f}", *points, f"{1e6 * lag:.1f}", *late))
+    head = "gear", "efficiency", "teeth, points", "line, points", "lag um", "teeth %", "line %"
+    return markdown(head, rows)
 
 
 def yields_table(folder: Path) -> str:
