@@ -8,7 +8,7 @@ them stand the yields along the lines of contact, of pinion and rack apart, and 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -55,6 +55,8 @@ FORMS = {
 LOAD = 2000 / 9.80665  # of the load test [kg]
 COARSE, FINE = Division(flank=3, along=8, half_tooth=1, fillet=1, root=1, core=2), Division()
 ANGLES = 12  # over a pitch, at which yields are compared
+FLANKS = "same flank", "opposite flank"
+SIGNS = dict(zip(FLANKS, (1, -1), strict=True))
 PRESETS, REPEATS = ("quasi-static", "flank"), 4  # of the cost
 QUASI_STATIC = Fidelity.preset("quasi-static")
 REFERENCE, FINE_STATIONS = "elements", {"strip_stations": 8}
@@ -74,6 +76,7 @@ def gear_of(name: str) -> SteeringGear:
             "pinion.face_width": 1e-3 * face,
             "rack.bar_diameter": 1e-3 * bar,
             "rack.reference_height": 1e-3 * line,
+            "bush.inner_diameter": 1e-3 * (bar + 1),
             "test.turns": 1 / z,
             "test.start_angle": 0.0,
         }
@@ -165,47 +168,71 @@ def numbers(result: Result) -> dict[str, Any]:
 
 
 # --- yields along the lines of contact -----------------------------------------------------------------
+class Line(NamedTuple):
+    """A line of contact under an even load on it, or on the opposite flank of its tooth."""
+
+    flank: str
+    place: np.ndarray  # along it [m]
+    length: float  # that is loaded [m]
+    law: np.ndarray  # yields [m^2/N]
+    elastic: np.ndarray
+
+
 def yields(gear: SteeringGear, division: Division) -> tuple[dict[str, Any], list[Any]]:
-    """Law over elements along lines under an even load, per body, on the loaded flank and on the opposite one
-    of its tooth; and the yields of the pose at the start."""
+    """How far yields by law are from those by elements, per body and flank; and those of the first pose.
+
+    A constant yield, by which a body turns or shifts as a whole on its support, moves no load from one place
+    to another: that by which the law and the elements differ is fitted, and added to the law's.
+    """
     result = run_by("free-pinion-torque", gear, "guided", "teeth", division)
     pair, handle = GearPair.of(gear), loads_data(gear)
-    pool = pool_of(pair.design, division)
     points, tilts, _ = rack_poses(pair, result.signals)
     chosen = np.linspace(0, len(points) - 1, ANGLES + 1).astype(int)[:-1]
-    ratios: dict[str, list[float]] = {}
+    found: dict[str, Any] = {}
     course = []
     for body in ("pinion", "rack"):
-        arguments = one_body(handle, pool, body)
+        arguments = one_body(handle, pool_of(pair.design, division), body)
+        lines = []
         for k in chosen:
-            at = called(line_yields, -float(result["pinion_angle"][k]), points[k], tilts[k], *arguments)
-            for flank, place, law, elastic in along_lines(at):
-                ratios.setdefault(f"{body}, {flank}", []).extend((law / elastic).tolist())
-                if k == chosen[0]:
-                    course.append([body, flank, place.tolist(), law.tolist(), elastic.tolist()])
-    return {name: summed(np.array(values)) for name, values in ratios.items()}, course
+            angle = -float(result["pinion_angle"][k])
+            lines += along_lines(called(line_yields, angle, points[k], tilts[k], *arguments), body)
+            if k == chosen[0]:
+                first = len(lines)
+        more = fitted_support(lines)
+        found[f"{body}, support"] = more
+        for flank in FLANKS:
+            of_flank = [each for each in lines if each.flank == flank]
+            law = np.concatenate([each.law + SIGNS[flank] * more * each.length for each in of_flank])
+            found[f"{body}, {flank}"] = off(law / np.concatenate([each.elastic for each in of_flank]))
+        for each in lines[:first]:
+            law = each.law + SIGNS[each.flank] * more * each.length
+            course.append([body, each.flank, each.place.tolist(), law.tolist(), each.elastic.tolist()])
+    return found, course
 
 
-def along_lines(at: Any) -> Iterator[tuple[str, np.ndarray, np.ndarray, np.ndarray]]:
-    """Yields along each line [m^2/N] by law and by elements, under 1 N/m on it and on its opposite line."""
-    names = sorted({(int(s), int(t)) for s, t in zip(at.side, at.tooth, strict=True)})
-    for side, tooth in names:
-        line = (at.side == side) & (at.tooth == tooth)
+def along_lines(at: Any, body: str) -> Iterator[Line]:
+    """Each line under 1 N/m on it, and on the other flank of its tooth of a body."""
+    teeth = at.tooth if body == "pinion" else at.rack_tooth
+    for side, tooth in sorted({(int(s), int(t)) for s, t in zip(at.side, teeth, strict=True)}):
+        line = (at.side == side) & (teeth == tooth)
         place = np.cumsum(at.length[line]) - at.length[line] / 2
-        for flank, other in (("same flank", side), ("opposite flank", -side)):
-            load = np.where((at.side == other) & (at.tooth == tooth), at.length, 0.0)
+        for flank, other in zip(FLANKS, (side, -side), strict=True):
+            load = np.where((at.side == other) & (teeth == tooth), at.length, 0.0)
             if load.any():
-                yield flank, place, (at.law @ load)[line], (at.elements @ load)[line]
+                law, elastic = (at.law @ load)[line], (at.elements @ load)[line]
+                yield Line(flank, place, float(load.sum()), law, elastic)
 
 
-def summed(ratio: np.ndarray) -> dict[str, float]:
-    """Mean ratio, and median and 95 % quantile of its distance from 1."""
-    off = np.abs(ratio - 1)
-    return {
-        "ratio": float(np.median(ratio)),
-        "median": float(np.median(off)),
-        "most": float(np.quantile(off, 0.95)),
-    }
+def fitted_support(lines: Sequence[Line]) -> float:
+    """The yield of the support by which the law differs from the elements [m/N], least relative squares."""
+    x = np.concatenate([SIGNS[each.flank] * each.length / each.elastic for each in lines])
+    y = np.concatenate([1 - each.law / each.elastic for each in lines])
+    return float(x @ y / (x @ x))
+
+
+def off(ratio: np.ndarray) -> dict[str, float]:
+    """Median and 95 % quantile of a ratio's distance from 1."""
+    return {f"{share:g}": float(np.quantile(np.abs(ratio - 1), share)) for share in (0.5, 0.95)}
 
 
 # --- tables and chart ----------------------------------------------------------------------------------
@@ -268,15 +295,21 @@ def loaded_table(folder: Path) -> str:
 
 
 def yields_table(folder: Path) -> str:
-    """Yields along lines of contact: law over elements, all gears."""
-    gears = load_data(folder / DATA)["gears"]
+    """Yields along lines of contact: law against elements, medians over the gears and the worst of them."""
+    gears = load_data(folder / DATA)["gears"].values()
     rows = []
-    for case in next(iter(gears.values()))["yields"]:
-        found = [each["yields"][case] for each in gears.values() if case in each["yields"]]
-        ratio = [f"{each(one['ratio'] for one in found):.2f}" for each in (min, max)]
-        median, most = (np.median([one[key] for one in found]) for key in ("median", "most"))
-        rows.append((case, " to ".join(ratio), f"{100 * median:.0f}", f"{100 * most:.0f}"))
-    return markdown(("yield of", "law over elements, by gear", "median error %", "95 % below"), rows)
+    for body in ("pinion", "rack"):
+        support = [1e9 * each["yields"][f"{body}, support"] for each in gears]
+        for flank in FLANKS:
+            errors = [each["yields"][f"{body}, {flank}"] for each in gears]
+            cells = [
+                f"{100 * of([each[share] for each in errors]):.0f}"
+                for share in ("0.5", "0.95")
+                for of in (np.median, max)
+            ]
+            rows.append((f"{body}, {flank}", *cells, f"{min(support):+.2f} to {max(support):+.2f}"))
+    head = "yield", "median error %", "of the worst gear %", "95 % below %", "of the worst gear %"
+    return markdown((*head, "support added nm/N"), rows)
 
 
 def summary_table(folder: Path) -> str:
@@ -376,7 +409,7 @@ def draw(course: Sequence[Any], path: Path) -> None:
         figure = Figure(figsize=(8.5, 6.5), layout="constrained")
         axes = dict(zip(("pinion", "rack"), figure.subplots(2, 1), strict=True))
     for body, axis in axes.items():
-        for flank, colour in zip(("same flank", "opposite flank"), style.SEVERAL, strict=False):
+        for flank, colour in zip(FLANKS, style.SEVERAL, strict=False):
             for number, (_, _, place, law, elastic) in enumerate(
                 line for line in course if (line[0], line[1]) == (body, flank)
             ):

@@ -144,6 +144,7 @@ class LineYields(NamedTuple):
 
     side: np.ndarray
     tooth: np.ndarray
+    rack_tooth: np.ndarray
     length: np.ndarray  # of line that a station stands for [m]
     law: np.ndarray
     elements: np.ndarray
@@ -160,12 +161,14 @@ def line_yields(angle, position, tilt, records, pool):  # type: ignore[no-untype
     lines, n = find_lines(angle, drive, coast, data)
     of_elements, law = elements_matrix(lines, n, drive, coast, data, pool), compliance_matrix(lines, n, data)
     total = n * flank.stations
-    side, tooth, length = np.empty(total), np.empty(total), lines.stations[LENGTH, :total].copy()
+    side, tooth, rack_tooth = np.empty(total), np.empty(total), np.empty(total)
     for i in range(total):
-        side[i], tooth[i] = lines.side[i // flank.stations], lines.tooth[i // flank.stations]
+        line = i // flank.stations
+        side[i], tooth[i], rack_tooth[i] = lines.side[line], lines.tooth[line], lines.rack_tooth[line]
         for j in range(i):
             law[j, i], of_elements[j, i] = law[i, j], of_elements[i, j]
-    return LineYields(side, tooth, length, law[:total, :total], of_elements[:total, :total])
+    length = lines.stations[LENGTH, :total].copy()
+    return LineYields(side, tooth, rack_tooth, length, law[:total, :total], of_elements[:total, :total])
 
 
 def one_body(records: np.ndarray, pool: np.ndarray, body: str) -> tuple[np.ndarray, np.ndarray]:
