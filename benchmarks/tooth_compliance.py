@@ -5,8 +5,9 @@ a line, in the same runs: free torque with plain flanks and with tip relief and 
 them stand the yields along the lines of contact, of pinion and rack apart, and what finer elements change.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -44,7 +45,7 @@ GEARS: Mapping[str, Sequence[float]] = {
     "V": (5, 1.75, 33, 12, 1.0, 16.4, 13, 22, 7.8),
 }
 """Name -> z, m_n [mm], beta_p, beta_r [deg], x, d_a, b, bar, reference line above its axis [mm]."""
-FORMS = {
+FORMS: Mapping[str, Mapping[str, object]] = {
     "plain": {},
     "relief 10 um over 1.5 mm, crowning 8 um": {
         "pinion.tip_relief": "10 um",
@@ -56,7 +57,7 @@ LOAD = 2000 / 9.80665  # of the load test [kg]
 COARSE, FINE = Division(flank=3, along=8, half_tooth=1, fillet=1, root=1, core=2), Division()
 ANGLES = 12  # over a pitch, at which yields are compared
 FLANKS = "same flank", "opposite flank"
-SIGNS = dict(zip(FLANKS, (1, -1), strict=True))
+SHARES = 0.5, 0.95  # quantiles of the errors of yields
 PRESETS, REPEATS = ("quasi-static", "flank"), 4  # of the cost
 QUASI_STATIC = Fidelity.preset("quasi-static")
 REFERENCE, FINE_STATIONS = "elements", {"strip_stations": 8}
@@ -86,47 +87,47 @@ def gear_of(name: str) -> SteeringGear:
 def run(
     folder: Path, gears: Sequence[str] = tuple(GEARS), coarse: Division = COARSE, fine: Division = FINE
 ) -> None:
-    """Compare the laws on these gears; gears that the file has already are kept."""
-    file = folder / DATA
+    """Compare the laws on these gears; what the file has already is kept."""
+    file, first = folder / DATA, gear_of(gears[0])
     found = load_data(file) if file.exists() else {"gears": {}}
-    for name in gears:
-        if name not in found["gears"]:
-            print(name, flush=True)
-            found["gears"][name] = compared(gear_of(name), coarse)
+    rows = {name: found["gears"].setdefault(name, {}) for name in gears}
+    work = [(row, case, make) for name, row in rows.items() for case, make in cases_of(gear_of(name), coarse)]
+    work.append((found, "cost", lambda: cost(first.replace({"test.turns": 1.0}))))
+    work.append((found, "finer", lambda: numbers(free(first, "guided", REFERENCE, fine))))
+    work.append((found, "course", lambda: yields(first, coarse)[1]))
+    for row, case, make in work:
+        if case not in row:
+            row[case] = make()
             save_data(file, {key: value for key, value in found.items() if key != "origin"})
-    if "cost" not in found:
-        found["cost"] = cost(gear_of(gears[0]).replace({"test.turns": 1.0}))
-    if "finer" not in found:
-        found["finer"] = {REFERENCE: numbers(free(gear_of(gears[0]), "guided", REFERENCE, fine))}
-        save_data(file, {key: value for key, value in found.items() if key != "origin"})
-    draw(found["gears"][gears[0]]["course"], folder / CHART)
+    draw(found["course"], folder / CHART)
 
 
 # --- runs ----------------------------------------------------------------------------------------------
-def compared(gear: SteeringGear, division: Division) -> dict[str, Any]:
-    """All that is compared of a gear: name of a case -> name of a law -> numbers."""
-    found: dict[str, Any] = {}
+def cases_of(gear: SteeringGear, division: Division) -> Iterator[tuple[str, Callable[[], Any]]]:
+    """What is compared of a gear: its name, and what makes its numbers."""
     for form, settings in FORMS.items():
         formed = gear.replace(settings)
         for rack in ("guided", "free"):
-            found[f"{form}, {rack}"] = by_laws(lambda law, g=formed, r=rack: free(g, r, law, division))
-        expected = law_error(formed.replace({"mesh.law": "line"}), QUASI_STATIC.model_dump())
-        found[form] = {"expected": expected and expected.expected}
-    found["loaded"] = by_laws(lambda law: loaded(gear, law, division))
-    by_teeth = gear.replace({"mesh.law": "teeth"})
-    found["yields"], found["course"] = yields(by_teeth, division)
-    return found
+            yield f"{form}, {rack}", partial(by_laws, partial(free, formed, rack), division)
+    yield "loaded", partial(by_laws, partial(loaded, gear), division)
+    yield "yields", lambda: yields(gear, division)[0]
 
 
-def by_laws(of_law: Any) -> dict[str, Any]:
+def by_laws(of_law: Callable[[str, Division], Result], division: Division) -> dict[str, Any]:
     """Numbers of a case by the reference and by both laws."""
-    return {law: numbers(of_law(law)) for law in (REFERENCE, "teeth", "line")}
+    return {law: numbers(of_law(law, division)) for law in (REFERENCE, "teeth", "line")}
+
+
+def expected(name: str, form: str) -> float | None:
+    """The error that law "line" states of a gear's mean free torque."""
+    error = law_error(gear_of(name).replace({"mesh.law": "line", **FORMS[form]}), QUASI_STATIC.model_dump())
+    return error.expected if error else None
 
 
 def run_by(scene: str, gear: SteeringGear, rack: str, law: str, division: Division) -> Result:
     """A run by a law, or by "teeth" with the compliance of elements."""
     elastic = law == REFERENCE
-    model = QUASI_STATIC.replace({"rack": rack} | (FINE_STATIONS if elastic else {}))
+    model = QUASI_STATIC.replace({"rack": rack, **(FINE_STATIONS if elastic else {})})
     with exchanged(by_elements(division)) if elastic else nullcontext():
         return rps.run(scene, gear.replace({"mesh.law": "teeth" if elastic else law}), fidelity=model)
 
@@ -173,40 +174,29 @@ class Line(NamedTuple):
 
     flank: str
     place: np.ndarray  # along it [m]
-    length: float  # that is loaded [m]
     law: np.ndarray  # yields [m^2/N]
     elastic: np.ndarray
 
 
 def yields(gear: SteeringGear, division: Division) -> tuple[dict[str, Any], list[Any]]:
-    """How far yields by law are from those by elements, per body and flank; and those of the first pose.
-
-    A constant yield, by which a body turns or shifts as a whole on its support, moves no load from one place
-    to another: that by which the law and the elements differ is fitted, and added to the law's.
-    """
+    """Errors of yields by law, against the far teeth of their body, over the largest by elements of their
+    line: median and 95 % quantile per body and flank; and the lines of the first pose."""
     result = run_by("free-pinion-torque", gear, "guided", "teeth", division)
     pair, handle = GearPair.of(gear), loads_data(gear)
     points, tilts, _ = rack_poses(pair, result.signals)
     chosen = np.linspace(0, len(points) - 1, ANGLES + 1).astype(int)[:-1]
-    found: dict[str, Any] = {}
+    errors: dict[str, list[float]] = {}
     course = []
     for body in ("pinion", "rack"):
         arguments = one_body(handle, pool_of(pair.design, division), body)
-        lines = []
         for k in chosen:
-            angle = -float(result["pinion_angle"][k])
-            lines += along_lines(called(line_yields, angle, points[k], tilts[k], *arguments), body)
-            if k == chosen[0]:
-                first = len(lines)
-        more = fitted_support(lines)
-        found[f"{body}, support"] = more
-        for flank in FLANKS:
-            of_flank = [each for each in lines if each.flank == flank]
-            law = np.concatenate([each.law + SIGNS[flank] * more * each.length for each in of_flank])
-            found[f"{body}, {flank}"] = off(law / np.concatenate([each.elastic for each in of_flank]))
-        for each in lines[:first]:
-            law = each.law + SIGNS[each.flank] * more * each.length
-            course.append([body, each.flank, each.place.tolist(), law.tolist(), each.elastic.tolist()])
+            at = called(line_yields, -float(result["pinion_angle"][k]), points[k], tilts[k], *arguments)
+            for line in along_lines(at, body):
+                off = np.abs(line.law - line.elastic) / np.abs(line.elastic).max()
+                errors.setdefault(f"{body}, {line.flank}", []).extend(off.tolist())
+                if k == chosen[0]:
+                    course.append([body, *(x if isinstance(x, str) else x.tolist() for x in line)])
+    found = {name: np.quantile(values, SHARES).tolist() for name, values in errors.items()}
     return found, course
 
 
@@ -219,20 +209,7 @@ def along_lines(at: Any, body: str) -> Iterator[Line]:
         for flank, other in zip(FLANKS, (side, -side), strict=True):
             load = np.where((at.side == other) & (teeth == tooth), at.length, 0.0)
             if load.any():
-                law, elastic = (at.law @ load)[line], (at.elements @ load)[line]
-                yield Line(flank, place, float(load.sum()), law, elastic)
-
-
-def fitted_support(lines: Sequence[Line]) -> float:
-    """The yield of the support by which the law differs from the elements [m/N], least relative squares."""
-    x = np.concatenate([SIGNS[each.flank] * each.length / each.elastic for each in lines])
-    y = np.concatenate([1 - each.law / each.elastic for each in lines])
-    return float(x @ y / (x @ x))
-
-
-def off(ratio: np.ndarray) -> dict[str, float]:
-    """Median and 95 % quantile of a ratio's distance from 1."""
-    return {f"{share:g}": float(np.quantile(np.abs(ratio - 1), share)) for share in (0.5, 0.95)}
+                yield Line(flank, place, (at.law @ load)[line], (at.elements @ load)[line])
 
 
 # --- tables and chart ----------------------------------------------------------------------------------
@@ -245,7 +222,7 @@ def cases(folder: Path) -> Iterator[tuple[str, str, dict[str, Any]]]:
     """Gear, form of its flanks and the numbers of the free torque with a guided and a free rack."""
     for name, found in load_data(folder / DATA)["gears"].items():
         for form in FORMS:
-            yield name, form, {rack: found[f"{form}, {rack}"] for rack in ("guided", "free")} | found[form]
+            yield name, form, {rack: found[f"{form}, {rack}"] for rack in ("guided", "free")}
 
 
 def means_table(folder: Path) -> str:
@@ -258,8 +235,8 @@ def means_table(folder: Path) -> str:
             of = found[rack][REFERENCE]["torque_mean"]
             laws = [percent(found[rack][law]["torque_mean"], of) for law in ("teeth", "line")]
             cells += [f"{1e3 * of:.1f}", *laws]
-        expected = found["expected"]
-        rows.append((name, shape, *cells, "" if expected is None else f"{100 * expected:+.2f}"))
+        of_line = expected(name, form)
+        rows.append((name, shape, *cells, "" if of_line is None else f"{100 * of_line:+.2f}"))
     head = "gear", "z, m_n, beta_p, beta_r, x, d_a, b, bar, line"
     racks = [f"{rack}: {each}" for rack in ("guided", "free") for each in ("N mm", "teeth %", "line %")]
     return markdown((*head, *racks, "expected of line %"), rows)
@@ -295,21 +272,15 @@ def loaded_table(folder: Path) -> str:
 
 
 def yields_table(folder: Path) -> str:
-    """Yields along lines of contact: law against elements, medians over the gears and the worst of them."""
+    """Errors of yields along lines of contact, medians over the gears and the worst of them."""
     gears = load_data(folder / DATA)["gears"].values()
     rows = []
-    for body in ("pinion", "rack"):
-        support = [1e9 * each["yields"][f"{body}, support"] for each in gears]
-        for flank in FLANKS:
-            errors = [each["yields"][f"{body}, {flank}"] for each in gears]
-            cells = [
-                f"{100 * of([each[share] for each in errors]):.0f}"
-                for share in ("0.5", "0.95")
-                for of in (np.median, max)
-            ]
-            rows.append((f"{body}, {flank}", *cells, f"{min(support):+.2f} to {max(support):+.2f}"))
+    for name in next(iter(gears))["yields"]:
+        errors = np.array([each["yields"][name] for each in gears if name in each["yields"]])
+        cells = [f"{100 * of(errors[:, i]):.0f}" for i in range(len(SHARES)) for of in (np.median, np.max)]
+        rows.append((name, *cells))
     head = "yield", "median error %", "of the worst gear %", "95 % below %", "of the worst gear %"
-    return markdown((*head, "support added nm/N"), rows)
+    return markdown(head, rows)
 
 
 def summary_table(folder: Path) -> str:
@@ -351,7 +322,7 @@ def finer_table(folder: Path) -> str:
     """What finer elements change on the default gear, rack guided."""
     data = load_data(folder / DATA)
     coarse = next(iter(data["gears"].values()))["plain, guided"][REFERENCE]
-    fine = data["finer"][REFERENCE]
+    fine = data["finer"]
     names = {"torque_mean": "mean torque", "torque_peak_to_peak": "ripple", "approach": "approach"}
     rows = [(title, percent(coarse[name], fine[name])) for name, title in names.items()]
     return markdown(("of elements as published", "from finer ones, %"), rows)
@@ -382,7 +353,7 @@ def line_table(folder: Path) -> str:
             for found in gears.values()
         ]
     )
-    printed = off - np.array([found["plain"]["expected"] for found in gears.values()])
+    printed = off - np.array([expected(name, "plain") for name in gears])
     rows = [("as printed", printed)]
     if t.size > 2:
         left = [np.polyfit(np.delete(t, i), np.delete(off, i), 1) for i in range(t.size)]

@@ -51,7 +51,7 @@ def pool_of(pair: GearPair, division: Division | None = None) -> np.ndarray:
     division = division or Division()
     if (pair, division) not in _pools:
         bodies: Mapping[str, Body] = {"pinion": Pinion(pair, division), "rack": Rack(pair, division)}
-        head = [2 * division.flank + 1, 2 * division.along + 1]
+        head: list[float] = [2 * division.flank + 1, 2 * division.along + 1]
         for body in bodies.values():
             head += [body.sectors, *body.flank_range]
         tables = [compliance(body).ravel() for body in bodies.values()]
@@ -172,13 +172,20 @@ def line_yields(angle, position, tilt, records, pool):  # type: ignore[no-untype
 
 
 def one_body(records: np.ndarray, pool: np.ndarray, body: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return the arguments of `line_yields` with the other body rigid; torsion belongs to the pinion."""
+    """Return the arguments of `line_yields` for yields of a tooth of one body against its farthest teeth: its
+    bending and foundation, without the twist of the core and what the support yields."""
     records, pool = records.copy(), pool.copy()
-    start = START + int(pool[PINION]) * 4 * int(pool[ROWS] * pool[LAYERS]) ** 2
+    points = int(pool[ROWS] * pool[LAYERS])
+    start = START + int(pool[PINION]) * 4 * points**2
+    records["teeth"]["torsion"] = 0.0
     if body == "pinion":
         records["teeth"]["rack_scale"] = 0.0
         pool[start:] = 0.0
+        teeth = pool[START:start].reshape(-1, 4 * points**2)
     else:
-        records["teeth"]["form"][:, PHI : PHI + MODES] = records["teeth"]["torsion"] = 0.0
+        records["teeth"]["form"][:, PHI : PHI + MODES] = 0.0
         pool[START:start] = 0.0
+        teeth = pool[start:].reshape(-1, 4 * points**2)
+    far = len(teeth) // 2
+    teeth[0] -= (teeth[far] + teeth[-far]) / 2
     return records, pool

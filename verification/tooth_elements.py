@@ -341,7 +341,7 @@ class Sector:
         hand = 1 if side == self.body.right else -1
         rows, columns, weights = [], [], []
         for f in range(self.flank.size):
-            here = self.share / self.body.share_at(own[f], 1.0) + hand * on[f]  # along the axis [m]
+            here = self.share / self.body.share_at(own[f], np.ones(1)) + hand * on[f]  # along the axis [m]
             i, by_row = _lagrange(float(np.interp(height[f], at_row, row)), self.rows)
             layer = (np.clip(self.body.share_at(height[f], here), -1, 1) + 1) / 2 * (self.layers - 1)
             inwards = self._inwards(side, np.full(self.layers, self.flank[f]), self.share)

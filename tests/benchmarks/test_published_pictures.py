@@ -93,7 +93,7 @@ PICTURES: dict[str, Callable[[], Figure]] = {
 FILES: dict[str, Callable[[Path], None]] = {
     "limits of steps": lambda out: draw_limits(data("stability/explicit.json")["limits"], out),
     "yields of teeth": lambda out: tooth_compliance.draw(
-        next(iter(data("tooth_compliance/elements.json")["gears"].values()))["course"], out
+        data("tooth_compliance/elements.json")["course"], out
     ),
 } | {
     path.stem: lambda out, path=path: draw_maps(json.loads(path.read_text())["maps"], out)  # type: ignore[misc]
