@@ -179,8 +179,8 @@ class Line(NamedTuple):
 
 
 def yields(gear: SteeringGear, division: Division) -> tuple[dict[str, Any], list[Any]]:
-    """Errors of yields by law, against the far teeth of their body, over the largest by elements of their
-    line: median and 95 % quantile per body and flank; and the lines of the first pose."""
+    """Errors of yields by law over the largest by elements of their line, the pinion's with the twist of its
+    core: median and 95 % quantile per body and flank; and the lines of the first pose."""
     result = run_by("free-pinion-torque", gear, "guided", "teeth", division)
     pair, handle = GearPair.of(gear), loads_data(gear)
     points, tilts, _ = rack_poses(pair, result.signals)

@@ -172,20 +172,13 @@ def line_yields(angle, position, tilt, records, pool):  # type: ignore[no-untype
 
 
 def one_body(records: np.ndarray, pool: np.ndarray, body: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return the arguments of `line_yields` for yields of a tooth of one body against its farthest teeth: its
-    bending and foundation, without the twist of the core and what the support yields."""
+    """Return the arguments of `line_yields` with the other body rigid; torsion belongs to the pinion."""
     records, pool = records.copy(), pool.copy()
-    points = int(pool[ROWS] * pool[LAYERS])
-    start = START + int(pool[PINION]) * 4 * points**2
-    records["teeth"]["torsion"] = 0.0
+    start = START + int(pool[PINION]) * 4 * int(pool[ROWS] * pool[LAYERS]) ** 2
     if body == "pinion":
         records["teeth"]["rack_scale"] = 0.0
         pool[start:] = 0.0
-        teeth = pool[START:start].reshape(-1, 4 * points**2)
     else:
-        records["teeth"]["form"][:, PHI : PHI + MODES] = 0.0
+        records["teeth"]["form"][:, PHI : PHI + MODES] = records["teeth"]["torsion"] = 0.0
         pool[START:start] = 0.0
-        teeth = pool[start:].reshape(-1, 4 * points**2)
-    far = len(teeth) // 2
-    teeth[0] -= (teeth[far] + teeth[-far]) / 2
     return records, pool
