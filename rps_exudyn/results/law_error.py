@@ -70,9 +70,9 @@ class LawError:
 
 
 MEASURED = {
-    "line": LawError("line", (-0.014, 0.0195), (0.0, 0.0042), "its ripple is 30 to 86 % of theirs"),
+    "line": LawError("line", (-0.014, 0.0195), (0.0, 0.0042), "its ripple is 40 to 125 % of theirs"),
     "area": LawError("area", (0.012, 0.060), (-0.003, 0.0005), "its ripple is 50 to 85 % of theirs"),
-    "teeth": LawError("teeth", (-0.006, 0.006), (-0.001, 0.0022), "its ripple is 80 to 110 % of theirs"),
+    "teeth": LawError("teeth", (-0.006, 0.006), (-0.001, 0.0022), "its ripple is 70 to 115 % of theirs"),
 }
 """Law -> its error on eleven gears, plain and with tip relief and crowning."""
 BY_TRUNCATION, WITHIN = (0.0141, -0.0544), 0.0075  # of law "line" on plain flanks: at no truncation, per t
