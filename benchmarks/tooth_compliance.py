@@ -225,50 +225,36 @@ def cases(folder: Path) -> Iterator[tuple[str, str, dict[str, Any]]]:
             yield name, form, {rack: found[f"{form}, {rack}"] for rack in ("guided", "free")}
 
 
-def means_table(folder: Path) -> str:
-    """Mean free torque by elements and what the laws differ by, rack guided and free."""
-    rows = []
-    for name, form, found in cases(folder):
-        shape = ", ".join(f"{each:g}" for each in GEARS[name]) if form == "plain" else "with relief, crowning"
-        cells = []
-        for rack in ("guided", "free"):
-            of = found[rack][REFERENCE]["torque_mean"]
-            laws = [percent(found[rack][law]["torque_mean"], of) for law in ("teeth", "line")]
-            cells += [f"{1e3 * of:.1f}", *laws]
-        of_line = expected(name, form)
-        rows.append((name, shape, *cells, "" if of_line is None else f"{100 * of_line:+.2f}"))
-    head = "gear", "z, m_n, beta_p, beta_r, x, d_a, b, bar, line"
-    racks = [f"{rack}: {each}" for rack in ("guided", "free") for each in ("N mm", "teeth %", "line %")]
-    return markdown((*head, *racks, "expected of line %"), rows)
-
-
-def ripple_table(folder: Path) -> str:
-    """Peak to peak by elements and the laws' share of it, rack guided; approach under the preload."""
-    rows = []
-    for name, form, found in cases(folder):
-        guided = found["guided"]
-        of = guided[REFERENCE].get("torque_peak_to_peak")
-        shares = [guided[law].get("torque_peak_to_peak") for law in ("teeth", "line")]
-        cells = [f"{each / of:.2f}" if each and of else "-" for each in shares]
-        approach = f"{1e6 * guided[REFERENCE]['approach']:.2f}"
-        near = [percent(guided[law]["approach"], guided[REFERENCE]["approach"]) for law in ("teeth", "line")]
-        rows.append((name, form.split(" ")[0], f"{1e3 * of:.1f}" if of else "-", *cells, approach, *near))
-    head = "gear", "flanks", "ripple N mm", "teeth, share", "line, share"
-    return markdown((*head, "approach um", "teeth %", "line %"), rows)
-
-
-def loaded_table(folder: Path) -> str:
-    """Efficiency under 2 kN by elements, and what the laws add to it; the rack's lag likewise."""
+def gears_table(folder: Path) -> str:
+    """Each gear by elements, rack guided, and what the laws differ by: plain, with forms, under a load."""
     rows = []
     for name, found in load_data(folder / DATA)["gears"].items():
-        of = found["loaded"][REFERENCE]["efficiency_forward"]
-        more = [found["loaded"][law].get("efficiency_forward") for law in ("teeth", "line")]
-        points = [f"{100 * (each - of):+.2f}" if each else "-" for each in more]
-        lag = found["loaded"][REFERENCE]["lag"]
-        late = [percent(found["loaded"][law]["lag"], lag) for law in ("teeth", "line")]
-        rows.append((name, f"{of:.4f}", *points, f"{1e6 * lag:.1f}", *late))
-    head = "gear", "efficiency", "teeth, points", "line, points", "lag um", "teeth %", "line %"
-    return markdown(head, rows)
+        plain, formed = (found[f"{form}, guided"] for form in FORMS)
+        of, under = plain[REFERENCE], found["loaded"]
+        of_line = expected(name, "plain")
+        rows.append(
+            (
+                f"{name}: {', '.join(f'{each:g}' for each in GEARS[name])}",
+                f"{1e3 * of['torque_mean']:.1f}",
+                *(percent(plain[law]["torque_mean"], of["torque_mean"]) for law in ("teeth", "line")),
+                "" if of_line is None else f"{100 * of_line:+.2f}",
+                *(
+                    percent(formed[law]["torque_mean"], formed[REFERENCE]["torque_mean"])
+                    for law in ("teeth", "line")
+                ),
+                *(share(each, "teeth") for each in (plain, formed)),
+                percent(under["teeth"]["lag"], under[REFERENCE]["lag"]),
+            )
+        )
+    head = "gear", "N mm", "teeth %", "line %", "expected of line %", "formed: teeth %", "line %"
+    return markdown((*head, "ripple, share", "formed", "lag under 2 kN %"), rows)
+
+
+def share(case: Mapping[str, Any], law: str) -> str:
+    """A law's share of the ripple by elements."""
+    name = "torque_peak_to_peak"
+    values = case[law].get(name), case[REFERENCE].get(name)
+    return f"{values[0] / values[1]:.2f}" if all(values) else "-"
 
 
 def yields_table(folder: Path) -> str:
@@ -400,15 +386,13 @@ def draw(course: Sequence[Any], path: Path) -> None:
 TINY = Division(flank=1, along=2, half_tooth=1, fillet=1, root=1, core=1)
 TOPIC = Topic(
     "the laws of elastic teeth against finite elements of whole teeth, on named gears",
-    "20 min",
+    "5 min",
     "tooth_compliance",
     run,
     {"gears": ("default",), "coarse": TINY, "fine": TINY},
     {
         "laws_off": summary_table,
-        "laws_means": means_table,
-        "laws_ripple": ripple_table,
-        "laws_loaded": loaded_table,
+        "laws_gears": gears_table,
         "laws_yields": yields_table,
         "laws_line": line_table,
         "laws_cost": cost_table,
