@@ -38,6 +38,7 @@ class Change:
 CHANGES = {
     "bush: chain of 25 segments": Change({"bush": "chain"}),
     "bush: rigid": Change({"bush": "rigid"}),
+    "bush: clearance of 50 um": Change(gear={"bush.clearance": "50 um"}),
     "yokenut: none": Change(gear={"yoke.clearance": "9 mm"}),
     "rack: no roll, yaw, pitch, sway": Change({"rack": "guided"}),
     "rack: rigid": Change({"rack": "free"}),
@@ -75,17 +76,20 @@ CHANGES = {
     "friction: bristles of 5 um": Change(gear=BRISTLES),
     "friction: bristles of 5 um, four elements": Change({"friction_elements": 4}, gear=BRISTLES),
     "column: half as stiff": Change(gear={"column.stiffness": SteeringGear().column.stiffness / 2}),
+    "housing: mounts of 5 N/um": Change(gear={"housing.mount_stiffness": "5e6 N/m"}),
     "column: half as damped": Change(gear={"column.damping": SteeringGear().column.damping / 2}),
     "column: universal joint bent by 20 deg": Change(gear={"column.joint_angle": "20 deg"}),
     "temperature -30 degC": Change(gear={"conditions.temperature": "-30 degC"}),
     "temperature -30 degC, base oil PAO 32": Change(
         gear={"conditions.temperature": "-30 degC", "grease.base_oil": "PAO 32"}
     ),
+    "spring: set by 5 %": Change(gear={"conditions.spring_set": 0.05}),
     "wear of 1e6 cycles": Change(gear={"conditions.steering_cycles": 1e6}),
     "pinion: on bearings": Change({"pinion": "supported"}),
     "pinion: bearing clearances of 20 um": Change(
         {"pinion": "supported"}, {"bearing.upper_clearance": "20 um", "bearing.lower_clearance": "20 um"}
     ),
+    "pinion: bearings rub by 0.05 of their load": Change({"pinion": "supported"}, {"bearing.friction": 0.05}),
     "pinion: axial float of 0.1 mm": Change({"pinion": "supported"}, {"pinion.axial_float": "0.1 mm"}),
     "pinion: axial float of 0.1 mm under 40 N of friction": Change(
         {"pinion": "supported"}, {"pinion.axial_float": "0.1 mm", "pinion.axial_friction": "40 N"}
@@ -247,29 +251,40 @@ NEEDS = {
 
 
 def run(folder: Path, cases: Sequence[str] = tuple(NEEDS), changes: Sequence[str] = tuple(CHANGES)) -> None:
-    """Measure these changes of these cases; what was measured of other cases stays."""
+    """Measure what is missing of these changes of these cases; delete needs.json to measure all again."""
     file = folder / DATA
     needs = load_data(file)["needs"] if file.exists() else {}
     for name in cases:
+        need = NEEDS[name]
+        head = ["change", *(f"`{metric.name}`" for metric in need.metrics), "CPU s"]
+        before = needs.get(name, {})
+        kept = (
+            {row[0]: row for row in before["rows"] if row[0] in CHANGES} if before.get("head") == head else {}
+        )
+        missing = [title for title in changes if title not in kept]
+        if not missing and before:
+            continue
         print(name, flush=True)
-        needs[name] = measured(NEEDS[name], changes)
+        base, measured = measured_rows(need, missing)
+        kept |= {row[0]: row for row in measured}
+        needs[name] = {
+            "accuracy": ", ".join(f"`{metric.name}` {_limit(metric)}" for metric in need.metrics),
+            "head": head,
+            "rows": [base, *(kept[title] for title in CHANGES if title in kept)],
+        }
         save_data(file, {"needs": {each: needs[each] for each in NEEDS if each in needs}})
 
 
-def measured(need: Need, changes: Sequence[str]) -> dict[str, object]:
-    """One case: the accuracy stated for its metrics, and the rows of its table."""
+def measured_rows(need: Need, changes: Sequence[str]) -> tuple[list[str], list[list[str]]]:
+    """Return the rows of a case's table: of the everyday model, and of these changes."""
     base = second(lambda: outcome(need, Change()))
     assert isinstance(base, Result)
     values = [SUMMARY[metric.name].show(base.summary[metric.name]) for metric in need.metrics]
-    rows = [["everyday model", *values, cpu(base)]]
+    rows = []
     for title in changes:
         other = second(lambda title=title: outcome(need, CHANGES[title]))  # type: ignore[misc]
         rows.append([title, *cells(need, base, other)])
-    return {
-        "accuracy": ", ".join(f"`{metric.name}` {_limit(metric)}" for metric in need.metrics),
-        "head": ["change", *(f"`{metric.name}`" for metric in need.metrics), "CPU s"],
-        "rows": rows,
-    }
+    return ["everyday model", *values, cpu(base)], rows
 
 
 def outcome(need: Need, change: Change) -> Result | str:
@@ -315,7 +330,20 @@ def needs_table(folder: Path) -> str:
             if refused or any(text.startswith("**") for text in texts):
                 short = name.removeprefix("free-pinion-torque, ")
                 moved.setdefault(title, []).append(f"{short} (cannot)" if refused else short)
-    return markdown(("change", "matters to"), [(title, ", ".join(found)) for title, found in moved.items()])
+    short = [name.removeprefix("free-pinion-torque, ") for name in load_data(folder / DATA)["needs"]]
+    return markdown(
+        ("change", "matters to"), [(title, _listed(found, short)) for title, found in moved.items()]
+    )
+
+
+def _listed(found: list[str], every: list[str]) -> str:
+    """Return these cases, or all except the others where those are fewer."""
+    missing = [name for name in every if not any(each.startswith(name) for each in found)]
+    cannot = [each for each in found if each.endswith(" (cannot)")]
+    if len(missing) + len(cannot) >= len(found) / 2:
+        return ", ".join(found)
+    but = f" except {', '.join(missing)}" if missing else ""
+    return f"all{but}" + (f"; {', '.join(cannot)}" if cannot else "")
 
 
 def first_scene_table(folder: Path) -> str:

@@ -14,6 +14,8 @@ from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
 
 DATA = "validation.json"
+UNJUDGED = {"not comparable", "calibrated"}
+DECIDED = ("agrees", "consistent, weak", "disagrees")
 ERROR = "E / u_val, or gears that keep a limit"
 
 
@@ -27,16 +29,35 @@ def run(folder: Path, only: Sequence[str] = ()) -> None:
 
 
 def rows_table(kind: str, folder: Path) -> str:
-    """The rows of one kind by their verdicts, each with its error over the standard uncertainty."""
+    """The rows of one kind by their verdicts, each with its error over the standard uncertainty; of verdicts
+    that judge nothing the number of rows."""
     by_verdict: dict[str, list[str]] = {}
     for row in load_data(folder / DATA)["rows"]:
         if row["kind"] == kind:
             shown = dict(zip(COLUMNS, row["cells"], strict=True))
             size = f" ({shown[ERROR]})" if shown[ERROR] else ""
             by_verdict.setdefault(shown["verdict"], []).append(shown["row"].replace("|", "/") + size)
+    for verdict in UNJUDGED & by_verdict.keys():
+        by_verdict[verdict] = [f"{len(by_verdict[verdict])} rows"]
     return markdown(
         ("verdict", "rows (E / u_val, or gears that keep a limit)"),
         [(v, "; ".join(x)) for v, x in by_verdict.items()],
+    )
+
+
+def conclusions_table(folder: Path) -> str:
+    """Rows of gears that agree, disagree or are weak evidence, and how many rows show nothing."""
+    rows = [row for row in load_data(folder / DATA)["rows"] if row["kind"] == "validation"]
+    shown = [row for row in rows if row["verdict"] in DECIDED]
+    cells = [[row["title"].replace("|", "/"), *row["cells"][1:3], row["verdict"]] for row in shown]
+    counts = Counter(row["verdict"] for row in rows if row not in shown)
+    others = ", ".join(f"{number} {verdict}" for verdict, number in counts.items())
+    unknown = next(row for row in rows if row["quantity"] == "torque_mean" and row["u_input"])
+    half = (unknown["band"][1] - unknown["band"][0]) / 2 / unknown["S"]
+    return (
+        markdown(("row", "data", "simulated (5 to 95 %)", "verdict"), cells)
+        + f"\n\nOther rows: {others}. Half of the 90 % band of the mean torque is {100 * half:.0f} % of its "
+        "median."
     )
 
 
@@ -75,5 +96,6 @@ TOPIC = Topic(
     | {
         "validation_pedigree": pedigree_table,
         "validation_sources": sources_table,
+        "validation_conclusions": conclusions_table,
     },
 )

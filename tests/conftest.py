@@ -6,7 +6,8 @@
     pytest -q FILE       all tests of a file
 
 Two processes share the files: one compiles the kernels of `COMPILING` while the other does the quick tests,
-so that few kernels are compiled twice.
+so that few kernels are compiled twice. A test that needs a law of `verification`, which each process
+compiles, is long.
 """
 
 import dataclasses
@@ -43,6 +44,8 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "contract/test_contributing.py::test_few_frames_stand_between_a_run_and_its_kernel",
     "contract/test_docstring_examples.py",
     "contract/test_law_call.py",
+    "contract/test_libraries.py::test_a_function_of_the_user_is_cached_where_numba_keeps_it",
+    "contract/test_libraries.py::test_a_run_leaves_the_libraries_as_they_were",
     "contract/test_limit_of_cpu_time.py",
     "contract/test_kernel_cache.py::test_only_what_this_process_would_compile_is_loaded",
     "contract/test_newton_step.py",
@@ -90,13 +93,17 @@ LONG = (  # files, folders or single tests that the everyday set leaves out
     "physics/test_accuracy_check.py",
     "physics/test_accuracy_methods.py",
     "physics/test_accuracy_promise.py",
+    "physics/test_convergence.py",
     "physics/test_plan_reference.py",
     "physics/test_yoke_damping.py::test_impact_with_an_o_ring_is_that_of_a_plane_model",
     "physics/test_yoke_damping.py::test_rattle_with_an_o_ring_is_that_of_a_plane_model",
     "physics/test_sampler.py::test_every_scene_law_and_choice_is_drawn_in_plans",
     "smoke/test_animation_in_browser.py",
     "smoke/test_cluster.py",
+    "smoke/test_examples.py::test_notebook_runs",
     "smoke/test_explore.py::test_crowd_is_answered_beside_a_slow_state",
+    "smoke/test_explore.py::test_dynamics_and_the_gear_in_three_dimensions",
+    "smoke/test_explore.py::test_page_in_a_browser",
     "smoke/test_explore.py::test_sheet_picture_and_pattern_are_those_of_the_state",
     "smoke/test_explore.py::test_state_is_in_the_address_and_a_file_can_be_dropped",
     "smoke/test_compiling.py::test_first_use_is_never_silent_and_its_total_is_right",

@@ -132,15 +132,15 @@ ODD_REFUSED = {
     ),
     "units that change": (
         f"angle [deg];torque [Nm]\n{_HALF}angle [deg];torque [Nmm]\n{_HALF}",
-        r"line 75 names its columns anew: angle \[deg\], torque \[Nmm\]",
+        r"line 75 names its columns again: angle \[deg\], torque \[Nmm\]",
     ),
     "columns that change": (
         f"angle [deg];torque [Nm]\n{_HALF}torque [Nm];angle [deg]\n{_HALF}",
-        "line 75 names its columns anew",
+        "line 75 names its columns again",
     ),
     "another table below": (
         f"{_JOINED}\ntime [s];temperature [C]\n" + "".join(f"{i};{20 + 0.01 * i:.2f}\n" for i in range(40)),
-        "line 148 names its columns anew",
+        "line 148 names its columns again",
     ),
     "decimal signs that change": (
         table("angle [deg];torque [Nm]\n", lambda i, a, t: f"{a};{t:.5f}" if i < 73 else german(i, a, t)),

@@ -23,7 +23,7 @@ from rps_exudyn.solvers.sliding_stability import PERIODS, masses, reduced_gear
 from rps_exudyn.solvers.steering_column import ColumnModel
 
 PER_PERIOD = 60  # steps in a natural period; of the periods of a run ...
-FIRST = 1  # ... those from this one on show the vibration
+FIRST = 1  # ... those from this run on show the vibration
 NUDGE = 0.02  # of the angle that the wheel turns in a natural period
 
 

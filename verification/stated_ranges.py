@@ -95,9 +95,14 @@ PARTS: dict[str, Range] = {
     "bush.segments": Whole(1, 40),
     "bush.drag": Even(0, 80),
     "bush.viscous_drag": Seldom(0.2, Logarithmic(10, 3000)),
+    "bush.clearance": Seldom(0.15, Even(5e-6, 0.1e-3)),
+    "bush.interference": Where(
+        lambda drawn: not drawn["bush.clearance"], Seldom(0.15, Even(20e-6, 0.2e-3)), 0.0
+    ),
     "bush.end_overhang": Share(Even(0.2, 2.0), lambda drawn: drawn["rack.bar_diameter"]),
     "bush.distance": Share(Even(0.5, 1.0), lambda drawn: _farthest_bush(drawn)),
     "bearing.friction_torque": Even(0, 0.1),
+    "bearing.friction": Seldom(0.2, Even(0, 0.1)),
     "bearing.upper_position": Share(Even(0.8, 2.5), lambda drawn: drawn["pinion.face_width"]),
     "bearing.lower_position": Share(Even(-2.5, -0.8), lambda drawn: drawn["pinion.face_width"]),
     "bearing.upper_clearance": Seldom(0.1, Even(0, 30e-6)),
@@ -124,11 +129,13 @@ CONDITIONS: dict[str, Range] = {
     "grease.base_oil": Choice({"none": 4, "PAO 32": 1, "VG 68": 0.3, "VG 100": 0.3, "VG 150": 0.3}),
     "conditions.temperature": Choice({293.15: 6, 253.15: 1, 313.15: 1}),
     "conditions.steering_cycles": Seldom(0.2, Logarithmic(1e3, 1e6)),
+    "conditions.spring_set": Seldom(0.2, Even(0, 0.1)),
 }
 
 COLUMN: dict[str, Range] = {
     "column.joint_angle": Seldom(0.3, Even(0, 45 * DEG)),
     "column.joint_phase": Even(0, 2 * np.pi),
+    "housing.mount_stiffness": Seldom(0.2, Logarithmic(1e6, 3e7)),
 }
 
 TEST: dict[str, Range] = {

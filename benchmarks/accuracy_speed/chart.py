@@ -33,6 +33,8 @@ STYLES = {
     "quasi-static, teeth": ("#93c47d", ">"),
     "flank, bending rack": ("#a64d79", "o"),
     "quasi-static, bending rack": ("#741b47", "^"),
+    "flank, supported pinion": ("#6aa84f", "o"),
+    "quasi-static, supported pinion": ("#b6d7a8", "^"),
     "flank, Stribeck": ("#cc4125", "o"),
     "quasi-static, Stribeck": ("#85200c", "^"),
     "flank, bristles": ("#f1c232", "o"),

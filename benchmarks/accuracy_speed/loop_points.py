@@ -1,4 +1,4 @@
-"""Points of gears followed together: cost of one gear among many, error of the default one among them.
+"""Points of gears computed together: cost of one gear among many, error of the default one among them.
 
 What is learned from the gears around the reference is counted, shared among all.
 """

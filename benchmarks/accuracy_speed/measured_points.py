@@ -47,7 +47,7 @@ OF_TORQUE = (
     "closed_form quasi_static quasi_static_turn spheres_at_rest flank newton bush "
     "general_contact general_contact_step explicit faceted quasi_static_line flank_line quasi_static_teeth "
     "flank_teeth quasi_static_bending flank_bending quasi_static_stribeck flank_stribeck "
-    "quasi_static_bristles flank_bristles loop"
+    "quasi_static_bristles flank_bristles quasi_static_supported flank_supported loop"
 )
 OF_TURNING = (
     "closed_form quasi_static flank quasi_static_line flank_line quasi_static_teeth flank_teeth "

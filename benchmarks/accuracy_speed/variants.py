@@ -74,6 +74,7 @@ VARIANTS = {
         | {f"{part}.friction_law": "stribeck" for part in RUBBING_PARTS}
         | {f"{part}.static_ratio": 1.3 for part in RUBBING_PARTS}
     ),
+    "supported pinion": Variant(LINE, {"pinion": "supported"}),
     "bristles": Variant(BRISTLES),
     "four bristles": Variant(BRISTLES, {"friction_elements": 4}),
 }
@@ -85,6 +86,8 @@ def variant_of(gear: SteeringGear, fidelity: Fidelity) -> str:
         return ""
     if fidelity.rack == "flexible":
         return "bending rack"
+    if fidelity.pinion == "supported":
+        return "supported pinion"
     if gear.mesh.friction_law != "coulomb":
         bristles = "four bristles" if fidelity.friction_elements == 4 else "bristles"
         return {"stribeck": "Stribeck", "bristle": bristles}[gear.mesh.friction_law]

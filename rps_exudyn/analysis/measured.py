@@ -17,7 +17,9 @@ from rps_exudyn.results.result import MeasuredTorque
 FEWEST = 3  # rows that make a curve
 TURN = 2 * np.pi  # [rad]
 SAME_ANGLE = 1e-6  # [rad]
-NOTHING_TO_COMPARE = "Nothing to compare: at no pinion angle is there a measured and a simulated torque."
+NOTHING_TO_COMPARE = (
+    "Nothing to compare: the measured and the simulated torque have no pinion angle in common."
+)
 
 
 @dataclass(frozen=True, eq=False)

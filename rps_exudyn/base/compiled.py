@@ -14,8 +14,6 @@ from numba import types
 from rps_exudyn.base import kernel_cache
 from rps_exudyn.base.compiling import compiling
 
-Kernel = Callable[..., Any]
-
 # Types of arguments: arrays without gaps, and numbers
 VECTOR, MATRIX, CUBE = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
 HYPERCUBE, NUMBERS = types.float64[:, :, :, ::1], types.int64[::1]
@@ -76,7 +74,10 @@ def called(made: Any, *arguments: Any) -> Any:
     if made.signatures:
         return made(*arguments)
     with compiling(made):
-        return made(*arguments)
+        returned = made(*arguments)
+    if made.stats.cache_misses:  # at once: a process that is killed stamps nothing at its end
+        kernel_cache.stamp()
+    return returned
 
 
 def record_type(fields: list[tuple[Any, ...]]) -> np.dtype:

@@ -168,6 +168,7 @@ def _flush_to_disk(path: Path) -> None:
 
 DEEPEST = 50
 """Levels of lists and tables within each other; our own files have six. Python refuses some hundreds."""
+_TOO_DEEP = f"{{}} is nested more than {DEEPEST} levels deep"
 
 
 def printable(text: str) -> str:
@@ -181,20 +182,29 @@ def read_json_tables(text: str, what: str) -> dict[str, Any]:
     Raises:
         ValueError: it is no JSON, no table, or nested too deep.
     """
-    too_deep = f"{what} is nested more than {DEEPEST} levels deep"
     try:
         tables = json.loads(text)
     except RecursionError:
-        raise ValueError(too_deep) from None
+        raise ValueError(_TOO_DEEP.format(what)) from None
     if not isinstance(tables, dict):
         raise ValueError(f"{what} is no set of tables")
+    check_depth(tables, what)
+    return tables
+
+
+def check_depth(tables: dict[str, Any], what: str) -> None:
+    """Refuse tables that are nested deeper than `DEEPEST`; `what` names their text.
+
+    Raises:
+        ValueError: they are.
+    """
     level: list[Any] = [tables]
     for _ in range(DEEPEST):
         containers = [each for each in level if isinstance(each, dict | list)]
         level = [item for each in containers for item in (each.values() if isinstance(each, dict) else each)]
         if not level:
-            return tables
-    raise ValueError(too_deep)
+            return
+    raise ValueError(_TOO_DEEP.format(what))
 
 
 # --- A checksum in front of an HDF5 file, by which any byte that was changed later is noticed

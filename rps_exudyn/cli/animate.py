@@ -12,13 +12,13 @@ PAGES = (".html", ".htm")
 
 
 def animate(file: Path, /, *, out: Path | None = None, view: str = "gear", apart: Flag = False) -> int:
-    """Show the motion of a result in three dimensions: a page to turn and play, a film, or a still.
+    """Show the motion of a result in three dimensions: an interactive page, a film, or a still picture.
 
     Args:
         file: HDF5 file that `run` or `study` wrote.
-        out: page (.html), film (.gif, .mp4) or still (.png, .webp); without it a page beside the file.
-        view: where film and still look from: gear, mesh, along-the-pinion or whole-rack; a page has them all.
-        apart: the parts taken apart, in film and still; a page has a slider for it.
+        out: Page (.html), film (.gif, .mp4) or still (.png, .webp); default: a page beside the file.
+        view: Camera of film and still: gear, mesh, along-the-pinion or whole-rack; a page has all of them.
+        apart: Exploded view, for film and still; a page has a slider for it.
     """
     from rps_exudyn.pages.animation.animation_page import write_page
     from rps_exudyn.pages.animation.camera import VIEWS

@@ -40,16 +40,16 @@ def check(
     quiet: Flag = False,
     json: Json = False,
 ) -> int:
-    """Judge a gear by its requirement sheet: torque, variation, efficiency, strength, lift, travel, gain.
+    """Compare a gear with its requirements: torque, variation, efficiency, strength, lift, travel, gain.
 
-    Exit status 1: a requirement is not kept.
+    The exit status is 1 if a requirement is not kept.
 
     Args:
-        limits: TOML file whose limits replace the shipped ones, which stand with their sources in
+        limits: TOML file of limits that replace the default ones. Default limits and their sources are in
             `rps_exudyn/assessment/requirements/limits.toml`.
-        rated_torque: on the pinion, for the strength of the teeth and the lift.
-        out: the sheet as a page (.html), or as data (.json) of which `report` makes the page.
-        quiet: print nothing but errors.
+        rated_torque: Pinion torque for the strength of the teeth and the lift of the rack.
+        out: Sheet as a page (.html), or as data (.json), from which `report` makes the page.
+        quiet: Print only errors.
     """
     if quiet and (every or json):
         raise InputError(QUIET_ALONE)

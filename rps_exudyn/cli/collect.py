@@ -8,11 +8,11 @@ from rps_exudyn.cli.study import SHOWN_SKIPPED, print_said
 
 
 def collect(folder: Path, /, *, out: Path | None = None) -> int:
-    """Write one table of all cases of a study: what was varied, how each ended, its numbers.
+    """Write one table of all cases of a study: varied parameters, status, metrics.
 
     Args:
-        folder: folder that `study` wrote.
-        out: table (.h5, .csv, .parquet, .mat); without it table.h5 in the folder.
+        folder: Folder that `study` wrote.
+        out: Table (.h5, .csv, .parquet, .mat); default: table.h5 in the folder.
     """
     from rps_exudyn.study.case_progress import groups
     from rps_exudyn.study.collected import SUFFIXES, write_table
@@ -25,7 +25,7 @@ def collect(folder: Path, /, *, out: Path | None = None) -> int:
     for _, sentence in table.skipped[:SHOWN_SKIPPED]:
         say(f"left out: {sentence}")
     if (count := len(table.skipped)) > SHOWN_SKIPPED:
-        say(f"{count} files are left out, these among them; the command study does them again.")
+        say(f"{count} files are left out, these among them; the command study repeats their cases.")
     write_table(table, out)
     print(f"written: {out}")
     print_said(groups(table.ended()))

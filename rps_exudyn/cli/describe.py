@@ -11,10 +11,10 @@ if TYPE_CHECKING:
 
 
 def describe(path: str = "", /, *, setup: SetupOptions = PAPER_SETUP, json: Json = False) -> int:
-    """Print parameters of gear, test and fidelity: value, unit, meaning, and where the value is from.
+    """Print parameters of gear, test and fidelity: value, unit, meaning, source.
 
     Args:
-        path: a parameter such as yoke.preload, or a table such as yoke or fidelity; without it all.
+        path: Parameter such as yoke.preload, or table such as yoke or fidelity; default: all.
     """
     from rps_exudyn.parameters.gear import Setup
 

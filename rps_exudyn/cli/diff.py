@@ -18,7 +18,7 @@ def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Json =
     Args:
         first: HDF5 file that `run` wrote.
         second: HDF5 file to compare with it; differences are second minus first.
-        plot: picture (.png, .svg, .pdf) of both torques and their difference.
+        plot: Picture (.png, .svg, .pdf) of both torques and their difference.
     """
     from rps_exudyn.analysis.result_comparison import compare
     from rps_exudyn.pages.charts.analyses import draw_comparison

@@ -19,10 +19,10 @@ AGREES = 1e-4  # half a unit of the last digit stated
 
 
 def doctor(*, clear_cache: Flag = False) -> int:
-    """Check that this installation computes what it should, and list where it keeps what.
+    """Check the installation with a reference run, and list versions, cache and folders.
 
     Args:
-        clear_cache: remove the compiled kernels first; they are compiled again when needed.
+        clear_cache: Remove the compiled force laws first; the next run compiles them again.
     """
     from rps_exudyn.base.kernel_cache import cache_folders
 
@@ -54,7 +54,7 @@ def _machine() -> Iterator[tuple[str, str, bool]]:
     yield "machine", provenance.machine(), True
     yield (
         "threads",
-        f"{usable} usable; a run takes one, a study one a process (numba {numba.config.NUMBA_NUM_THREADS})",
+        f"{usable} usable; a run uses one, a study one per process (numba {numba.config.NUMBA_NUM_THREADS})",
         True,
     )
     display = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or os.name == "nt"
@@ -78,7 +78,7 @@ def _places(folders: Sequence[Path]) -> Iterator[tuple[str, str, bool]]:
         )
     else:
         where = "NUMBA_CACHE_DIR names a folder for them"
-        yield "compiled kernels", f"not kept: no folder of their own can be written; {where}", False
+        yield "compiled kernels", f"not stored: their folder cannot be written; {where}", False
     for name, folder in (
         *(("cache is writable", each) for each in folders[:1]),
         ("folder is writable", Path.cwd()),

@@ -12,12 +12,12 @@ from rps_exudyn.cli.output import DONE, say
 def explore(
     *, gear: GearOptions = PAPER_GEAR, host: str = "127.0.0.1", port: int = 0, browser: bool = True
 ) -> int:
-    """Serve a page with sliders on this machine: curve, sheet, gear and limits while they are dragged.
+    """Open a page with sliders in the browser: curve, sheet, gear and limits follow the sliders.
 
     Args:
-        host: address to listen at; another than this machine's own lets others compute here.
-        port: its port; 0 takes a free one.
-        browser: open the page in the browser.
+        host: Address of the server; any address other than 127.0.0.1 opens it to the network.
+        port: Port of the server; 0: any free port.
+        browser: Open the page in the browser.
     """
     from rps_exudyn.pages.explore.server import Explorer
 
@@ -28,10 +28,10 @@ def explore(
         raise InputError(f"--port is {port}; it must be from 0 to 65535, 0 for a free one.")
     with Explorer(chosen, host, port) as server:
         if not server.local:
-            say(f"anyone who reaches {host} can compute on this machine now; there is no password.")
+            say(f"anyone who reaches {host} can compute on this machine; there is no password.")
         with shown_progress():
             server.answering.warm_up()
-        print(f"serving: {server.address} (Ctrl-C ends it)", flush=True)
+        print(f"server: {server.address} (Ctrl-C ends it)", flush=True)
         if browser:
             with suppress(webbrowser.Error):
                 webbrowser.open(server.address)

@@ -81,25 +81,25 @@ def fit(
     """Estimate preload, friction, drag and runout from measured curves, and name what they cannot separate.
 
     Args:
-        files: measured files, FILE of a free turning or TEST=FILE, where TEST is free, reversal,
-            load-test@80kg, rack-push, rack-on-rollers, yoke-out or bearing; several of one test are its
+        files: Measured files: FILE of the free torque, or TEST=FILE with TEST free, reversal,
+            load-test@80kg, rack-push, rack-on-rollers, yoke-out or bearing. Several files of one test are
             repeats.
-        single_law: leave out the fit by another contact law, whose difference is added to the intervals.
-        out: gear file (.toml) with the estimates in place, fitted.toml by default; of a batch its table
+        single_law: Leave out the second fit by another contact law, whose difference widens the intervals.
+        out: Gear file (.toml) with the estimates, default: fitted.toml. With --batch: the table of the gears
             (.csv).
-        plot: picture (.png, .svg, .pdf) of measured and fitted torque; of a batch, of its drift.
-        report: the sheet as a page (.html) with pictures, intervals, correlations and what was assumed, or as
-            data (.json) of which `report` makes the page.
-        series: file (.json) with what this fit leaves for the next gear of the series.
-        like: such a file of another gear, with the same tests: this fit begins there.
-        plan: instead of a fit, plan the tests that bring parameters to wanted intervals in the least time:
-            PATH=HALF, half of the 95 % interval of the value, such as yoke.preload=15% mesh.friction=25%.
-        minutes: TOML table of the bench's times for --plan: [free], setup = 5, run = 5, in minutes.
-        batch: instead of a fit, judge a production batch: a folder with a file of the free torque of each
-            gear.
-        tolerance: of the free torque for --batch, such as "0.5 N*m to 0.8 N*m": guard bands, risks.
-        time_limit: of each simulation, for instance "20 s": one that takes longer is left out.
-        quiet: print nothing but errors.
+        plot: Picture (.png, .svg, .pdf) of measured and fitted torque. With --batch: of the drift.
+        report: Sheet as a page (.html) with pictures, intervals, correlations and assumptions, or as data
+            (.json), from which `report` makes the page.
+        series: File (.json) for the next gear of the series, to be given by --like.
+        like: File that --series wrote for another gear with the same tests; the fit starts from it.
+        plan: Plan tests instead of fitting: the tests that reach the wanted intervals in the least time.
+            PATH=HALF, half the 95 % interval over the value, such as yoke.preload=15% mesh.friction=25%.
+        minutes: TOML file of the bench's times for --plan: [free], setup = 5, run = 5, in minutes.
+        batch: Judge a production batch instead of fitting: folder with one file of the free torque per gear.
+        tolerance: Tolerance of the free torque for --batch, such as "0.5 N*m to 0.8 N*m", for limits with
+            guard bands and risks.
+        time_limit: Elapsed time of each simulation, for instance "20 s"; one that takes longer is left out.
+        quiet: Print only errors.
     """
     if quiet and (every or json):
         raise InputError(QUIET_ALONE)
@@ -115,13 +115,13 @@ def fit(
             raise InputError("--plan plans tests before anything is measured; leave out the measured files.")
         return print_plan(plan, gear, minutes, json)
     if minutes is not None:
-        raise InputError("--minutes is the table of times of a plan; add --plan.")
+        raise InputError("--minutes gives the times of a plan; add --plan.")
     if batch is not None:
         if files:
             raise InputError("--batch reads all files of its folder; leave out the measured files.")
         return judge_batch(batch, tolerance, gear, (out, plot), checked_jobs(jobs), json)
     if tolerance is not None:
-        raise InputError("--tolerance is that of a production batch; add --batch FOLDER.")
+        raise InputError("--tolerance applies to a production batch; add --batch FOLDER.")
     if not files:
         raise InputError("fit needs at least one measured file, for instance rps-exudyn fit measured.csv.")
     out = out or Path("fitted.toml")
@@ -356,7 +356,7 @@ def judge_batch(
         f"scatter between gears {middle:.3g} % ({low:.3g} to {high:.3g} %, 95 %), without that of the "
         f"measurement, {100 * found.sd / found.mean:.3g} %"
     )
-    columns = ("parameter", "mean of the batch", "deviation", "scatter, if it alone makes that of the levels")
+    columns = ("parameter", "mean of the batch", "deviation", "scatter, if no other parameter scatters")
     put_table(
         columns,
         [
@@ -418,7 +418,7 @@ def _written_files(
     from rps_exudyn.parameters.gear import gear_file
 
     if older := number_existing(out):
-        say(f"an older file is kept: {older}.")
+        say(f"previous file renamed to {older}.")
     with replacing(out) as partial:
         partial.write_text(gear_text(fit, gear_file(fit.gear)), encoding="utf-8")
     yield out

@@ -15,11 +15,11 @@ if TYPE_CHECKING:
 def geometry(
     *, gear: GearOptions = PAPER_GEAR, out: Path | None = None, force: Flag = False, json: Json = False
 ) -> int:
-    """Print the geometry report; write the solids or their drawing.
+    """Print the geometry report; write the solids or a drawing.
 
     Args:
-        out: solids (.glb, .stl) or drawing (.png, .svg, .pdf).
-        force: build the gear even if it is undercut.
+        out: Solids (.glb, .stl) or drawing (.png, .svg, .pdf).
+        force: Build the gear even if it is undercut.
     """
     from rps_exudyn.gears.export import FORMATS, export_solids
     from rps_exudyn.gears.geometry_report import geometry_report

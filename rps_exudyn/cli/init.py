@@ -17,11 +17,12 @@ SUFFIXES = (".toml", ".py", ".ipynb", ".csv", ".md")
 
 
 def init(folder: Path = Path(), /) -> int:
-    """Create a starter folder: the paper's gear, the shipped studies and examples, and the schemas by which
-    editors complete them; existing files stay.
+    """Create a starter folder: the gear of the paper, studies, examples, and schemas for editors.
+
+    Existing files are kept.
 
     Args:
-        folder: where; without it the current folder.
+        folder: Folder to fill; default: the current folder.
     """
     from rps_exudyn.study.schema import SCHEMAS
 

@@ -15,6 +15,7 @@ from pathlib import Path
 from cyclopts import App, CycloptsError, UnusedCliTokensError
 
 from rps_exudyn.base.errors import InputError, unwrapped_interrupts
+from rps_exudyn.base.files import printable
 from rps_exudyn.cli.animate import animate
 from rps_exudyn.cli.check import check
 from rps_exudyn.cli.collect import collect
@@ -81,7 +82,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         what = f"{error.filename} cannot be used" if error.filename else "the output cannot be written"
         return _refuse([f"{what}: {error.strerror or error}."])
     except MemoryError:
-        return _refuse(["there is not enough memory for that; nothing was written."])
+        return _refuse(["there is not enough memory; nothing was written."])
     except InputError as error:
         return _refuse(error.problems)
     except CycloptsError as error:
@@ -116,11 +117,11 @@ def _sentence(error: CycloptsError) -> str:
     """The error of the command line's grammar in one sentence."""
     if isinstance(error, UnusedCliTokensError):
         surplus = " ".join(error.unused_tokens or ())
-        return f"{surplus} is more than the command takes; --help shows what it takes."
+        return f"{surplus} is not an argument of this command; see --help."
     return " ".join(str(error).split())
 
 
 def _refuse(problems: Iterable[str]) -> int:
     for problem in problems:
-        say(problem)
+        say(printable(problem))
     return WRONG_INPUT

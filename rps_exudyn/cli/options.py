@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import check_depth
 from rps_exudyn.base.units import short
 
 if TYPE_CHECKING:
@@ -17,22 +18,22 @@ if TYPE_CHECKING:
 
 Flag = Annotated[bool, Parameter(negative=(), show_default=False)]
 
-All = Annotated[bool, Parameter(name="--all", negative=(), show_default=False, help="print every number.")]
+All = Annotated[bool, Parameter(name="--all", negative=(), show_default=False, help="Print every number.")]
 
 Json = Annotated[
-    bool, Parameter(name="--json", negative=(), show_default=False, help="print the result as JSON.")
+    bool, Parameter(name="--json", negative=(), show_default=False, help="Print the result as JSON.")
 ]
 
 Jobs = Annotated[
     int | None,
-    Parameter(help="number of processes; without it one for each processor, where that is quicker."),
+    Parameter(help="Number of processes; default: one per processor, where that is faster."),
 ]
 
 Inputs = Annotated[
     str | None,
     Parameter(
-        help="what is uncertain: series (scatter about this gear), unknown (any gear with such teeth) or own "
-        '(parameters given as "300 N +- 30 N" alone); own by default if there are any, else series.'
+        help="Uncertain inputs: series (scatter about this gear), unknown (any gear with such teeth) or own "
+        '(only parameters given as "300 N +- 30 N"). Default: own if there are any, else series.'
     ),
 ]
 
@@ -42,8 +43,8 @@ Columns = Annotated[
         name="--column",
         negative=(),
         show_default=False,
-        help='QUANTITY="TITLE [unit]": which column of a measured file holds what, where its header does not '
-        'tell, for instance --column pinion_torque="M2 [N cm]"; may be repeated.',
+        help='QUANTITY="TITLE [unit]": column of the measured file that holds a quantity, where the header '
+        'does not state it, for instance --column pinion_torque="M2 [N cm]"; may be repeated.',
     ),
 ]
 
@@ -54,9 +55,9 @@ class GearOptions:
     """Options that choose the gear."""
 
     gear: Path | None = None
-    """TOML file of the gear; without it the paper's gear."""
+    """TOML file of the gear; default: the gear of the paper."""
     settings: Annotated[tuple[str, ...], Parameter(name="--set", negative=(), show_default=False)] = ()
-    """PATH=VALUE: one parameter replaced, for instance --set yoke.preload="400 N"; may be repeated."""
+    """PATH=VALUE: replace one parameter, for instance --set yoke.preload="400 N"; may be repeated."""
 
     def load(self) -> "SteeringGear":
         """The gear.
@@ -86,7 +87,9 @@ class GearOptions:
 
         own = self.carried()
         if paths := [path for path in own if path not in own.posterior]:
-            note(f"{', '.join(paths)}: the median of its distribution is taken; --band makes the band.")
+            note(
+                f"{', '.join(paths)}: the run uses the median of the distribution; --band computes the band."
+            )
 
     def tables(self) -> dict[str, Any]:
         """The tables of the gear's file; {} without one."""
@@ -101,19 +104,19 @@ class SetupOptions(GearOptions):
     """Options that choose the gear and its model."""
 
     fidelity: str | None = None
-    """What is modelled how: full, flank (default), quasi-static or closed-form; see `describe fidelity`."""
+    """Model preset: full, flank (default), quasi-static or closed-form; see `describe fidelity`."""
     mesh: str | None = None
-    """How the teeth touch, if not as in the fidelity: general-contact or flank."""
+    """Contact model of the teeth (overrides --fidelity): general-contact or flank."""
     bush: str | None = None
-    """Model of the bush, likewise: chain, condensed, rigid."""
+    """Bush model (overrides --fidelity): chain, condensed or rigid."""
     yoke: Annotated[str | None, Parameter(show=False)] = None
     """Model of the yoke, of which `body` remains."""
     rack: str | None = None
-    """How the rack moves, likewise: by-scene, free, guided, flexible."""
+    """Rack model (overrides --fidelity): by-scene, free, guided or flexible."""
     pinion: str | None = None
-    """How the pinion is held, likewise: by-scene, rigid, supported."""
+    """Pinion support (overrides --fidelity): by-scene, rigid or supported."""
     solver: str | None = None
-    """How the motion is found, likewise: generalized-alpha, equilibrium, closed-form."""
+    """Solver (overrides --fidelity): generalized-alpha, equilibrium or closed-form."""
 
     def load(self) -> "Setup":
         """Gear and fidelity, or an InputError with everything that is wrong with both."""
@@ -185,7 +188,8 @@ def _value(text: str) -> Any:
 
     try:
         tables = tomllib.loads(f"value = {text}")
-    except (ValueError, RecursionError):  # no TOML, or a number with more digits than Python reads
+        check_depth(tables, "a value")
+    except (ValueError, RecursionError):  # no TOML, a number with more digits than Python reads, too deep
         return text
     return tables["value"] if len(tables) == 1 else text
 

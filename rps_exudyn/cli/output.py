@@ -210,7 +210,7 @@ class Files:
         if not self.overwrite:
             paths = (path for path in (self.out, self.plot, *others) if path is not None)
             if older := [str(kept) for path in paths if (kept := number_existing(path))]:
-                note(f"older files are kept: {', '.join(older)}.")
+                note(f"previous files renamed to {', '.join(older)}.")
 
     @property
     def of_failed(self) -> "Files":
@@ -270,7 +270,7 @@ def _kept_elsewhere(result: "Result", out: Path, problem: str) -> tuple[list[Pat
         if folder:
             with suppress(OSError):
                 folder.rmdir()
-        say(f"{problem} Nor could the result be kept elsewhere: {error}")
+        say(f"{problem} The result could not be stored elsewhere either: {error}")
         return [], True
     say(f"{problem} The result is kept in {other} instead.")
     return [other], True

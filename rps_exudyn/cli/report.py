@@ -10,13 +10,13 @@ from rps_exudyn.cli.output import DONE
 
 
 def report(*paths: Path, out: Path | None = None, contact: Flag = False) -> int:
-    """Write one HTML page about what commands wrote: results, bands, studies, checks, fits, gears.
+    """Write one HTML page about results, bands, studies, checks, fits and gears.
 
     Args:
-        paths: folders that `study` wrote, also half-finished ones, HDF5 files that `run` wrote, JSON files of
-            `run --band`, check, fit and validate, and gear files.
-        out: page (.html); without it report.html in the study's folder, or a page beside the only file.
-        contact: add loads of the lines of contact, shares of the teeth and contact pattern to each result.
+        paths: Folders that `study` wrote (also unfinished ones), HDF5 files that `run` wrote, JSON files of
+            `run --band`, `check`, `fit` and `validate`, and gear files.
+        out: Page (.html); default: report.html in the study's folder, or a page beside a single file.
+        contact: Add to each result the loads on the lines of contact, load sharing and contact pattern.
     """
     from rps_exudyn.pages.report.write_report import SUFFIXES, default_name, write_report
 

@@ -15,11 +15,11 @@ from rps_exudyn.cli.output import print_json, put, put_table
 
 
 def rerun(file: Path, /, *, out: Path | None = None, every: All = False, json: Json = False) -> int:
-    """Simulate again what a result holds, from the parameters in its file, and compare both.
+    """Repeat the simulation of a result from the parameters in its file, and compare both.
 
     Args:
         file: HDF5 file that `run` or `study` wrote; it is not changed.
-        out: HDF5 file of the new result; without it none is written.
+        out: HDF5 file of the new result; default: none is written.
     """
     from rps_exudyn.analysis.result_comparison import differing_numbers, largest_difference
     from rps_exudyn.cli.printed import print_result, result_as_dict, verdict
@@ -55,7 +55,7 @@ def print_differing(
     """Print how many numbers of a repeated simulation differ from the file `name`, or `every` one of them,
     and the `largest` difference."""
     if not differing:
-        put(f"Every number is that of {name}, bit for bit.")
+        put(f"Every number equals that of {name}, bit for bit.")
         return
     rows = [(what, *map(str, pair)) for what, pair in differing.items()]
     if every:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from rps_exudyn.parameters.gear import SteeringGear
     from rps_exudyn.results.result import MeasuredTorque
 
-Scene = Annotated[str, Parameter(help=f"what the test rig does: {', '.join(SCENE_NAMES)}.")]
+Scene = Annotated[str, Parameter(help=f"Test on the rig: {', '.join(SCENE_NAMES)}.")]
 
 
 def run(
@@ -59,25 +59,25 @@ def run(
 ) -> int:
     """Simulate one scene: print a summary, write an HDF5 file and a picture.
 
-    Existing files stay: a failed run is written beside them as NAME.failed, another one keeps them as NAME.1.
+    Existing files are kept: a new run renames them to NAME.1, a failed run is written to NAME.failed.
 
     Args:
-        accuracy: error of the torque that is allowed, for instance 1%: takes the cheapest model that keeps
-            it, of all or of the --fidelity given; see docs/accuracy.md.
-        out: HDF5 file; without it SCENE.h5 in the current folder.
-        plot: picture (.png, .svg, .pdf); without it a .png beside the HDF5 file.
-        measured: text file of a measured torque over the pinion angle, each column with its unit; it is drawn
-            with the simulated one, compared with it and kept in the HDF5 file. Angles are compared by whole
-            turns where the run covers one. What was assumed of the file is said on standard error.
-        band: the band that uncertain inputs make of the result, from this number of runs; without a number a
-            quick one from 64 runs. NAME.band.json keeps every sample.
-        robust: where the run fails or its plan is refused, take the next safer settings, and name them.
-        time_limit: for instance "20 s": the run is ended after it, whatever it does then (starting, compiling
-            and settling count); what it has recorded is kept. Of a band: for each sample.
-        progress: print on standard error how far a long run is, as a terminal shows anyway.
-        overwrite: replace the files of an earlier run instead of renaming them.
-        no_plot: draw no picture.
-        quiet: print nothing but errors.
+        accuracy: Allowed error of the torque, for instance 1%. The run uses the cheapest model with this
+            accuracy, of all models or of the given --fidelity; see docs/accuracy.md.
+        out: HDF5 file; default: SCENE.h5 in the current folder.
+        plot: Picture (.png, .svg, .pdf); default: a .png beside the HDF5 file.
+        measured: Text file of a measured torque over the pinion angle, with a unit for each column. The run
+            draws it over the simulated torque, compares both, and stores it in the HDF5 file. Assumptions
+            about the file are printed on standard error.
+        band: Compute the band of the result for uncertain inputs, from this number of runs; without a number
+            a quick band from 64 runs. NAME.band.json holds every sample.
+        robust: If the run fails or its plan is refused, try safer settings, and name them.
+        time_limit: Elapsed time after which the run is stopped, for instance "20 s"; starting and compiling
+            count. What was recorded is kept. With --band: the limit of each sample.
+        progress: Print the progress on standard error also where no terminal is attached.
+        overwrite: Replace the files of an earlier run instead of renaming them.
+        no_plot: Draw no picture.
+        quiet: Print only errors.
     """
     began = monotonic()
     if quiet and (every or json):
@@ -123,7 +123,7 @@ def run(
     except Interrupted as interrupt:
         kept, _ = keep(replace(interrupt.recorded, measured=curve), Files(out, picture, overwrite))
         where = f"kept in {kept[0]}" if kept else "lost"
-        raise KeyboardInterrupt(f"interrupted; what was recorded until then is {where}.") from None
+        raise KeyboardInterrupt(f"interrupted; the record until then is {where}.") from None
     result = replace(result, measured=curve)
     with printing(quiet):
         put_accuracy(result, every)
@@ -141,10 +141,15 @@ def read_measured(path: Path, columns: Sequence[str], scene: str, gear: "Steerin
         InputError: no such file, or one that is no curve.
     """
     from rps_exudyn.inference.fitting.bench_tests import KINDS, with_signs
+    from rps_exudyn.inference.fitting.fit import doubts
     from rps_exudyn.inference.measured.reading import read_measured_torque
+    from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE
 
     measured = read_measured_torque(path, chosen_columns(columns), gear)
     if scene not in KINDS or not KINDS[scene].weighted:
         measured = with_signs(measured)
     note(f"{path}: {'; '.join(measured.assumed)}.")
+    if scene == FREE.name:
+        for doubt in doubts(measured, gear):
+            note(f"Check the file: {doubt}.")
     return measured

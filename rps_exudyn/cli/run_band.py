@@ -108,11 +108,11 @@ def print_band(band: Band, files: Iterable[Path]) -> None:
     count, failed = len(band.drawn.samples), band.drawn.failed
     put(f"{band.nominal.scene} · {band.method} · {failed} of {count} samples failed", "bold")
     if band.interrupted:
-        put("Interrupted: the band is that of the samples done until then.")
+        put("Interrupted: the band contains the samples finished before.")
     for cause, number in band.drawn.failures.items():
         put(f"{number} x {cause}")
     put_table(_HEAD, list(_figure_rows(band)))
-    put("Errors are standard errors of quantiles, from the number of samples; the file has more quantiles.")
+    put("At medians: the run at median inputs. Errors: standard errors of the quantiles.")
     name = scene_named(band.nominal.scene).figure
     if (shares := band.contributions.get(name)) is not None:
         largest = list(shares.fractions.items())[:SHOWN]
@@ -128,7 +128,7 @@ def print_band(band: Band, files: Iterable[Path]) -> None:
     print_files(files)
 
 
-_HEAD = ("quantity", "medians' run", "5 %", "median", "95 %", "error of 5 %", "error of 95 %")
+_HEAD = ("quantity", "at medians", "5 %", "median", "95 %", "error at 5 %", "error at 95 %")
 
 
 def _figure_rows(band: Band) -> Iterable[tuple[str, ...]]:
@@ -149,10 +149,10 @@ def _beside(band: Band, name: str) -> str:
     half = band.figures[name].half_width if name in band.figures else float("nan")
     parts = [f"half the band of 90 % of {name} is {SUMMARY[name].show(half)}"]
     if name in band.numerical:
-        parts.append(f"half the steps move it by {SUMMARY[name].show(band.numerical[name])}")
+        parts.append(f"half the steps change it by {SUMMARY[name].show(band.numerical[name])}")
     if band.law is not None:
         low, high = (100 * each for each in band.law.mean_torque)
-        parts.append(f"the contact law {band.law.law} is off by {low:+.2g} to {high:+.2g} %")
+        parts.append(f"the contact law {band.law.law} deviates by {low:+.2g} to {high:+.2g} %")
     return as_sentence("; ".join(parts))
 
 
@@ -170,9 +170,9 @@ def sample_count(band: list[int] | None, beside: list[str]) -> int | None:
         InputError: several numbers, none of --band itself, or options that a band does not go with.
     """
     if band is None:
-        raise InputError("--inputs chooses what a band is made of; add --band.")
+        raise InputError("--inputs chooses the uncertain inputs of a band; add --band.")
     if beside:
-        raise InputError(f"--band makes many runs of its own; leave out --{', --'.join(beside)}.")
+        raise InputError(f"--band makes many runs; leave out --{', --'.join(beside)}.")
     if len(band) > 1:
         raise InputError(f"--band has {len(band)} numbers; it takes one, the number of samples, or none.")
     return band[0] if band else None

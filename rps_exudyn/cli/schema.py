@@ -8,12 +8,11 @@ from rps_exudyn.cli.output import DONE, print_json
 
 
 def schema(kind: Literal["gear", "study"] = "gear", /, *, out: Path | None = None) -> int:
-    """Print the JSON schema of gear or study files, by which editors complete and check them.
+    """Print the JSON schema of gear or study files, with which editors complete and check them.
 
     Args:
-        kind: gear or study.
-        out: file (.json) that is written instead; the first line of a TOML file then names it:
-            #:schema FILE.
+        kind: Kind of file.
+        out: File (.json) to write; name it in the first line of a TOML file: #:schema FILE.
     """
     from rps_exudyn.study.schema import SCHEMAS
 

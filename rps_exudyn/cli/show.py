@@ -8,12 +8,12 @@ from rps_exudyn.cli.output import DONE, naming
 
 
 def show(file: Path, /, *, plot: Path | None = None, from_zero: Flag = False, json: Json = False) -> int:
-    """Print the summary of a result, and draw it again.
+    """Print the summary of a result; draw it with --plot.
 
     Args:
         file: HDF5 file that `run` wrote.
-        plot: picture (.png, .svg, .pdf) of the result.
-        from_zero: torques and forces of the picture are drawn from zero on.
+        plot: Picture (.png, .svg, .pdf) of the result.
+        from_zero: Begin the torque and force axes of the picture at zero.
     """
     from rps_exudyn.cli.printed import put_result
     from rps_exudyn.study.case_blocks import load

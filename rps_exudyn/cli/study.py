@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 MANY_CASES = 5000
 """More need `--yes`."""
 
-_NOT_TOGETHER = "  none followed together: {}"
+_NOT_TOGETHER = "  no cases computed together: {}"
 
 SHOWN_SKIPPED = 5
 SHOWN_GROUPS = 5
@@ -39,16 +39,16 @@ def study(
     yes: Flag = False,
     json: Json = False,
 ) -> int:
-    """Simulate all cases of a study file; interrupted or repeated, it does only what is missing.
+    """Simulate all cases of a study file. Run it again after an interruption: finished cases are kept.
 
     Args:
-        file: TOML file, see docs/studies.md.
-        out: folder of the study; without it one of the file's name in the current folder.
-        jobs: number of worker processes; without it one for each processor.
-        cluster: address of a Dask scheduler that does the cases instead, for instance tcp://10.0.0.1:8786.
-        dry_run: list the cases and estimate the time without simulating.
-        toy: try the study at its smallest size, two values of each axis, in a folder NAME-toy.
-        yes: run it also if there are very many cases.
+        file: Study file (TOML), see docs/studies.md.
+        out: Folder of the study; default: the file's name, in the current folder.
+        jobs: Number of worker processes; default: one per processor.
+        cluster: Address of a Dask scheduler that runs the cases, for instance tcp://10.0.0.1:8786.
+        dry_run: List the cases and estimate the time without simulating.
+        toy: Try the study with two values of each axis, in a folder NAME-toy.
+        yes: Also run a study of more than 5000 cases.
     """
     folder = out or Path(f"{file.stem}-toy" if toy else file.stem)
     request = Request(file, folder, jobs, cluster, toy, yes)
@@ -127,7 +127,7 @@ def _simulate(request: Request, json: bool) -> int:
 
 
 def _kept(request: Request) -> str:
-    return f"kept in {request.out}, and the same command does the others"
+    return f"kept in {request.out}; the same command runs the others"
 
 
 def _list_cases(request: Request, json: bool) -> int:
@@ -157,7 +157,7 @@ def _list_cases(request: Request, json: bool) -> int:
         f"with {jobs} {'process' if jobs == 1 else 'processes'} ({time.source})"
     )
     if dispatch.ranges is not None:
-        print("  most of them followed together, several times as fast")
+        print("  most of them computed together, several times as fast")
     elif dispatch.single_run_reason:
         print(_NOT_TOGETHER.format(dispatch.single_run_reason))
     return DONE
@@ -167,7 +167,7 @@ def _print_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:
     for path, sentence in tally.skipped[:SHOWN_SKIPPED]:
         say(f"{sentence} It was set aside as {path.stem}.set-aside.")
     if len(tally.skipped) > SHOWN_SKIPPED:
-        say(f"{len(tally.skipped) - SHOWN_SKIPPED} more files like these.")
+        say(f"{len(tally.skipped) - SHOWN_SKIPPED} more such files.")
     folder, count = work.store.path, sum(tally.statuses.values())
     if json:
         statuses = {status.value: number for status, number in tally.statuses.items()}
@@ -186,7 +186,7 @@ def _print_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:
         print(json_text.dumps(content, indent=2))
         return
     outcomes = ", ".join(f"{number} {status}" for status, number in sorted(tally.statuses.items()))
-    loop = f", {tally.in_loop} followed together" if tally.in_loop else ""
+    loop = f", {tally.in_loop} computed together" if tally.in_loop else ""
     how = f" ({tally.through_batch} in groups{loop})" if tally.through_batch else ""
     print(
         f"{work.study.title}: {count} cases in {folder} ({outcomes}), {tally.done_now} of them done now{how}"

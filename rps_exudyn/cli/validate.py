@@ -37,13 +37,13 @@ def validate(
     quiet: Flag = False,
     json: Json = False,
 ) -> int:
-    """Compare with data from outside: manuals, standards, other programs, closed forms; a verdict for each.
+    """Compare the package with manuals, standards, other programs and closed forms.
 
     Args:
-        rows: folder of rows, each a folder with a row.toml; without it those that come with the package.
-        only: name of a row to run alone; may be repeated.
-        out: page (.html), with data (.json) and picture (.png) beside it; without it validation.html.
-        quiet: print nothing but errors.
+        rows: Folder of rows, each a folder with a row.toml; default: the rows of the package.
+        only: Name of a row; only named rows are run; may be repeated.
+        out: Page (.html), with data (.json) and picture (.png) beside it; default: validation.html.
+        quiet: Print only errors.
     """
     if quiet and (every or json):
         raise InputError(QUIET_ALONE)

@@ -14,7 +14,7 @@ def view(file: Path, /) -> int:
     """Play the gear of a result in Exudyn's own viewer, where there is a display.
 
     Args:
-        file: HDF5 file that `run` wrote; its motion is computed anew.
+        file: HDF5 file that `run` wrote; its motion is computed again.
     """
     from rps_exudyn.parameters.fidelity import Fidelity
     from rps_exudyn.study.case_blocks import load
@@ -22,13 +22,12 @@ def view(file: Path, /) -> int:
     result = load(file)
     if not has_display():
         raise InputError(
-            "there is no display for Exudyn's viewer; "
-            f"rps-exudyn animate {file} makes a page for any browser."
+            f"Exudyn's viewer needs a display; rps-exudyn animate {file} makes a page for any browser."
         )
     fidelity = Fidelity.from_tables(result.fidelity, where=str(file))
     if fidelity.solver != "generalized-alpha":
         fidelity = Fidelity.preset("flank")
-    from rps_exudyn.multibody.solve import play, solved_model
+    from rps_exudyn.multibody.viewer import play, solved_model
 
     with TemporaryDirectory() as folder:
         motion = Path(folder) / "motion.txt"

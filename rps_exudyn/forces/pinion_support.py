@@ -41,6 +41,8 @@ SHEAR_FACTOR = 6 * (1 + POISSON_RATIO) / (7 + 6 * POISSON_RATIO)  # of a round s
 SEAT_VALUES = 6, 36  # of `housing.seat_stiffness`: its diagonal, or all rows
 
 
+Numbers = np.ndarray | float
+
 SUPPORT = record_type(
     [
         ("frame", "f8", (3, 3)),  # rows e, Y, k in the housing
@@ -369,35 +371,19 @@ def support_record(gear: SteeringGear, patches: Patches) -> np.record:
     )
 
 
-def at_rest(support: np.record, preload: float) -> tuple[np.ndarray, float]:
+def at_rest(support: np.ndarray, preload: Numbers) -> tuple[np.ndarray, np.ndarray]:
     """Return the coordinates (5,) of a pinion that a preload [N] presses away from the rack, and by how much
-    its axis yields there [m]."""
-    if not preload:
-        return np.zeros(SIZE), 0.0
-    force = np.array([0.0, -preload, 0.0, 0.0, 0.0])
-    place = pressed_place(support, force)
-    return place, -float(place[1] + (support.seat @ force)[1])
+    its axis yields there [m]; of records (n,) and their preloads (n, 5) and (n,).
 
-
-def pressed_place(support: np.record, force: np.ndarray) -> np.ndarray:
-    """Return the coordinates u (5,) at which forces (5,) on the shaft are balanced, begun from a place
-    beyond the clearances; forces that only the centring holds give a place far off.
-
-    Raises:
-        LinAlgError: nothing resists.
+    Each bearing carries its share of the force, beyond its clearance together with the centring.
     """
-    u, held_by, slope = np.zeros(SIZE), np.empty(SIZE), np.empty((SIZE, SIZE))
-    for b, z in enumerate(support.station):  # each bearing touches where its share of the force presses it
-        other = support.station[1 - b]
-        share = -other / (z - other)
-        across = force[:2] * share + np.array([force[4], -force[3]]) / (z - other)
-        size = float(np.hypot(*across))
-        way = (support.clearance[b] + size / support.stiffness[b]) * (across / size if size else np.zeros(2))
-        u[:2] += way * -other / (z - other)
-        u[4] += way[0] / (z - other)
-        u[3] -= way[1] / (z - other)
-    u[2] = np.sign(force[2]) * support.half_float + force[2] / support.axial_stiffness
-    for _ in range(30):
-        held.py_func(u, support, held_by, slope)
-        u = u + np.linalg.solve(slope, force - held_by)
-    return u
+    force, stations = np.asarray(preload)[..., None], support["station"]
+    apart = stations[..., :1] - stations[..., 1:]
+    shares = stations[..., ::-1] * np.array([-1.0, 1.0]) / apart
+    stiffness, gap = support["stiffness"], support["clearance"]
+    beyond = (shares * force + stiffness * gap) / (stiffness + np.where(gap > 0, CENTRING, 0.0))
+    moved = -np.where(beyond > gap, beyond, np.where(gap > 0, shares * force / CENTRING, 0.0))
+    place = np.zeros((*moved.shape[:-1], SIZE))
+    place[..., 1] = (shares * moved).sum(axis=-1)
+    place[..., 3] = (moved[..., 1] - moved[..., 0]) / apart[..., 0]
+    return place, support["seat"][..., 1, 1] * force[..., 0] - place[..., 1]

@@ -2,6 +2,10 @@
 
 The rack slides, rolls and swivels with what carries it: the last segment of the chain, or the housing with
 the whole chain's stiffness condensed into the fit.
+
+With a clearance the bar has room at both ends of the bush: of the displacement e of its axis there the part
+e (1 - g/|e|)+ counts, g the radial clearance. Elastic forces follow from the energy of what counts; where
+nothing touches, `CENTRING` holds the bar.
 """
 
 from typing import NamedTuple
@@ -41,6 +45,8 @@ from rps_exudyn.parameters.gear import SteeringGear
 FIT = record_type(
     [
         ("stiffness", "f8", (4, 4)),  # of y, z, about y, about z at the station
+        ("clearance", "f8"),  # radial [m]
+        ("length", "f8"),  # from the station to the bush's other end along X [m]
         ("drag", "f8"),  # Coulomb friction [N]
         ("viscous", "f8"),  # drag over speed [N s/m]
         ("zone", "f8"),  # friction zone [m/s]
@@ -54,6 +60,7 @@ FIT = record_type(
 
 PART = Part("bush", ("rack",), ("bush_lateral_force", "bush_drag", *FRICTION_STATE))
 STILL = (0.0, 0.0, 0.0)
+CENTRING = 1e3  # at each end within the clearance [N/m]: 0.02 N at 20 um
 
 
 class Held(NamedTuple):
@@ -81,8 +88,86 @@ class FitLoads(NamedTuple):
 
 
 @inline
-def fit_loads(carrier, rack, data, memory):  # type: ignore[no-untyped-def]
-    """Loads between rack and carrier: the rack slides and rolls in its carrier and swivels with it.
+def fill_slack(u, data, loads, slope):  # type: ignore[no-untyped-def]
+    """Fill the elastic loads (4,) of a fit with clearance on u = (y, z, about y, about z) at its station, and
+    their derivative (4, 4); return the stored energy."""
+    x, g, k = data.length, data.clearance, data.stiffness
+    ends, counts, by_end = np.zeros((2, 2)), np.zeros((2, 2)), np.zeros((2, 2, 2))
+    for e in range(2):
+        ends[e, 0], ends[e, 1] = u[0] + e * x * u[3], u[1] - e * x * u[2]
+        r = np.sqrt(ends[e, 0] ** 2 + ends[e, 1] ** 2)
+        if r > g:
+            n = ends[e] / r
+            for i in range(2):
+                counts[e, i] = (r - g) * n[i]
+                for j in range(2):
+                    by_end[e, i, j] = g / r * n[i] * n[j]
+                by_end[e, i, i] += 1 - g / r
+    # what counts, as displacements and tilts of the station, and its derivatives by those in truth
+    kept, by = np.zeros(4), np.zeros((4, 4))
+    kept[0], kept[1] = counts[0, 0], counts[0, 1]
+    kept[2], kept[3] = (counts[0, 1] - counts[1, 1]) / x, (counts[1, 0] - counts[0, 0]) / x
+    for i in range(2):
+        first, second, sign = by_end[0, i], by_end[1, i], -1.0 if i == 1 else 1.0
+        by[i, 0], by[i, 1] = first[0], first[1]
+        tilt = by[2 if i == 1 else 3]
+        tilt[0], tilt[1] = sign * (second[0] - first[0]) / x, sign * (second[1] - first[1]) / x
+        tilt[2], tilt[3] = -sign * second[1], sign * second[0]
+    force, energy = np.zeros(4), 0.0
+    for i in range(4):
+        for j in range(4):
+            force[i] += k[i, j] * kept[j]
+        energy += 0.5 * force[i] * kept[i]
+    half = np.zeros((4, 4))
+    for i in range(4):
+        loads[i] = 0.0
+        for j in range(4):
+            loads[i] += by[j, i] * force[j]
+            for m in range(4):
+                half[i, j] += k[i, m] * by[m, j]
+    for i in range(4):
+        for j in range(4):
+            slope[i, j] = 0.0
+            for m in range(4):
+                slope[i, j] += by[m, i] * half[m, j]
+    # forces at the ends: that they turn with what touches, and the centring
+    at_end, bent = np.zeros((2, 2)), np.zeros((2, 2))
+    at_end[0, 0], at_end[0, 1] = force[0] - force[3] / x, force[1] + force[2] / x
+    at_end[1, 0], at_end[1, 1] = force[3] / x, -force[2] / x
+    for e in range(2):
+        r = np.sqrt(ends[e, 0] ** 2 + ends[e, 1] ** 2)
+        for i in range(2):
+            for j in range(2):
+                bent[i, j] = 0.0
+        if r > g:
+            n, f = ends[e] / r, at_end[e]
+            along = n[0] * f[0] + n[1] * f[1]
+            for i in range(2):
+                for j in range(2):
+                    bent[i, j] = g / (r * r) * (f[i] * n[j] + n[i] * f[j] - 3 * along * n[i] * n[j])
+                bent[i, i] += g / (r * r) * along
+        energy += 0.5 * CENTRING * r * r
+        for i in range(2):
+            bent[i, i] += CENTRING
+        y, z, t = CENTRING * ends[e, 0], CENTRING * ends[e, 1], e * x
+        loads[0], loads[1], loads[2], loads[3] = (
+            loads[0] + y,
+            loads[1] + z,
+            loads[2] - t * z,
+            loads[3] + t * y,
+        )
+        of_y, of_z = (1.0, 0.0, 0.0, t), (0.0, 1.0, -t, 0.0)
+        for i in range(4):
+            for j in range(4):
+                slope[i, j] += of_y[i] * (bent[0, 0] * of_y[j] + bent[0, 1] * of_z[j])
+                slope[i, j] += of_z[i] * (bent[1, 0] * of_y[j] + bent[1, 1] * of_z[j])
+    return energy
+
+
+@inline
+def fit_loads(carrier, rack, data, memory, slope):  # type: ignore[no-untyped-def]
+    """Loads between rack and carrier: the rack slides and rolls in its carrier and swivels with it; fills the
+    elastic stiffness `slope` (4, 4) at the station.
 
     The elastic connection sits at one place: on the carrier a fixed point, on the rack the point of its
     axis that passes there. Force and moment act at that place on both bodies.
@@ -113,10 +198,19 @@ def fit_loads(carrier, rack, data, memory):  # type: ignore[no-untyped-def]
 
     k = data.stiffness
     y, z, b, c = offset[1], offset[2], tilt[1], tilt[2]
-    p_y = k[0, 0] * y + k[0, 1] * z + k[0, 2] * b + k[0, 3] * c
-    p_z = k[1, 0] * y + k[1, 1] * z + k[1, 2] * b + k[1, 3] * c
-    m_y = k[2, 0] * y + k[2, 1] * z + k[2, 2] * b + k[2, 3] * c
-    m_z = k[3, 0] * y + k[3, 1] * z + k[3, 2] * b + k[3, 3] * c
+    if data.clearance > 0:
+        elastic = np.empty(4)
+        stored = fill_slack((y, z, b, c), data, elastic, slope)
+        p_y, p_z, m_y, m_z = elastic[0], elastic[1], elastic[2], elastic[3]
+    else:
+        for i in range(4):
+            for j in range(4):
+                slope[i, j] = k[i, j]
+        p_y = k[0, 0] * y + k[0, 1] * z + k[0, 2] * b + k[0, 3] * c
+        p_z = k[1, 0] * y + k[1, 1] * z + k[1, 2] * b + k[1, 3] * c
+        m_y = k[2, 0] * y + k[2, 1] * z + k[2, 2] * b + k[2, 3] * c
+        m_z = k[3, 0] * y + k[3, 1] * z + k[3, 2] * b + k[3, 3] * c
+        stored = 0.5 * (y * p_y + z * p_z + b * m_y + c * m_z)
     # across the tilted bar, so that sliding along it does no work against the load
     p_x = -(p_y * rack.axis[1] + p_z * rack.axis[2]) / rack.axis[0]
     return FitLoads(
@@ -124,7 +218,7 @@ def fit_loads(carrier, rack, data, memory):  # type: ignore[no-untyped-def]
         minus((0.0, -m_y, -m_z), scaled(turning * data.radius, rack.axis)),
         plus(lever_carrier, offset),
         lever_rack,
-        0.5 * (y * p_y + z * p_z + b * m_y + c * m_z) + held,
+        stored + held,
         power,
         np.sqrt(p_y**2 + p_z**2),
         drag,
@@ -151,17 +245,19 @@ def _fill(out, loads, turn):  # type: ignore[no-untyped-def]
 
 
 @inline
-def held_fit_force(q, v, data, memory, out):  # type: ignore[no-untyped-def]
-    """The fit in a carrier that is part of the housing; q = rack (6), fills out (13,)."""
+def held_fit_force(q, v, data, memory, out, slope):  # type: ignore[no-untyped-def]
+    """The fit in a carrier that is part of the housing; q = rack (6), fills out (13,) and the elastic
+    stiffness (4, 4)."""
     rack, turn = _held(q, v)
-    _fill(out, fit_loads(Held(STILL, STILL, (1.0, 0.0, 0.0), STILL), rack, data, memory), turn)
+    _fill(out, fit_loads(Held(STILL, STILL, (1.0, 0.0, 0.0), STILL), rack, data, memory, slope), turn)
 
 
 @inline
-def carried_fit_force(q, v, carrier_q, carrier_v, data, memory, out, on_carrier):  # type: ignore[no-untyped-def]
-    """The fit in a moving carrier, a segment (6); fills out (13,) and the forces on the carrier (6,)."""
+def carried_fit_force(q, v, carrier_q, carrier_v, data, memory, out, slope, on_carrier):  # type: ignore[no-untyped-def]
+    """The fit in a moving carrier, a segment (6); fills out (13,), the elastic stiffness (4, 4) and the
+    forces on the carrier (6,)."""
     (carrier, turn_carrier), (rack, turn_rack) = _held(carrier_q, carrier_v), _held(q, v)
-    loads = fit_loads(carrier, rack, data, memory)
+    loads = fit_loads(carrier, rack, data, memory, slope)
     moment = plus(loads.moment, cross(loads.lever_carrier, loads.force))
     on_carrier[0], on_carrier[1], on_carrier[2] = scaled(-1.0, loads.force)
     on_carrier[3], on_carrier[4], on_carrier[5] = on_angles(turn_carrier, scaled(-1.0, moment))
@@ -169,10 +265,10 @@ def carried_fit_force(q, v, carrier_q, carrier_v, data, memory, out, on_carrier)
 
 
 @inline
-def add_fit_tangent(q, v, data, memory, factor_q, factor_v, tangent):  # type: ignore[no-untyped-def]
-    """Add factor_q dF/dq + factor_v dF/dv of the held fit to a tangent (6, 6) of the rack: its stiffness at
-    its place, and its drag as it slides and rolls."""
-    lever, k = data.station - q[0], data.stiffness
+def add_fit_tangent(q, v, data, memory, k, factor_q, factor_v, tangent):  # type: ignore[no-untyped-def]
+    """Add factor_q dF/dq + factor_v dF/dv of the held fit to a tangent (6, 6) of the rack: its stiffness k
+    (4, 4) at its place, and its drag as it slides and rolls."""
+    lever = data.station - q[0]
     for i in range(4):
         for j in range(4):
             if k[i, j] != 0:
@@ -261,6 +357,8 @@ def _fit(
     return record(
         FIT,
         stiffness=stiffness,
+        clearance=gear.bush.clearance / 2,
+        length=gear.bush.length,
         drag=gear.bush.drag,
         viscous=gear.bush.viscous_drag,
         zone=friction_zone,

@@ -42,7 +42,7 @@ class Violation:
         parameter = gear.declared_at(self.path)[0]
         now = f"{self.path} is {parameter.show(gear.value_at(self.path))}"
         if self.nearest is None:
-            return f"{self.what}; {now}, and no other value of it alone helps."
+            return f"{self.what}; {now}, and changing this parameter does not help."
         return f"{self.what}; {now}, the nearest admissible value is {parameter.show(self.nearest)}."
 
 
@@ -64,7 +64,7 @@ def _cutter(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
         # pi/4 - (h - rho) tan(alpha) - rho / cos(alpha) = 0, solved for rho
         rho = (np.pi / 4 - pair.rack_dedendum / m * np.tan(alpha)) / (1 / np.cos(alpha) - np.tan(alpha))
         yield Violation(
-            "The cutter's tip would be pointed: its roundings overlap by "
+            "The cutter's tip would be pointed: its tip radii overlap by "
             f"{mm(-2 * basic_rack.cutter_tip_centre(pair)[0])}, and may not",
             "basic_rack.fillet_radius",
             _inward(gear, "basic_rack.fillet_radius", rho, -1) if rho >= 0 else None,

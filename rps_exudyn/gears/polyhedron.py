@@ -79,7 +79,7 @@ def defect(vertices: np.ndarray, faces: np.ndarray, least_height: float = 1e-12)
     if slivers:
         return f"{slivers} faces are slivers with a height below {least_height:g} m"
     if np.einsum("ij,ij->i", a, np.cross(b, c)).sum() <= 0:
-        return "its faces look inwards"
+        return "its faces point inwards"
     return None
 
 

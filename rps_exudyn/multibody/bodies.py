@@ -10,7 +10,7 @@ from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
 from rps_exudyn.forces.friction import TIME
 from rps_exudyn.gears import masses, solids
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.multibody.solve import Secant
+from rps_exudyn.multibody.secant import Secant
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.balance import SIZE

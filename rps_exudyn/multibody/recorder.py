@@ -90,7 +90,7 @@ class Recorder:
         if self.planned is not None and len(self.steps) > MOST_STEPS * self.planned + SPARE:
             raise StepRefusedError(
                 f"{len(self.steps)} steps instead of {self.planned} led to {t:.4g} s of {self.end:.4g} s, "
-                "for longer ones do not converge: choose shorter steps or a finer contact",
+                "because longer ones do not converge: choose shorter steps or a finer contact",
                 Status.NO_CONVERGENCE,
                 Code.STEPS_USED_UP,
             )

@@ -8,16 +8,12 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
-from pathlib import Path
 from time import process_time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rps_exudyn.base.errors import InputError, raise_wrapped
-from rps_exudyn.multibody.steering_model import SteeringModel
-from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.base.errors import raise_wrapped
 from rps_exudyn.results.outcome import Code, Outcome, Status
 
 if TYPE_CHECKING:
@@ -243,89 +239,3 @@ def settings_of(plan: SolverPlan) -> "exudyn.SimulationSettings":
     time.discontinuous.maxIterations = 5
     time.discontinuous.ignoreMaxIterations = True
     return settings
-
-
-# --- The gear in Exudyn's own viewer: solved anew, then played until the window is closed
-
-FRAMES, STEPS_PER_SECOND = 200, 500
-
-
-def solved_model(gear: SteeringGear, fidelity: Fidelity, file: Path) -> SteeringModel:
-    """Turn the gear by its test, and write the motion to Exudyn's solution file.
-
-    Raises:
-        InputError: no equilibrium to start from.
-    """
-    import exudyn as exu
-
-    from rps_exudyn.multibody.model import build_model
-
-    model = build_model(gear, fidelity)
-    if not model.start.converged:
-        raise InputError("There is no equilibrium to start from; change preload or clearance.")
-    model.mbs.Assemble()
-    seconds = 2 * np.pi * gear.test.turns / gear.test.speed
-    settings = settings_of(SolverPlan(end_time=seconds, steps=int(np.ceil(STEPS_PER_SECOND * seconds))))
-    settings.solution.file.write = True
-    settings.solution.file.name = str(file)
-    settings.solution.file.writePeriod = seconds / FRAMES
-    model.mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.GeneralizedAlpha)
-    return model
-
-
-def play(model: SteeringModel, file: Path) -> None:
-    """Open the player with the coordinates in Exudyn's solution file, until its window is closed."""
-    from exudyn.interactive import SolutionViewer  # type: ignore[import-untyped, unused-ignore]
-    from exudyn.utilities import LoadSolutionFile  # type: ignore[import-untyped, unused-ignore]
-
-    SolutionViewer(model.mbs, LoadSolutionFile(str(file)))
-
-
-# --- Newton's method where friction turns about within a step
-PLAIN_TANGENTS = 2  # in one time step, before the next ones are corrected
-KEPT = 24  # evaluations of a time step that may correct them
-
-
-class Secant:
-    """Broyden's correction of the tangents in a time step that Newton's method does not solve at once.
-
-    Where friction turns about within one iteration, tangents of both sides lead to and fro without end. With
-    the change dF of force between the last place and an earlier one of the step, x apart, the tangent becomes
-
-        T + (dF - T x) (W x)' / (x' W x),        W = |diag T|
-
-    (C. G. Broyden, Math. Comp. 19 (1965), 577, in coordinates scaled by their own stiffnesses): with that one
-    against which forces resist most, and only if they resist more than by the tangent.
-    """
-
-    def __init__(self) -> None:
-        self.time, self.tangents = np.nan, 0
-        self.rates: list[np.ndarray] = []
-        self.forces: list[np.ndarray] = []
-
-    def noted(self, time: float, rates: np.ndarray, forces: np.ndarray) -> np.ndarray:
-        """Keep the forces (n,) at rates (n,) in the step that ends at a time [s]; return them."""
-        if time != self.time:
-            self.time, self.tangents = time, 0
-            self.rates, self.forces = [], []
-        self.rates, self.forces = [*self.rates[-KEPT:], rates], [*self.forces[-KEPT:], forces]
-        return forces
-
-    def corrected(self, tangent: np.ndarray, time: float, factor_v: float) -> np.ndarray:
-        """Return the tangent (n, n) where the forces were found last, by the iteration's unknowns, of which
-        one unit changes a rate by `factor_v`."""
-        self.tangents += 1
-        if self.tangents <= PLAIN_TANGENTS or time != self.time or len(self.rates) < 2:
-            return tangent
-        moves = (self.rates[-1] - np.array(self.rates[:-1])) / factor_v
-        changes = self.forces[-1] - np.array(self.forces[:-1])
-        sizes = moves**2 @ np.abs(np.diag(tangent))
-        known = np.isfinite(changes).all(axis=1) & (sizes > 0) & (sizes < np.inf)
-        if not known.any():
-            return tangent
-        moves, changes, sizes = moves[known], changes[known], sizes[known]
-        k = int(np.argmin(np.einsum("ij,ij->i", moves, changes) / sizes))
-        move, lacking = moves[k], changes[k] - tangent @ moves[k]
-        if move @ lacking >= 0:
-            return tangent
-        return np.asarray(tangent + np.outer(lacking, np.abs(np.diag(tangent)) * move / sizes[k]))

@@ -11,6 +11,7 @@ from rps_exudyn.parameters.declaration import (
     Expansion,
     Length,
     Number,
+    SpringRate,
     Stiffnesses,
     Table,
     Temperature,
@@ -28,11 +29,14 @@ class Conditions(Table):
         "20 degC", "temperature of the whole gear", "estimate", ge=COLDEST, le=HOTTEST
     )
     steering_cycles: Number = parameter(
-        0.0, "steering cycles that the gear has made, each to both sides and back; 0: new", "estimate",
+        0.0, "steering cycles behind the gear, each to both sides and back; 0: new", "estimate",
         ge=0, le=1e8,
     )  # fmt: skip
     cycle_angle: Angle = parameter(
         "90 deg", "amplitude of these cycles at the pinion", "estimate", gt=0, le=1080 * DEG
+    )
+    spring_set: Number = parameter(
+        0.0, "share of its force that the yoke's spring has lost by setting", "estimate", ge=0, le=0.5
     )
 
 
@@ -46,6 +50,13 @@ class Housing(Table):
         "none",
         "stiffness of the pinion's seat at mid mesh along and about e, Y, axis: 6 values, or 36; none: rigid",
         "estimate",
+    )
+
+    mount_stiffness: SpringRate = parameter(
+        0.0,
+        "stiffness of the housing's mounts along the rack, which yield behind a steering column; 0: rigid",
+        "estimate",
+        ge=0,
     )
 
 

@@ -29,7 +29,7 @@ from pydantic_core.core_schema import no_info_before_validator_function
 
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import content_of
+from rps_exudyn.base.files import DEEPEST, check_depth, content_of
 from rps_exudyn.parameters.distribution import Distribution, is_distribution
 from rps_exudyn.parameters.retired import STORED, choice_instead
 from rps_exudyn.parameters.wrong_values import ConflictError, WrongValue, nearest, problems_of
@@ -388,6 +388,10 @@ class Declared:
 _LIMITS = ((Gt, "gt", "more than"), (Ge, "ge", "at least"), (Lt, "lt", "less than"), (Le, "le", "at most"))
 
 
+_KEY = r"""(?:[\w-]+|"[^"\n]*"|'[^'\n]*')"""
+_LONG_KEY = re.compile(rf"(?<![\w\-.\"'])(?:{_KEY}[ \t]*\.[ \t]*){{{DEEPEST}}}")
+
+
 def read_toml(path: str | Path) -> dict[str, Any]:
     """Return the tables of a TOML file.
 
@@ -398,7 +402,12 @@ def read_toml(path: str | Path) -> dict[str, Any]:
 
     content = content_of(path)
     try:
-        return tomllib.loads(content.decode("utf-8-sig"))  # spreadsheets begin with a mark
+        text = content.decode("utf-8-sig")  # spreadsheets begin with a mark
+        if _LONG_KEY.search(text):  # its reader takes a time that grows with the square of the parts
+            raise ValueError(f"it has a key of more than {DEEPEST} parts")
+        tables = tomllib.loads(text)
+        check_depth(tables, "its text")
+        return tables
     except UnicodeDecodeError:
         raise InputError(f"{path} is not a TOML file: it is not UTF-8 text.") from None
     except (ValueError, RecursionError) as error:  # no TOML, a number too long, or nested too deep

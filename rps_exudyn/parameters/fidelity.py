@@ -43,59 +43,64 @@ class Fidelity(Table):
     """
 
     based_on: PresetName = parameter(
-        "flank", "preset whose choices these are but for those changed", "choice"
+        "flank", "preset whose choices these are except for changed ones", "choice"
     )
-    mesh: Literal["general-contact", "flank"] = parameter("flank", "how the teeth touch", "choice")
+    mesh: Literal["general-contact", "flank"] = parameter("flank", "contact model of the teeth", "choice")
     bush: Literal["chain", "condensed", "rigid"] = parameter(
-        "condensed", "how the bush is modelled", "choice"
+        "condensed", "bush model: chain of segments, condensed stiffness, or rigid", "choice"
     )
     rack: Literal["by-scene", "free", "guided", "flexible"] = parameter(
         "by-scene",
-        "how the rack moves: rigid in all six freedoms, rigid along X and Y only, or bending; by-scene: "
-        "bending where the scene needs it, else free",
+        "rack model: free (rigid), guided (rigid, X and Y only), flexible (bends), by-scene (flexible "
+        "where the "
+        "scene needs it, else free)",
         "choice",
     )
     pinion: Literal["by-scene", "rigid", "supported"] = parameter(
         "by-scene",
-        "how the pinion is held: it only turns; on two bearings; by-scene: on them where a scene asks",
+        "pinion support: rigid (it only turns), supported (on two bearings), by-scene (supported where the "
+        "scene needs it)",
         "choice",
     )
     solver: Literal["generalized-alpha", "equilibrium", "closed-form"] = parameter(
-        "generalized-alpha", "how the motion is found", "choice"
+        "generalized-alpha",
+        "solver: dynamics (generalized-alpha), equilibrium at each instant, or formulas (closed-form)",
+        "choice",
     )
     step_angle: Angle = parameter(
         "1 deg",
-        "largest pinion rotation per time step or equilibrium; a record has at least four",
+        "largest pinion rotation per time step or equilibrium; a record has at least four steps",
         "choice",
         ge=0.001 * DEG,  # the rack's travel takes a million of them
         le=40 * DEG,
     )
     torque_tolerance: Number = parameter(
         0.0,
-        "equilibrium: steps of a steady motion are halved until they show the torque to this share of its "
-        "mean; 0: as its record asks",
+        "equilibrium: steady motion is repeated in half the steps until the torque's error is below this "
+        "share of "
+        "its mean; 0: off",
         "choice",
         ge=0,
         lt=1,
     )
     swing_steps: int = parameter(
         0,
-        "yoke-impact and rattle: time steps per swing of the plunger between seat and yokenut, their fastest "
-        "motion; 0 takes the scene's own",
+        "yoke-impact and rattle: time steps per vibration of the plunger between seat and yokenut, the "
+        "fastest motion; 0: the scene's default",
         "choice",
         ge=0,
         le=1000,
     )
     tolerance: Number = parameter(
         1e-4,
-        "time steps: unbalanced force at which Newton's method stops, over the yoke's preload",
+        "time steps: unbalanced force over the yoke's preload at which Newton's method stops",
         "choice",
         gt=0,
         le=0.01,
     )
     strip_stations: int = parameter(
         4,
-        "flank: Gauss points along each segment of a line of contact; one more where teeth bend together",
+        "flank: Gauss points along each segment of a line of contact; law teeth adds one",
         "choice",
         ge=1,
         le=12,
@@ -108,12 +113,12 @@ class Fidelity(Table):
         18, "general contact: rows of spheres along the face width", "choice", ge=2, le=2000
     )
     zone_ratio: Number = parameter(
-        0.001, "friction zone over the smallest sliding speed of the teeth", "choice", gt=0, le=1
+        0.001, "width of the friction zone over the smallest sliding speed of the teeth", "choice", gt=0, le=1
     )
 
     friction_elements: int = parameter(
         1,
-        "bristle: elasto-plastic elements of each part; more follow the first loading's shape more closely",
+        "bristle: elasto-plastic elements of each part; more elements give a smoother first loading",
         "choice",
         ge=1,
         le=MOST_ELEMENTS,
@@ -225,8 +230,8 @@ def _conflicts(chosen: Fidelity) -> Iterator[WrongValue]:
     if chosen.rack == "guided" and chosen.bush != "condensed":
         yield WrongValue(
             ("rack", "bush"),
-            f"fidelity.bush is {chosen.bush}, but fidelity.rack is guided, whose bush only drags: "
-            "leave it condensed.",
+            f"fidelity.bush is {chosen.bush}, but fidelity.rack is guided, which has only the drag of the "
+            f"bush: leave it condensed.",
         )
     if chosen.rack == "flexible" and chosen.bush == "chain":
         yield WrongValue(
@@ -243,8 +248,8 @@ def _conflicts(chosen: Fidelity) -> Iterator[WrongValue]:
     if chosen.pinion == "supported" and chosen.mesh == "general-contact":
         yield WrongValue(
             ("pinion", "mesh"),
-            "fidelity.mesh is general-contact, but fidelity.pinion is supported, which general contact has "
-            "not: choose fidelity.mesh = flank.",
+            "fidelity.mesh is general-contact, but fidelity.pinion is supported, which general contact "
+            "does not offer: choose fidelity.mesh = flank.",
         )
     for choice, solver, understood, reason in _SOLVER_LIMITS:
         value = getattr(chosen, choice)
@@ -264,13 +269,13 @@ _SOLVER_LIMITS = (
         ("condensed",),
         "whose formulas contain only the bush's drag: leave it condensed",
     ),
-    ("pinion", "closed-form", ("by-scene", "rigid"), "whose formulas have a pinion that only turns"),
+    ("pinion", "closed-form", ("by-scene", "rigid"), "whose formulas let the pinion only turn"),
     ("rack", "closed-form", ("by-scene", "free", "guided"), "whose formulas contain no bending"),
     (
         "bush",
         "equilibrium",
         ("condensed", "rigid"),
-        "where nothing swings: condensed is the chain's exact static stiffness",
+        "which needs no segments: condensed is the exact static stiffness of the chain",
     ),
 )
 

@@ -71,7 +71,7 @@ class SteeringColumn(Table):
     )
     joint_phase: Angle = parameter(
         0.0,
-        "angle of the wheel-side yoke's axis from the bend's plane with the wheel straight ahead",
+        "angle between the joint's yoke at the wheel and the plane of the bend, wheel straight ahead",
         "estimate",
     )
 
@@ -139,7 +139,7 @@ class Pinion(Table):
     )
     pitch_errors: PitchErrors = parameter(
         "none",
-        "pitch errors of all teeth, beside pitch_error: displacements in tooth order, or a class such as "
+        "pitch errors of all teeth, added to pitch_error: displacements in tooth order, or a class such as "
         '"ISO 1328 class 8, seed 3"',
         "estimate",
     )
@@ -184,7 +184,7 @@ class Rack(Table):
     density: Density = parameter(7850.0, "density of the bar", "estimate", gt=0)
     pitch_errors: PitchErrors = parameter(
         "none",
-        "pitch errors of all teeth: displacements along X in order of X, or a class as of the pinion",
+        "pitch errors of all teeth: displacements along X in order of X, or a class as for the pinion",
         "estimate",
     )
     back_parallelism: Angle = parameter(
@@ -194,22 +194,18 @@ class Rack(Table):
         ge=-0.005,
         le=0.005,
     )
-    youngs_modulus: Pressure = parameter(
-        "206 GPa", "Young's modulus of the bar, where it bends", "estimate", gt=0
-    )
-    modes: Count = parameter(
-        8, "modes of bending in each plane, where the rack is flexible", "estimate", ge=0, le=40
-    )
+    youngs_modulus: Pressure = parameter("206 GPa", "Young's modulus of a flexible rack", "estimate", gt=0)
+    modes: Count = parameter(8, "bending modes of a flexible rack in each plane", "estimate", ge=0, le=40)
     modal_damping: Number = parameter(0.01, "damping ratio of these modes", "estimate", ge=0, lt=1)
     bow: Length = parameter(
         0.0,
-        "bow: height of the bent bar over the chord of its toothed part, in the middle",
+        "bow: height of the bent bar over the chord of its toothed part, at its middle",
         "estimate",
         ge=0,
         le=0.002,
     )
     bow_angle: Angle = parameter(
-        0.0, "where the middle of the bow points: 0 away from the pinion (Y), 90 deg along Z", "estimate"
+        0.0, "direction of the bow at its middle: 0 away from the pinion (Y), 90 deg along Z", "estimate"
     )
     bow_shape: Literal["half-wave", "arc"] = parameter(
         "half-wave", "bent line of the toothed part: half a sine wave, or an arc of a circle", "estimate"
@@ -237,17 +233,17 @@ class Installation(Table):
     )
     gravity: Acceleration = parameter(
         0.0,
-        "acceleration of gravity from the rack towards the pinion, on the rack; 9.81 m/s^2 with the pinion "
-        "below, negative with the pinion above",
+        "acceleration of gravity on the rack: positive with the pinion below the rack, negative with the "
+        "pinion above it",
         "estimate",
         ge=-50,
         le=50,
     )
     gravity_angle: Angle = parameter(
-        0.0, "turn of gravity's direction about X, from -Y (rack towards pinion) towards Z", "estimate"
+        0.0, "rotation of the direction of gravity about X, from -Y (rack to pinion) towards Z", "estimate"
     )
     gravity_slope: Angle = parameter(
-        0.0, "angle of gravity to the section across the rack: above 0 it draws the rack along X", "estimate",
+        0.0, "angle of gravity to the rack's cross-section; above 0 it pulls the rack along +X", "estimate",
         ge=-90 * DEG, le=90 * DEG,
     )  # fmt: skip
 
@@ -258,33 +254,42 @@ class Yoke(LoadedFrictionLaw):
     preload: Force = parameter("300 N", "spring force at the rest position", "estimate", ge=0)
     spring_rate: SpringRate = parameter("50 N/mm", "rate of the yoke spring", "estimate", ge=0)
     clearance: Length = parameter(
-        "0.05 mm", "gap plunger to yokenut, from the preloaded rest position", "estimate", ge=-0.001, le=0.01
+        "0.05 mm",
+        "gap between plunger and yokenut at the preloaded rest position",
+        "estimate",
+        ge=-0.001,
+        le=0.01,
     )
-    friction: Number = parameter(0.1, "friction coefficient plunger/rack", "estimate", ge=0, le=1)
+    friction: Number = parameter(0.1, "friction coefficient between plunger and rack", "estimate", ge=0, le=1)
     seat_angle: Angle = parameter(
         "50 deg", "half angle of the plunger's cylindrical seat", "estimate", gt=0, lt=85 * DEG
     )
     seat_length: Length = parameter("20 mm", "length of the seat along the rack", "estimate", gt=0)
     seat_stiffness: SpringRate = parameter(
-        "2e8 N/m", "stiffness of the seat against a press along the yoke axis", "estimate", gt=0
+        "2e8 N/m", "stiffness of the seat along the yoke's axis", "estimate", gt=0
     )
     seat_damping: Time = parameter(
         0.0, "damping time of the seat: damping over stiffness", "estimate", ge=0, le=1e-2
     )
     seat_form: Literal["round", "gothic"] = parameter(
         "round",
-        "section of the seat: one arc; or a gothic arch, two arcs that touch the bar at 45 deg either side",
+        "section of the seat: one arc (round), or two arcs that touch the bar 45 deg from the yoke's axis "
+        "(gothic)",
         "estimate",
     )
     seat_clearance: Length = parameter(
-        0.0, "radius of the seat's arcs over that of the bar; 0: all of it touches", "estimate", ge=0, le=1e-3
+        0.0,
+        "radius of the seat's arcs minus radius of the bar; 0: the whole seat touches",
+        "estimate",
+        ge=0,
+        le=1e-3,
     )
     plunger_mass: Mass = parameter("60 g", "mass of the plunger", "estimate", gt=0)
     plunger_diameter: Length = parameter("30 mm", "diameter of the plunger", "estimate", gt=0)
     plunger_length: Length = parameter("25 mm", "length of the plunger", "estimate", gt=0)
     bore_clearance: Length = parameter(
         0.0,
-        "clearance of the plunger in its bore, in which it tilts; 0: it cannot",
+        "clearance of the plunger in its bore, within which it tilts; 0: no tilt",
         "estimate",
         ge=0,
         le=1e-3,
@@ -301,13 +306,15 @@ class Yoke(LoadedFrictionLaw):
     )
     bore_friction: Force = parameter(
         0.0,
-        "friction of the plunger in its bore (O-ring); it turns about over the bristle travel",
+        "friction of the plunger in its bore (O-ring); it reverses over the bristle travel",
         "estimate",
         ge=0,
     )
     bore_damping: ViscousDrag = parameter(0.0, "damping of the plunger in its bore", "estimate", ge=0, le=1e6)
     liner: Literal["ptfe", "pom", "none"] = parameter(
-        "ptfe", "liner of the seat: ptfe rubs more when it is cold; of others no law is stated", "estimate"
+        "ptfe",
+        "liner of the seat: friction of ptfe rises in the cold; that of the others does not change",
+        "estimate",
     )
     liner_wear: WearCoefficient = parameter(
         "1e-6 mm^3/N/m", "wear coefficient of the liner: volume per force and sliding distance", "estimate",
@@ -318,36 +325,56 @@ class Yoke(LoadedFrictionLaw):
     thread_pitch: Length = parameter(
         "1.5 mm", "pitch of the yokenut's metric thread", "estimate", gt=0, le=0.05
     )
-    thread_friction: Number = parameter(0.15, "friction coefficient of that thread", "estimate", ge=0, le=1)
+    thread_friction: Number = parameter(
+        0.15, "friction coefficient of the yokenut's thread", "estimate", ge=0, le=1
+    )
     nut_stiffness: SpringRate = parameter(
-        "1e8 N/m", "stiffness of the contact plunger/yokenut", "estimate", gt=0
+        "1e8 N/m", "contact stiffness between plunger and yokenut", "estimate", gt=0
     )
     nut_damping: Time = parameter(
-        0.0, "damping time of that contact: damping over stiffness", "estimate", ge=0, le=1e-2
+        0.0,
+        "damping time of the contact between plunger and yokenut: damping over stiffness",
+        "estimate",
+        ge=0,
+        le=1e-2,
     )
 
 
 class Bush(FrictionLaw):
     """The bush that guides the far end of the rack: a hollow cylinder, its far end held by the housing."""
 
-    outer_diameter: Length = parameter("30 mm", "outer diameter", "estimate", gt=0)
-    inner_diameter: Length = parameter("25 mm", "inner diameter", "estimate", gt=0)
-    length: Length = parameter("30 mm", "length", "estimate", gt=0)
-    youngs_modulus: Pressure = parameter("2.6 GPa", "Young's modulus (POM)", "estimate", gt=0)
-    poisson_ratio: Number = parameter(0.35, "Poisson's ratio", "estimate", ge=0, lt=0.5)
-    density: Density = parameter(1410.0, "density", "estimate", gt=0)
-    segments: Count = parameter(25, "number of rigid segments", "paper", ge=1, le=400)
+    outer_diameter: Length = parameter("30 mm", "outer diameter of the bush", "estimate", gt=0)
+    inner_diameter: Length = parameter("25 mm", "inner diameter of the bush", "estimate", gt=0)
+    length: Length = parameter("30 mm", "length of the bush", "estimate", gt=0)
+    youngs_modulus: Pressure = parameter("2.6 GPa", "Young's modulus of the bush (POM)", "estimate", gt=0)
+    poisson_ratio: Number = parameter(0.35, "Poisson's ratio of the bush", "estimate", ge=0, lt=0.5)
+    density: Density = parameter(1410.0, "density of the bush", "estimate", gt=0)
+    segments: Count = parameter(25, "number of rigid segments of the bush", "paper", ge=1, le=400)
     drag: Force = parameter(
         "20 N", "constant Coulomb drag of the sliding fit (friction preload)", "estimate", ge=0
     )
     viscous_drag: ViscousDrag = parameter(
-        0.0, "viscous drag against the rack's speed; a grease adds its own", "estimate", ge=0, le=1e6
+        0.0, "viscous drag coefficient of the rack; a grease adds its own", "estimate", ge=0, le=1e6
+    )
+    clearance: Length = parameter(
+        0.0, "diametral clearance of the bar in the bush at 20 degC", "estimate", ge=0, le=1e-3
+    )
+    interference: Length = parameter(
+        0.0,
+        "diametral interference of the bar in the bush at 20 degC; the drag is proportional to the "
+        "interference at all temperatures; 0: constant drag",
+        "estimate",
+        ge=0,
+        le=1e-3,
+    )
+    expansion: Expansion = parameter(
+        "115e-6 1/K", "linear thermal expansion of the bush (POM)", "estimate", ge=0, le=3e-4
     )
     distance: Length = parameter(
         "350 mm", "distance from the mesh to the bush's free end, along the rack", "estimate", gt=0
     )
     end_overhang: Length = parameter(
-        "20 mm", "length of the bar that is out of the bush's far end at full travel", "estimate", ge=0
+        "20 mm", "length of the bar beyond the bush's far end at full travel", "estimate", ge=0
     )
 
 
@@ -355,6 +382,13 @@ class Bearing(FrictionLaw):
     """The pinion's bearings and seal."""
 
     friction_torque: Torque = parameter("30 N*mm", "constant Coulomb friction torque", "estimate", ge=0)
+    friction: Number = parameter(
+        0.0,
+        "friction coefficient at the shaft's radius under the radial forces of a supported pinion",
+        "estimate",
+        ge=0,
+        le=1,
+    )
     upper_position: Length = parameter(
         "25 mm", "place of the upper bearing on the pinion's axis, from the middle of the mesh", "estimate"
     )
@@ -385,26 +419,31 @@ BY_SCENE: ChosenLaw = "by-scene"
 class Mesh(LoadedFrictionLaw):
     """Contact of the teeth."""
 
-    friction: Number = parameter(0.1, "friction coefficient rack/pinion", "estimate", ge=0, le=1)
+    friction: Number = parameter(0.1, "friction coefficient between rack and pinion", "estimate", ge=0, le=1)
     stiffness: ContactStiffness = parameter(
         "2e13 N/m^3",
-        "contact pressure per penetration depth, by the law area of earlier versions",
+        "contact pressure per penetration depth, used by the law area of earlier versions",
         "estimate",
         gt=0,
     )
     damping: Time = parameter(0.0, "damping time: damping over stiffness", "estimate", ge=0, le=1e-2)
     law: Annotated[ChosenLaw, WrapValidator(read_choice), PlainSerializer(str)] = parameter(
         "by-scene",
-        "flank contact: line, load per length of line and depth; teeth, which bend together; by-scene: what "
-        "the scene needs",
+        "contact law of the flanks: line (load per length proportional to depth), teeth (teeth bend "
+        "together), by-scene (the law that the scene needs)",
         "choice",
     )
     tooth_wear: WearCoefficient = parameter(
-        "1e-8 mm^3/N/m", "wear coefficient of the flanks, of pinion and rack each", "estimate", ge=0, le=1e-12
+        "1e-8 mm^3/N/m",
+        "wear coefficient of the flanks, the same for pinion and rack",
+        "estimate",
+        ge=0,
+        le=1e-12,
     )
     line_stiffness: LineStiffness = parameter(
         0.0,
-        "load per length of contact line and depth, law line; 0: at rest under the preload, from the gear",
+        "law line: load per length of contact line and depth; 0: the stiffness at rest, computed from the "
+        "gear",
         "estimate",
         ge=0,
     )
@@ -513,8 +552,8 @@ def _conflicts(gear: SteeringGear) -> Iterator[WrongValue]:
     if pinion.shaft_length < pinion.face_width:
         yield WrongValue(
             ("pinion.shaft_length", "pinion.face_width"),
-            f"pinion.shaft_length is {mm(pinion.shaft_length)}; it carries the whole gear and must be "
-            f"at least as long as pinion.face_width = {mm(pinion.face_width)}.",
+            f"pinion.shaft_length is {mm(pinion.shaft_length)}; it carries the whole gear and must be at "
+            f"least as long as pinion.face_width = {mm(pinion.face_width)}.",
         )
     if abs(pinion.lead_error) > STEEPEST_LEAD * pinion.face_width:
         yield WrongValue(
@@ -534,6 +573,12 @@ def _conflicts(gear: SteeringGear) -> Iterator[WrongValue]:
             ("bush.inner_diameter", "bush.outer_diameter"),
             f"bush.inner_diameter is {mm(bush.inner_diameter)}; it must be smaller than "
             f"bush.outer_diameter = {mm(bush.outer_diameter)}.",
+        )
+    if bush.clearance and bush.interference:
+        yield WrongValue(
+            ("bush.clearance", "bush.interference"),
+            f"bush.clearance is {mm(bush.clearance)} and bush.interference {mm(bush.interference)}; the bar "
+            "has room in the bush or is pressed by it: one of them must be 0 mm.",
         )
     if rack.bar_diameter >= bush.inner_diameter:
         yield WrongValue(
@@ -606,7 +651,8 @@ def gear_file(gear: SteeringGear) -> str:
         tables.setdefault(table, []).append(f"{name} = {_toml(value, item)}  # {item.meaning}")
     heads = (f"[{table}]\n" + "\n".join(lines) for table, lines in tables.items())
     body = "\n\n".join(heads) or "# every parameter is that of the default gear"
-    return f"# A gear for rps-exudyn run --gear FILE; what is not here is as in the default gear.\n\n{body}\n"
+    head = "# A gear for rps-exudyn run --gear FILE; other parameters are those of the default gear."
+    return f"{head}\n\n{body}\n"
 
 
 def _toml(value: Any, item: Any) -> str:

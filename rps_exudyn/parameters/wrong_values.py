@@ -1,15 +1,30 @@
 """What validation finds wrong with the values of parameters, as sentences that state what is allowed."""
 
-from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 from pydantic import ValidationError
 
 from rps_exudyn.base import units
 from rps_exudyn.parameters.retired import choice_instead, parameter_instead
 
-if TYPE_CHECKING:
-    from rps_exudyn.parameters.declaration import Table
+
+class TableType(Protocol):
+    """A table of parameters, as far as sentences about its values need it: see `declaration.Table`."""
+
+    not_in_files: ClassVar[tuple[str, ...]]
+
+    @classmethod
+    def model_validate(cls, obj: Any) -> Any:
+        """Validate values."""
+
+    @classmethod
+    def declared(cls) -> Iterator[Any]:
+        """Yield all parameters."""
+
+    @classmethod
+    def declared_at(cls, path: str) -> list[Any]:
+        """Return the parameter at a path."""
 
 
 class WrongValue(NamedTuple):
@@ -31,11 +46,12 @@ class ConflictError(ValueError):
         super().__init__("\n".join(problem.sentence for problem in problems))
 
 
+MOST_NAMED = 50  # problems, each in a sentence
 MUCH_LESS_ALIKE = 0.2  # than the nearest name: what is so is not offered beside it
 
 
 def problems_of(
-    table: type["Table"], error: ValidationError, given: Mapping[str, Any], settings: Iterable[str] = ()
+    table: type[TableType], error: ValidationError, given: Mapping[str, Any], settings: Iterable[str] = ()
 ) -> list[WrongValue]:
     """Everything that is wrong: single parameters first, then what does not fit between right ones.
 
@@ -47,7 +63,9 @@ def problems_of(
     remaining: ValidationError | None = error
     while remaining:
         items = remaining.errors()
-        for item in items:
+        for number, item in enumerate(items):
+            if len(found) >= MOST_NAMED:
+                return [*found, WrongValue((), f"{len(items) - number} more values are wrong.")]
             problems = _meant(table, item, given, settings)
             found += [problem for problem in problems if not problem.concerns(_paths(wrong))]
         new = [item["loc"] for item in items if item["loc"] not in wrong]
@@ -57,7 +75,7 @@ def problems_of(
     return found
 
 
-def _error_of(table: type["Table"], given: Mapping[str, Any]) -> ValidationError | None:
+def _error_of(table: type[TableType], given: Mapping[str, Any]) -> ValidationError | None:
     try:
         table.model_validate(given)
     except ValidationError as error:
@@ -70,7 +88,7 @@ def _paths(places: Iterable[tuple[int | str, ...]]) -> list[str]:
 
 
 def _meant(
-    table: type["Table"], item: Any, given: Mapping[str, Any], settings: Iterable[str]
+    table: type[TableType], item: Any, given: Mapping[str, Any], settings: Iterable[str]
 ) -> list[WrongValue]:
     """Return what one of validation's errors means."""
     conflict = item.get("ctx", {}).get("error")
@@ -80,7 +98,7 @@ def _meant(
 
 
 def _problem(
-    table: type["Table"], item: Any, given: Mapping[str, Any], settings: Iterable[str]
+    table: type[TableType], item: Any, given: Mapping[str, Any], settings: Iterable[str]
 ) -> WrongValue:
     path = ".".join(str(part) for part in item["loc"])
     value = _value_in(given, item["loc"])
@@ -97,7 +115,7 @@ def _problem(
     elif item["type"] == "finite_number":
         sentence = f"{path} is {shown}; it must be finite."
     elif instead := choice_instead(path, value):
-        sentence = f"{path} is {shown}, which earlier versions had: {instead}."
+        sentence = f"{path} is {shown}, which only earlier versions have: {instead}."
     else:
         sentence = f"{path} is {shown}; it must be {table.declared_at(path)[0].allowed}."
     return WrongValue((path,), sentence)
@@ -118,7 +136,7 @@ def _value_in(given: Mapping[str, Any], loc: tuple[int | str, ...]) -> Any:
     return value
 
 
-def nearest(table: type["Table"], path: str, left_out: tuple[str, ...] = ()) -> str:
+def nearest(table: type[TableType], path: str, left_out: tuple[str, ...] = ()) -> str:
     """Return what replaces a parameter of earlier versions, or what may have been meant, if not one of the
     tables left out."""
     if instead := parameter_instead(path):

@@ -88,7 +88,7 @@ class CaseRecord:
 
     @property
     def found_together(self) -> bool:
-        """Whether the gear was followed together with others."""
+        """Whether the gear was computed together with others."""
         return "together" in self._tables("findings")
 
     def result(self, where: str = "") -> Result:

@@ -26,13 +26,13 @@ class Verdict(StrEnum):
 
     # on a fitted parameter
     FOUND = "found"
-    BY_PRIOR = "follows from what was given of others"
+    BY_PRIOR = "follows from other priors"
     OPEN = "not separable"
-    NOT_MOVED = "as given, not found"
+    NOT_MOVED = "not identifiable (prior kept)"
     NOT_ZERO = "found, differs from zero"
     MAYBE_ZERO = "not different from zero"
-    BY_RATIO = "the drag without yoke times a ratio that no test measures"
-    UNEXPLAINED = "not identifiable: the curves are not explained to their noise"
+    BY_RATIO = "drag without yoke, times an estimated ratio"
+    UNEXPLAINED = "not identifiable: the residual exceeds the noise"
 
     @property
     def meaning(self) -> str:
@@ -43,15 +43,15 @@ class Verdict(StrEnum):
 _MEANINGS = {
     Verdict.PASS: "enough of the gears keep the limit",
     Verdict.FAIL: "too few of the gears keep the limit",
-    Verdict.UNDECIDED: "samples that failed decide",
+    Verdict.UNDECIDED: "failed samples decide",
     Verdict.NOT_EVALUATED: "the number cannot be computed for this gear",
-    Verdict.AGREES: "E is within the criterion, and the uncertainties are small enough to show it",
-    Verdict.NOISE: "|E| is below u_val, or some gears keep a limit and some do not: uncertainty hides more",
+    Verdict.AGREES: "E is within the criterion, and so is 2 u_val",
+    Verdict.NOISE: "|E| is below u_val, or only some gears keep a limit: the uncertainty is too large",
     Verdict.WEAK: "|E| is up to 2 u_val, or 95 % of the gears keep a limit: only gross errors are excluded",
     Verdict.DISAGREES: "|E| is beyond the criterion and beyond 2 u_val, or 95 % of the gears exceed a limit",
-    Verdict.KEPT_BY_ANY: "every gear drawn keeps the limit at half of it or less: the row judges nothing",
-    Verdict.CALIBRATED: "the row centred the inputs: S is not predicted, and the row judges nothing",
-    Verdict.NOT_COMPARABLE: "S and D do not mean the same, or one of them is missing",
+    Verdict.KEPT_BY_ANY: "every sampled gear stays below half of the limit: the row tests nothing",
+    Verdict.CALIBRATED: "the inputs were fitted to this row, so it tests nothing",
+    Verdict.NOT_COMPARABLE: "S and D are different quantities, or one is missing",
 }
 ON_COMPARISONS = (
     Verdict.AGREES,

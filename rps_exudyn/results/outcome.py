@@ -60,31 +60,31 @@ class Code(StrEnum):
     STEPS_USED_UP = "steps-used-up", "the run took far more time steps than planned"
     FORCE_FAILED = "force-failed", "a function of the model ended with an error"
     NO_EQUILIBRIUM = "no-equilibrium", "no equilibrium was found"
-    NO_RESISTANCE = "no-resistance", "the gear yields without resistance"
+    NO_RESISTANCE = "no-resistance", "the gear has no stiffness against a force"
     INTERRUPTED = "interrupted", "the run was stopped before its end"
     REFUSED = "refused", "a check of the plan failed, nothing was run"
     RACK_OUT_OF_MESH = "rack-out-of-mesh", "the rack left the mesh"
     TEETH_UNLOADED = "teeth-unloaded", "the teeth carry no load"
     BEYOND_LAW = "beyond-law", "the contact left the range of its law"
     BEYOND_FORMULAS = "beyond-formulas", "the gear is outside the range of the closed form"
-    FRICTION_ZONE = "friction-zone", "friction depends on the zone in which it develops"
+    FRICTION_ZONE = "friction-zone", "the friction zone is too wide for the result"
     STEPS_TOO_COARSE = "steps-too-coarse", "the steps are too long for the result"
     ROLLING_TOO_COARSE = "rolling-too-coarse", "the steps are too long for the rack's rolling"
     STEPS_NOT_CONFIRMED = "steps-not-confirmed", "the run in shorter steps failed"
     STRIPS_NOT_CONFIRMED = "strips-not-confirmed", "the run with finer strips failed"
-    RACK_NOT_SETTLED = "rack-not-settled", "the rack still rolls into its place"
+    RACK_NOT_SETTLED = "rack-not-settled", "the rack has not settled in roll"
     START_MATTERS = "start-matters", "the result depends on where the motion began"
-    SWING_TOO_FAST = "swing-too-fast", "inertia matters, which equilibria leave out"
+    SWING_TOO_FAST = "swing-too-fast", "equilibria leave out inertia, which matters here"
     SWING_NOT_SETTLED = "swing-not-settled", "the swing does not become periodic"
     CONTACT_DISAGREES = "contact-disagrees", "two evaluations of the contact forces differ"
     FEW_SPHERES = "few-spheres", "too few spheres touch"
     SPHERES_OUT_OF_PLACE = (
         "spheres-out-of-place",
-        "the rack is not where the spheres were laid for",
+        "the rack is not at the place for which the spheres were made",
     )
     WORK_MISSING = "work-missing", "the work balance does not close"
     EDGES_LOADED = "edges-loaded", "too much work is lost at the tooth edges"
-    FLANK_LIFTED = "flank-lifted", "flanks of one side carry nothing in a part of the record"
+    FLANK_LIFTED = "flank-lifted", "flanks of one side carry no load during part of the record"
     YOKE_STOPPED = "yoke-stopped", "the yoke touched its nut"
     CLEARANCE_CLOSED = "clearance-closed", "the yoke touches its nut from the start"
     TEETH_OVERLOADED = "teeth-overloaded", "the contact pressure is above that of case-hardened steel"
@@ -94,14 +94,14 @@ class Code(StrEnum):
         "metrics are omitted: half the step or another cycle changes them",
     )
     RACK_RIGID = "rack-rigid", "the model leaves out the bending of the rack, which matters here"
-    NO_EFFICIENCY = "no-efficiency", "a number that is called efficiency is not between 0 and 1"
-    OTHER_LAW = "other-law", "the closed form takes another contact law"
+    NO_EFFICIENCY = "no-efficiency", "an efficiency is not between 0 and 1"
+    OTHER_LAW = "other-law", "the closed form uses another contact law"
     HELD_BY_FRICTION = "held-by-friction", "friction holds the gear against the torque"
     FRICTION_NEVER_FALLS = "friction-never-falls", "no friction falls with speed: sliding is steady"
     NOT_HIT = "not-hit", "the yokenut is not hit up to the largest force"
     THRESHOLD_RESOLUTION = "threshold-resolution", "the threshold is known to one cycle of the growing force"
     CAP_PRESSES = "cap-presses", "the yoke's cap still presses the plunger"
-    OTHER_SETTINGS = "other-settings", "safer settings than those asked for were taken"
+    OTHER_SETTINGS = "other-settings", "the run used safer settings than those asked for"
     ACCURACY_NOT_CONFIRMED = "accuracy-not-confirmed", "the finer run failed"
     ACCURACY_NOT_REACHED = (
         "accuracy-not-reached",
@@ -158,8 +158,8 @@ _REMEDIES = {
     Status.DIVERGED: "Use a smaller step or more contact damping (mesh.damping), and check the stiffnesses.",
     Status.NO_CONVERGENCE: "Use a smaller step, another solver, or a wider friction regularization.",
     Status.CONTACT_LOST: "The rack left the mesh: raise yoke.preload, or check yoke.clearance and the load.",
-    Status.TIMEOUT: "Allow more time, or take a cheaper fidelity or fewer turns.",
-    Status.CRASHED: "The solver's process ended: run this case alone to see why.",
+    Status.TIMEOUT: "Allow more time, or use a cheaper fidelity or fewer turns.",
+    Status.CRASHED: "The solver's process ended: run this case by itself to see the cause.",
     Status.INVALID: "The run ended but failed the check that the message names: refine step or contact.",
 }
 

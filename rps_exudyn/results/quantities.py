@@ -148,21 +148,22 @@ SIGNALS = {
         "torque of the column on the steering wheel: wheel_torque without the wheel's inertia"
     ),
     "column_twist": Quantity("rad", "deg", "twist of column and torsion bar"),
+    "housing_displacement": _deflection("displacement of the housing on its mounts along X, behind a column"),
     "tyre_force": _force("force of the tyres' spring on the rack along +X"),
     "load_force": _force("force that pulls the rack's end towards -X"),
     "road_force": _force("force of the road along the tie rod on the rack's end beside the pinion"),
     "end_force_y": _force("force of the rig across the rack's end beside the pinion, along Y"),
-    "end_force_z": _force("the same along Z"),
+    "end_force_z": _force("force of the rig across the rack's end beside the pinion, along Z"),
     "shaft_force_across": _force(
-        "force of the rig across the input shaft's end, along e, perpendicular to Y and the shaft"
+        "force of the rig across the input shaft's end along e, perpendicular to Y and the shaft"
     ),
-    "shaft_force_y": _force("the same along Y"),
+    "shaft_force_y": _force("force of the rig across the input shaft's end along Y"),
     "shaft_force_axial": _force("force of the rig along the input shaft, away from the lower bearing"),
     "shaft_end_across": _deflection("displacement of the input shaft's end along e"),
-    "shaft_end_y": _deflection("the same along Y"),
-    "shaft_end_axial": _deflection("the same along the shaft"),
+    "shaft_end_y": _deflection("displacement of the input shaft's end along Y"),
+    "shaft_end_axial": _deflection("displacement of the input shaft's end along the shaft"),
     "pinion_across": _deflection("displacement of a supported pinion's axis in the mesh along e"),
-    "pinion_y": _deflection("the same along Y"),
+    "pinion_y": _deflection("displacement of a supported pinion's axis in the mesh along Y"),
     "pinion_axial": _deflection("displacement of a supported pinion along its axis, towards the input shaft"),
     "rack_displacement": _length("displacement of the rack's reference point along X"),
     "rack_y": _deflection(
@@ -173,11 +174,13 @@ SIGNALS = {
     "rack_yaw": _tilt("rotation of the rack about Y"),
     "rack_pitch": _tilt("rotation of the rack about Z"),
     "rack_end_y": _length("displacement of the bar's axis at its end beside the pinion along Y"),
-    "rack_end_z": _length("the same along Z"),
+    "rack_end_z": _length("displacement of the bar's axis at its end beside the pinion along Z"),
     "rack_bush_y": _deflection(
         "displacement of the bar's axis in the bush along Y, where the bar bends or is bent"
     ),
-    "rack_bush_z": _deflection("the same along Z"),
+    "rack_bush_z": _deflection(
+        "displacement of the bar's axis in the bush along Z, where the bar bends or is bent"
+    ),
     "plunger_displacement": _deflection(
         "displacement of the plunger along Y, towards the yokenut, from its rest position"
     ),
@@ -186,7 +189,7 @@ SIGNALS = {
     "mesh_normal_force_coast": _force("sum of the normal forces on the flanks that drive the rack along -X"),
     "mesh_penetration": _deflection("deepest penetration of the teeth"),
     "mesh_pressure": Quantity(
-        "Pa", "MPa", "largest Hertzian pressure on the lines of contact; by law teeth away from their ends"
+        "Pa", "MPa", "largest Hertzian pressure on the lines of contact; for law teeth away from their ends"
     ),
     "seat_force": _force("force of the plunger on the rack along -Y, without the seat's friction"),
     "yokenut_force": _force(
@@ -195,13 +198,14 @@ SIGNALS = {
     "bore_force": _force("force against the plunger's motion in its bore, along -Y"),
     "bush_force": _force("magnitude of the bush's force on the rack across X"),
     "upper_bearing_force": _force("radial force of the upper bearing on a supported pinion"),
-    "lower_bearing_force": _force("the same of the lower bearing"),
+    "lower_bearing_force": _force("radial force of the lower bearing on a supported pinion"),
     "axial_bearing_force": _force("force of a supported pinion on its axial stops, towards the input shaft"),
     "work_drive": _energy("work of the drive on pinion or rack from the start of recording"),
     "work_load": _energy("work of the forces on rack's end and input shaft from the start of recording"),
     "work_mesh_friction": _energy("work lost to friction between the teeth from the start of recording"),
     "work_mesh_edges": _energy(
-        "work that loaded material takes along over the rack's edges from the start of recording"
+        "work lost at the rack's tooth edges, where loaded material leaves the contact, from the start of "
+        "recording"
     ),
     "work_mesh_damping": _energy("work lost to damping of the tooth contact from the start of recording"),
     "work_seat_friction": _energy(
@@ -212,7 +216,9 @@ SIGNALS = {
     "work_bore_friction": _energy(
         "work lost to friction of the plunger in its bore from the start of recording"
     ),
-    "work_bore_damping": _energy("work lost to damping of the plunger there from the start of recording"),
+    "work_bore_damping": _energy(
+        "work lost to damping of the plunger in its bore from the start of recording"
+    ),
     "work_bush_friction": _energy("work lost to the bush's drag from the start of recording"),
     "work_bearing_friction": _energy("work lost to the pinion's bearings from the start of recording"),
     "work_support_friction": _energy(
@@ -220,7 +226,7 @@ SIGNALS = {
     ),
     "work_rack_damping": _energy("work lost to the damping of a flexible rack from the start of recording"),
     "work_column_damping": _energy("work lost to the column's damping from the start of recording"),
-    "column_energy": _energy("elastic energy of the column's twist; part of stored_energy"),
+    "column_energy": _energy("elastic energy of column and mounts; part of stored_energy"),
     "bending_energy": _energy("elastic energy of a flexible rack's bending; part of stored_energy"),
     "stored_energy": _energy(
         "kinetic energy, and elastic energy of springs and contacts, from the start of recording"
@@ -228,7 +234,7 @@ SIGNALS = {
 }
 
 _SUMMARY = {
-    "torque_mean": _torque("mean of pinion_torque over the pinion angle recorded"),
+    "torque_mean": _torque("mean of pinion_torque over the recorded pinion angle"),
     "torque_peak_to_peak": _torque("largest minus smallest pinion_torque"),
     "torque_tooth_order": _torque("amplitude of pinion_torque's harmonic once per tooth"),
     "torque_first_order": _torque("amplitude of pinion_torque's harmonic once per revolution"),
@@ -236,46 +242,53 @@ _SUMMARY = {
     "torque_mean_forward": _torque(
         "mean torque against the motion towards +X, over the pinion angles that both directions cover"
     ),
-    "torque_mean_backward": _torque("mean torque against the motion towards -X, over the same angles"),
+    "torque_mean_backward": _torque(
+        "mean torque against the motion towards -X, over the pinion angles that both directions cover"
+    ),
     "torque_direction_difference": _torque("torque_mean_forward - torque_mean_backward"),
     "torque_on_centre": _torque(
-        "mean torque against the motion within test.centre_window of the centre, as far as recorded"
+        "mean torque against the motion in the on-centre range (within test.centre_window of the centre)"
     ),
-    "torque_on_centre_max": _torque("largest torque there"),
-    "torque_on_centre_variation": _torque("largest minus smallest torque there, in one direction"),
-    "torque_off_centre": _torque("mean torque against the motion outside that range"),
-    "torque_off_centre_max": _torque("largest torque outside that range"),
+    "torque_on_centre_max": _torque("largest torque in the on-centre range"),
+    "torque_on_centre_variation": _torque(
+        "largest minus smallest torque in the on-centre range, in one direction"
+    ),
+    "torque_off_centre": _torque("mean torque against the motion outside the on-centre range"),
+    "torque_off_centre_max": _torque("largest torque outside the on-centre range"),
     "torque_off_centre_variation": _torque(
-        "largest minus smallest torque on one side of that range, in one direction"
+        "largest minus smallest torque on one side of the on-centre range, in one direction"
     ),
     "torque_forward": _torque(
         "load test: mean pinion_torque over whole tooth pitches while the load is raised"
     ),
     "torque_reverse": _torque(
-        "load test: mean pinion_torque that holds the load while it is lowered; negative: self-locking"
+        "load test: mean pinion_torque that holds the load while it is lowered; negative if the gear is "
+        "self-locking"
     ),
     "free_torque": _torque(
         "load test: mean torque against the motion over whole tooth pitches without the load"
     ),
     "efficiency_forward": _ratio("load x rack gain per radian / torque_forward"),
     "efficiency_reverse": _ratio(
-        "torque_reverse / (load x rack gain per radian); below 0 where the gear is self-locking"
+        "torque_reverse / (load x rack gain per radian); negative if the gear is self-locking"
     ),
     "efficiency_forward_net": _ratio("load x rack gain per radian / (torque_forward - free_torque)"),
     "efficiency_reverse_net": _ratio(
-        "(torque_reverse + free_torque) / (load x rack gain per radian); "
-        "above 100 % where less rubs under load"
+        "(torque_reverse + free_torque) / (load x rack gain per radian); above 100 % if friction is smaller "
+        "under load"
     ),
     "efficiency_ratio": _ratio("efficiency_reverse / efficiency_forward"),
-    "face_load_factor": _number("largest over mean load along the face, from the contact forces: K_H-beta"),
-    "load_centre": _length("place of the mean load along the pinion's axis, from the middle of the face"),
+    "face_load_factor": _number(
+        "face load factor K_H-beta: largest over mean load along the face, from the contact forces"
+    ),
+    "load_centre": _length("centre of the load along the pinion's axis, from the middle of the face"),
     "contact_pressure_max": Quantity(
         "Pa", "MPa", "largest Hertzian pressure on the flanks, away from the ends of the lines of contact"
     ),
     "push_force_mean": _force(
         "mean force along the motion that moves the rack, over the rack's displacement"
     ),
-    "push_force_peak_to_peak": _force("largest minus smallest of it, in one direction"),
+    "push_force_peak_to_peak": _force("largest minus smallest force that moves the rack, in one direction"),
     "roller_force_mean": _force(
         "mean force along the motion that moves the rack on rollers in the pinion's place"
     ),
@@ -283,7 +296,9 @@ _SUMMARY = {
     "transmission_error_peak_to_peak": _deflection(
         "largest minus smallest rack displacement ahead of gain x pinion angle, in one direction"
     ),
-    "transmission_error_first_order": _deflection("amplitude of its harmonic once per revolution"),
+    "transmission_error_first_order": _deflection(
+        "amplitude of the transmission error's harmonic once per revolution"
+    ),
     "rack_end_deflection": _length(
         "largest displacement across X of the bar's end beside the pinion, where the bar bends"
     ),
@@ -294,51 +309,67 @@ _SUMMARY = {
     "yoke_force_max": _force("largest seat_force"),
     "hysteresis_area": _energy("work of the drive on the pinion over the last whole cycle of reversals"),
     "lost_motion": _deflection(
-        "rack displacement at the same pinion angle towards -X minus that towards +X, mean over the middle"
+        "difference of the rack displacement between motion towards -X and +X at equal pinion angle, mean "
+        "over the middle"
     ),
     "lost_motion_angle": Quantity(
         "rad",
         "mrad",
-        "lost_motion over the rack's travel per radian; below 0 the rack leads after a reversal",
+        "lost_motion over the rack's travel per radian; negative if the rack leads after a reversal",
     ),
-    "torque_jump": _torque("change of the median pinion_torque of a pass across a reversal, the largest"),
+    "torque_jump": _torque(
+        "largest change of pinion_torque across a reversal, between the medians of both passes"
+    ),
     "reversal_angle": Quantity(
         "rad",
         "deg",
-        "pinion angle from a reversal until the torque is at 90 % of its new running value, the largest",
+        "largest pinion angle from a reversal until the torque reaches 90 % of its new running value",
     ),
     "feel_area": _energy("work of column_torque over the last whole cycle of the wheel"),
     "feel_running_torque": _torque(
-        "column_torque against the motion, mean over the later half of each way of the wheel"
+        "column_torque against the motion, mean over the later half of each pass of the wheel"
     ),
     "feel_angle_hysteresis": Quantity(
-        "rad", "deg", "wheel angle from a turn until column_torque is at 90 % of feel_running_torque, mean"
+        "rad",
+        "deg",
+        "mean wheel angle from a reversal until column_torque reaches 90 % of feel_running_torque",
     ),
     "on_centre_stiffness": Quantity(
         "N*m/rad",
         "N*m/deg",
-        "column_torque over wheel_angle after a turn, between half the running torque either way, mean",
+        "mean slope of column_torque over wheel_angle after a reversal, between -50 and +50 % of the running "
+        "torque",
     ),
     "angle_dead_band": Quantity(
-        "rad", "deg", "steering-torque: width of the loop of column_torque over wheel_angle without torque"
+        "rad", "deg", "steering-torque: width of the loop of column_torque over wheel_angle at zero torque"
     ),
-    "torque_dead_band": _torque("width of that loop at the middle of its angles"),
+    "torque_dead_band": _torque(
+        "steering-torque: height of the loop of column_torque over wheel_angle at its middle angle"
+    ),
     "steering_gradient": Quantity(
         "N*m/rad",
         "N*m/rad",
-        "column_torque over wheel_angle about the middle of that loop, mean of the ways",
+        "steering-torque: slope of column_torque over wheel_angle at the loop's middle, mean of both "
+        "directions",
     ),
     "breakaway_torque": _torque(
-        "largest column_torque against the motion after a turn, mean over the turns; steering-torque by a "
-        "ramp: less what the tyres take, until the pinion moves off"
+        "largest column_torque against the motion after a reversal, mean over the reversals; with a ramp: "
+        "column_torque less the torque of the tyres when the pinion starts to move"
     ),
     "breakaway_ratio": _number("breakaway_torque over feel_running_torque"),
     "stick_slip_amplitude": Quantity(
         "rad", "deg", "stick-slip: half the range of column_twist over the later half of the record"
     ),
-    "stick_slip_torque": _torque("half the range of column_torque over the same time"),
-    "stick_slip_frequency": Quantity("Hz", "Hz", "cycles of the pinion's speed over the same time"),
-    "stick_share": _ratio("share of the same time in which the pinion turns at less than 2 % of test.speed"),
+    "stick_slip_torque": _torque(
+        "stick-slip: half the range of column_torque over the later half of the record"
+    ),
+    "stick_slip_frequency": Quantity(
+        "Hz", "Hz", "stick-slip: frequency of the pinion's speed over the later half of the record"
+    ),
+    "stick_share": _ratio(
+        "stick-slip: share of the record's later half in which the pinion turns at less than 2 % of "
+        "test.speed"
+    ),
     "sticking_speed": Quantity(
         "rad/s",
         "rad/s",
@@ -347,45 +378,66 @@ _SUMMARY = {
     "sliding_damping": Quantity(
         "N*m*s/rad",
         "N*m*s/rad",
-        "damping of the column below which steady sliding at test.speed is unstable, of the whole gear",
+        "damping of the column below which steady sliding of the whole gear at test.speed is unstable",
     ),
-    "bristle_margin": _number("above 0 where steady sliding at test.speed is stable with bristles"),
+    "bristle_margin": _number("positive if steady sliding at test.speed is stable with bristles"),
     "impacts": _number("number of impacts of the plunger on the yokenut"),
     "impact_peak_force": _force("largest yokenut_force of an impact"),
     "impact_impulse": Quantity("N*s", "N*s", "largest integral of yokenut_force over an impact"),
-    "impact_duration": Quantity("s", "ms", "longest impact"),
+    "impact_duration": Quantity("s", "ms", "duration of the longest impact"),
     "impact_speed": Quantity("m/s", "mm/s", "largest speed of the plunger at the beginning of an impact"),
     "impact_contact_share": _ratio("share of the time with contact between plunger and yokenut"),
     "impact_force_rms": _force("root mean square of yokenut_force over the record"),
     "input_shaft_play_radial": _deflection(
-        "input shaft play: displacement of the shaft's end between test.shaft_force one way and the other, "
-        "along e or Y, the larger"
+        "input shaft play: displacement of the shaft's end between test.shaft_force in both directions, "
+        "along "
+        "e or Y, the larger"
     ),
     "input_shaft_play_axial": _deflection(
-        "the same along the shaft between test.shaft_axial_force one way and the other"
+        "input shaft play: displacement along the shaft between test.shaft_axial_force in both directions"
     ),
     "radial_play_y": _deflection(
-        "radial play: displacement of the rack's end along Y under the largest force along Y, the larger way"
+        "radial play: displacement of the rack's end under the largest force along Y, the larger of both "
+        "directions"
     ),
-    "radial_play_z": _deflection("the same along Z"),
-    "radial_play_up": _deflection("the same away from the pinion, along Y"),
-    "radial_play_down": _deflection("the same towards the pinion"),
-    "radial_play_side": _deflection("the same along Z"),
-    "radial_play_other_side": _deflection("the same against Z"),
-    "rack_lift": _deflection("rack lift: rise of rack_y under the largest torque, the larger way"),
-    "rack_lift_forward": _deflection("the same, the torque in the sense of the pinion angle"),
-    "rack_lift_backward": _deflection("the same, against it"),
+    "radial_play_z": _deflection(
+        "radial play: displacement of the rack's end under the largest force along Z, the larger of both "
+        "directions"
+    ),
+    "radial_play_up": _deflection(
+        "radial play: displacement of the rack's end along Y, away from the pinion"
+    ),
+    "radial_play_down": _deflection(
+        "radial play: displacement of the rack's end along Y, towards the pinion"
+    ),
+    "radial_play_side": _deflection("radial play: displacement of the rack's end along Z"),
+    "radial_play_other_side": _deflection("radial play: displacement of the rack's end along -Z"),
+    "rack_lift": _deflection(
+        "rack lift: rise of rack_y under the largest torque, the larger of both directions"
+    ),
+    "rack_lift_forward": _deflection(
+        "rack lift: rise of rack_y under the torque in the sense of the pinion angle"
+    ),
+    "rack_lift_backward": _deflection("rack lift: rise of rack_y under the torque against the pinion angle"),
     "rack_lift_closed_form": _deflection("rack lift by the closed form, for comparison with rack_lift"),
-    "rack_lift_end": _deflection("rise of the rack's end meanwhile, the larger way"),
+    "rack_lift_end": _deflection("rack lift: rise of the rack's end, the larger of both directions"),
     "cap_force": _force("yoke setting: force of the tightened yokenut along its axis"),
-    "clearance_set": _deflection("clearance that turning it back leaves; below 0 it still presses"),
-    "preload_set": _force("spring force that it leaves at the rest position"),
+    "clearance_set": _deflection(
+        "yoke setting: clearance after the yokenut is turned back; negative if it still presses"
+    ),
+    "preload_set": _force("yoke setting: spring force at the rest position after the yokenut is turned back"),
     "operating_preload": _force("yoke's preload at the gear's temperature and wear"),
     "operating_clearance": _deflection("yoke's clearance at the gear's temperature and wear"),
-    "operating_yoke_friction": _number("friction coefficient plunger/rack at the gear's temperature"),
-    "operating_viscous_drag": Quantity(
-        "N*s/m", "N*s/m", "viscous drag on the rack at the gear's temperature, over its speed"
+    "operating_yoke_friction": _number(
+        "friction coefficient between plunger and rack at the gear's temperature"
     ),
+    "operating_viscous_drag": Quantity(
+        "N*s/m", "N*s/m", "viscous drag coefficient of the rack at the gear's temperature"
+    ),
+    "operating_bush_clearance": _deflection(
+        "diametral clearance of the bar in the bush at the gear's temperature"
+    ),
+    "operating_bush_drag": _force("Coulomb drag of the bush at the gear's temperature"),
     "wear_liner": _deflection("depth worn off the liner of the plunger's seat, along the yoke's axis"),
     "wear_teeth": _deflection("approach of the rack to the pinion by the wear of the flanks"),
     "rattle_impulse_per_cycle": Quantity(
@@ -394,47 +446,53 @@ _SUMMARY = {
         "rattle: integral of yokenut_force over a cycle of the road's force, mean over the cycles",
     ),
     "rattle_impulse_uncertainty": Quantity(
-        "N*s", "N*s", "standard uncertainty of that mean, from its scatter over the cycles"
+        "N*s", "N*s", "standard uncertainty of rattle_impulse_per_cycle, from its scatter over the cycles"
     ),
-    "rattle_force_rms": _force("root mean square of yokenut_force over the cycles recorded"),
+    "rattle_force_rms": _force("rattle: root mean square of yokenut_force over the recorded cycles"),
     "rattle_force_rms_uncertainty": _force(
-        "standard uncertainty of that root mean square, from its scatter over the cycles"
+        "standard uncertainty of rattle_force_rms, from its scatter over the cycles"
     ),
     "rattle_speed_rms": Quantity(
-        "m/s", "mm/s", "root mean square of the plunger's speed at the beginning of its impacts"
+        "m/s", "mm/s", "rattle: root mean square of the plunger's speed at the beginning of its impacts"
     ),
     "rattle_energy_per_cycle": _energy(
-        "kinetic energy of the plunger at the beginning of its impacts, sum over a cycle, mean over cycles"
+        "rattle: kinetic energy of the plunger at the beginning of its impacts, sum over a cycle, mean over "
+        "cycles"
     ),
     "rattle_energy_uncertainty": _energy(
-        "standard uncertainty of that mean, from its scatter over the cycles"
+        "standard uncertainty of rattle_energy_per_cycle, from its scatter over the cycles"
     ),
     "rattle_acceleration_rms": Quantity(
         "m/s^2",
         "m/s^2",
-        "root mean square of the acceleration of rack_y in the band from test.band_low to test.band_high",
+        "rattle: root mean square of the acceleration of rack_y between test.band_low and test.band_high",
     ),
-    "rattle_impacts_per_cycle": _number("number of impacts in a cycle, mean over the phases; chaotic"),
-    "rattle_impacts_scatter": _number("standard deviation of that number over the phases"),
+    "rattle_impacts_per_cycle": _number(
+        "rattle: number of impacts in a cycle, mean over the phases; chaotic"
+    ),
+    "rattle_impacts_scatter": _number("standard deviation of rattle_impacts_per_cycle over the phases"),
     "rattle_fastest_impact": Quantity(
-        "m/s", "mm/s", "largest speed of the plunger at an impact, mean over the phases; chaotic"
+        "m/s", "mm/s", "rattle: largest speed of the plunger at an impact, mean over the phases; chaotic"
     ),
     "rattle_threshold_force": _force(
         "amplitude of a growing road force at the first hit of the yokenut, mean over the phases"
     ),
-    "rattle_threshold_scatter": _force("standard deviation of that force over the phases"),
-    "rattle_fastest_scatter": Quantity("m/s", "mm/s", "standard deviation of that speed over the phases"),
-    "loss_share_mesh": _ratio("work lost between the teeth, of all work lost"),
-    "loss_share_seat": _ratio("work lost between plunger and rack, of all work lost"),
-    "loss_share_yokenut": _ratio("work lost to the damping of the yokenut, of all work lost"),
-    "loss_share_bore": _ratio("work lost by the plunger in its bore, of all work lost"),
-    "loss_share_bush": _ratio("work lost in the bush, of all work lost"),
-    "loss_share_bearing": _ratio("work lost in the pinion's bearings, of all work lost"),
-    "loss_share_support": _ratio("work lost against a supported pinion's axial motion, of all work lost"),
-    "loss_share_column": _ratio("work lost to the damping of the steering column, of all work lost"),
-    "loss_share_rack": _ratio("work lost to the damping of a flexible rack, of all work lost"),
+    "rattle_threshold_scatter": _force("standard deviation of rattle_threshold_force over the phases"),
+    "rattle_fastest_scatter": Quantity(
+        "m/s", "mm/s", "standard deviation of rattle_fastest_impact over the phases"
+    ),
+    "loss_share_mesh": _ratio("work lost between the teeth over all work lost"),
+    "loss_share_seat": _ratio("work lost between plunger and rack over all work lost"),
+    "loss_share_yokenut": _ratio("work lost to damping of the yokenut over all work lost"),
+    "loss_share_bore": _ratio("work lost by the plunger in its bore over all work lost"),
+    "loss_share_bush": _ratio("work lost in the bush over all work lost"),
+    "loss_share_bearing": _ratio("work lost in the pinion's bearings over all work lost"),
+    "loss_share_support": _ratio("work lost to axial friction of a supported pinion over all work lost"),
+    "loss_share_column": _ratio("work lost to damping of the steering column over all work lost"),
+    "loss_share_rack": _ratio("work lost to damping of a flexible rack over all work lost"),
     "energy_residual": _ratio(
-        "(work_drive + work_load - work lost - change of stored_energy) / the wider range of both"
+        "(work_drive + work_load - work lost - change of stored_energy) / larger range of work_drive and "
+        "work_load"
     ),
 }
 
@@ -484,15 +542,15 @@ COUNTERS = {
     "steps": _number("time steps, or positions of equilibrium"),
     "newton_iterations": _number("Newton iterations"),
     "jacobians": _number("Jacobians computed"),
-    "restarts": _number("restarts of dynamics in shorter steps, after a jump or where none converged"),
+    "restarts": _number("restarts of dynamics in shorter steps, after a jump or a step without convergence"),
     "force_evaluations": _number("evaluations of the mesh contact"),
-    "solver_cpu": Quantity("s", "s", "CPU time of the solver alone, without setting up and reading out"),
+    "solver_cpu": Quantity("s", "s", "CPU time of the solver, without set-up and evaluation"),
 }
 
 GEOMETRY = {
     "reference_diameter": _length("reference (pitch) diameter of the pinion"),
     "base_diameter": _length("base diameter"),
-    "form_diameter": _length("form diameter: the involute begins here"),
+    "form_diameter": _length("form diameter, at which the involute begins"),
     "root_diameter": _length("root diameter"),
     "tip_diameter": _length("tip diameter"),
     "pointed_diameter": _length("diameter at which the teeth would be pointed"),
@@ -502,10 +560,10 @@ GEOMETRY = {
     "transverse_contact_ratio": _number("transverse contact ratio"),
     "overlap_ratio": _number("overlap ratio"),
     "total_contact_ratio": _number("total contact ratio"),
-    "contact_start": _length("path of contact: start, from the pitch point (recess positive)"),
-    "contact_end": _length("path of contact: end, from the pitch point"),
+    "contact_start": _length("start of the path of contact, from the pitch point (recess positive)"),
+    "contact_end": _length("end of the path of contact, from the pitch point (recess positive)"),
     "undercut_limit": _number("least profile shift coefficient without undercut"),
-    "undercut_margin": _number("profile shift coefficient above that"),
+    "undercut_margin": _number("profile shift coefficient minus undercut_limit"),
     "pinion_root_clearance": _length("clearance of the rack's tips over the pinion's root"),
     "rack_root_clearance": _length("clearance of the pinion's tips over the rack's root"),
     "interference": _length("deepest cut of pinion and rack into each other's roots over a turn"),
@@ -539,13 +597,13 @@ LABELS = {
     "roller_force_mean": "mean force on the rack",
     "hysteresis_area": "work of a whole cycle",
     "torque_jump": "jump of the torque across a reversal",
-    "reversal_angle": "angle until it runs on after a reversal",
+    "reversal_angle": "angle of the reversal",
     "feel_area": "work of a whole cycle at the wheel",
     "feel_running_torque": "running torque at the wheel",
     "breakaway_torque": "breakaway torque",
     "on_centre_stiffness": "stiffness on centre",
     "stick_slip_torque": "amplitude of the torque",
-    "stick_share": "share of the time in which it sticks",
+    "stick_share": "share of time at rest",
     "efficiency_forward": "efficiency, pinion drives",
     "efficiency_reverse": "efficiency, rack drives",
     "impact_peak_force": "largest force of an impact",

@@ -101,8 +101,8 @@ def bending(fidelity: Fidelity) -> Fidelity:
     """
     if fidelity.solver == "closed-form" or fidelity.rack not in LOOSE:
         raise InputError(
-            f"fidelity.solver is {fidelity.solver} and fidelity.rack is {fidelity.rack}; how a rack yields "
-            "across its guides needs equilibria of a rack that is free or flexible."
+            f"fidelity.solver is {fidelity.solver} and fidelity.rack is {fidelity.rack}; this scene needs "
+            f"equilibria of a free or flexible rack."
         )
     # at rest the chain's stiffness is that of the condensed bush
     condensed = {"bush": "condensed"} if fidelity.bush == "chain" else {}
@@ -128,7 +128,7 @@ def run_at_rest(
     except PathInterrupted as interrupt:
         path, interrupted = interrupt.path, True
     except np.linalg.LinAlgError as error:
-        message = f"the gear yields without resistance: {error}"
+        message = f"the gear has no stiffness against a force: {error}"
         return SceneRun(Outcome(Status.NO_CONVERGENCE, message, (Code.NO_RESISTANCE,)))
     outcome = _outcome(path, loads, process_time() - start, interrupted)
     if len(path.time) < 2:

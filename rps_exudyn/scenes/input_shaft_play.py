@@ -34,7 +34,7 @@ def input_shaft_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions
     if chosen.pinion != "supported":
         raise InputError(
             f"fidelity.pinion is {fidelity.pinion}, fidelity.mesh {fidelity.mesh} and fidelity.solver "
-            f"{fidelity.solver}; input-shaft-play needs a supported pinion in flank contact and no formulas."
+            f"{fidelity.solver}; input-shaft-play needs a supported pinion, flank contact and no closed form."
         )
     check_travel(gear, (gear.test.start_angle,), "test.start_angle")
     chosen = chosen.replace({"bush": "condensed"} if chosen.bush == "chain" else {})
@@ -76,5 +76,5 @@ SCENE = Scene(
     at_rest=True,
     revolutions=None,
     at_test_speed=False,
-    unpromised=lambda gear: "it has loads in steps of its own, which no setting changes",
+    unpromised=lambda gear: "its load steps are fixed",
 )

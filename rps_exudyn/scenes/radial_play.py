@@ -23,8 +23,8 @@ STEPS = 10  # from no force to the largest
 WAYS = {"y": ("up", "down"), "z": ("side", "other_side")}  # of the force along each axis: its plus, its minus
 RIGID = Remark(
     Code.RACK_RIGID,
-    "the rack is rigid (fidelity.rack): a rigid bar shows only how its guides yield, of the default gear a "
-    "twentieth of the play; choose flexible",
+    "the rack is rigid (fidelity.rack): a rigid bar shows only the yielding of its guides, on the default "
+    "gear a twentieth of the play; choose flexible",
 )
 
 

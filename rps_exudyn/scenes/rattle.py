@@ -34,8 +34,8 @@ KEPT = 4  # of so many instants one stays in the result, whose figures come from
 GROWING = "growing-sine"
 RIGID = Remark(
     Code.RACK_RIGID,
-    "the rack is rigid (fidelity.rack): forces of impacts are up to twice too large and softer roads rattle; "
-    "choose flexible",
+    "the rack is rigid (fidelity.rack): impact forces are up to twice too large and rattle begins at "
+    "smaller forces; choose flexible",
 )
 
 
@@ -78,8 +78,8 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
     """
     if fidelity.solver != "generalized-alpha":
         raise InputError(
-            f"fidelity.solver is {fidelity.solver}; rattle needs generalized-alpha: without inertia nothing "
-            "hits."
+            f"fidelity.solver is {fidelity.solver}; rattle needs generalized-alpha: equilibria have no "
+            f"impacts."
         )
     chosen, test = with_float(gear, fidelity.with_bending()), gear.test
     chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, WIDEST_ZONE)})
@@ -124,7 +124,7 @@ def _threshold_remark(gear: SteeringGear, figures: Mapping[str, float]) -> Remar
         not_hit = f"the yokenut is not hit up to test.road_force = {test.road_force:.4g} N"
         return Remark(Code.NOT_HIT, not_hit)
     growth = test.road_force / test.road_cycles
-    too_high = f"the force grows by {growth:.3g} N per cycle, by which the threshold may be too high"
+    too_high = f"the force grows by {growth:.3g} N per cycle; the threshold may be too high by as much"
     return Remark(Code.THRESHOLD_RESOLUTION, too_high)
 
 
@@ -175,7 +175,7 @@ def _unpromised(gear: SteeringGear) -> str:
     """Why no accuracy is promised of a test: a threshold is another quantity than the table's."""
     if gear.test.road_shape != GROWING:
         return ""
-    return f"test.road_shape is {GROWING}, which finds a threshold; known are sine and half-sine"
+    return f"test.road_shape is {GROWING}, which serves to find a threshold; choose sine or half-sine"
 
 
 SCENE = Scene(

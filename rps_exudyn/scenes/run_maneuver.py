@@ -40,15 +40,21 @@ from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state, pushing_
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
 from rps_exudyn.solvers.gear_forces import following_inertia, gear_forces
 from rps_exudyn.solvers.prescribed_motion import Drive, SetOff, Steady, Swing
-from rps_exudyn.solvers.record import COORDINATES, Record, record_of_path, repeated, signals_of
+from rps_exudyn.solvers.record import (
+    COORDINATES,
+    Record,
+    behind_column,
+    record_of_path,
+    repeated,
+    signals_of,
+    under_torque,
+)
 from rps_exudyn.solvers.settled_start import joined_instants, settled_behind, settled_start
 from rps_exudyn.solvers.settling import TOLERANCE
 from rps_exudyn.solvers.steering_column import (
     BehindColumn,
     ColumnModel,
     WheelTorque,
-    behind_column,
-    under_torque,
 )
 
 SHORTEST_STEP = 1e-7  # of the dynamics [s] ...
@@ -61,11 +67,11 @@ UNEVEN = Swing, SetOff, WheelTorque  # drives under which friction turns about
 NOT_CURED_BY_STEPS = {Code.SWING_TOO_FAST, Code.BEYOND_LAW, Code.START_MATTERS}  # of an invalid swing
 SHAKEN = 0.15  # contractivity: between impacts an old Jacobian takes twice the iterations
 JUMPS = (
-    "; where the gear's torque falls by more than column.stiffness = {:.4g} N*m/rad, or the rack snaps "
-    "over as it turns about, the gear jumps, which only generalized-alpha follows"
+    "; where the gear's torque falls by more than the column's {:.4g} N*m/rad, or the rack snaps "
+    "through at a reversal, the gear jumps; only generalized-alpha follows a jump"
 )
 JUMPS_UNDER_TORQUE = (
-    "; under a given torque the gear jumps where friction falls, which only generalized-alpha follows"
+    "; under a given torque the gear jumps where friction falls; only generalized-alpha follows a jump"
 )
 HALVINGS_FOR_TOLERANCE = 4  # more than a record asks for by itself: kinks are never resolved
 CLOSED = 1e-3  # of the drive's force: how much all periods may drift for one to stand for all
@@ -93,7 +99,7 @@ def run_maneuver(
         try:
             runs.append(SOLVERS[fidelity.solver](gear, fidelity, maneuver, options))
         except np.linalg.LinAlgError as error:
-            message = f"the gear yields without resistance at its start: {error}"
+            message = f"the gear has no stiffness against a force at its start: {error}"
             runs.append(SceneRun(Outcome(Status.NO_CONVERGENCE, message, (Code.NO_RESISTANCE,))))
         except Interrupted as interrupt:
             raise Interrupted(joined([*runs, interrupt.recorded])) from None
@@ -255,9 +261,11 @@ def _along_equilibria(
         start, interrupted = process_time(), False
         try:
             if column is None:
-                led = settled_start(balance, pair, drive, approach, time[:1])
-                path = equilibrium_path(balance, pair, drive, joined_instants(led, time), led)
-                path = path if led is None else replace(path, start=led.start)
+                approach_path = settled_start(balance, pair, drive, approach, time[:1])
+                path = equilibrium_path(
+                    balance, pair, drive, joined_instants(approach_path, time), approach_path
+                )
+                path = path if approach_path is None else replace(path, start=approach_path.start)
             else:
                 path = settled_behind(balance, pair, drive, column, approach)
                 if path.converged:
@@ -329,8 +337,8 @@ def _finished(
     if len(record.time) < 2:
         return SceneRun(outcome)
     pitch = 2 * np.pi / gear.pinion.teeth
-    led = -start.begun * gear.test.speed >= pitch * (1 - 1e-9)
-    record = replace(record, settled=led, start=start.start)
+    settled = -start.begun * gear.test.speed >= pitch * (1 - 1e-9)
+    record = replace(record, settled=settled, start=start.start)
     signals = signals_of(record)
     if outcome.status is Status.OK:
         outcome = options.check(outcome, gear, record, signals, zone if maneuver.is_steady else None)

@@ -102,7 +102,7 @@ class Scene:
         at_rest: whether nothing moves: its instants are loads one after the other.
         swings: whether it steers to and fro and records whole cycles.
         at_test_speed: whether the rig moves at `test.speed`.
-        test: its maneuvers and metrics, where many gears can be followed together.
+        test: its maneuvers and metrics, where many gears can be computed together.
         revolutions: how often the pinion turns in a run one way; None where it does not turn.
         short_path: `test.path` of a run over a few tooth pitches.
         promised_as: name of the scene whose table of accuracy holds; "" if it is its own.

@@ -73,7 +73,7 @@ def torque_maneuver(gear: SteeringGear) -> Maneuver:
     if not test.tyre_stiffness:
         raise InputError(
             "test.tyre_stiffness is 0 N/mm; steering-torque needs a restoring load: without it a torque "
-            "beyond friction turns the wheel without end."
+            "above friction turns the wheel without end."
         )
     turn = _largest_turn(gear)
     ends = test.start_angle - turn, test.start_angle + turn
@@ -106,7 +106,7 @@ def _held(gear: SteeringGear) -> Remark | None:
         return None
     return Remark(
         Code.HELD_BY_FRICTION,
-        f"test.steer_torque = {gear.test.steer_torque:.4g} N m is no more than the gear's friction of "
+        f"test.steer_torque = {gear.test.steer_torque:.4g} N m does not exceed the gear's friction of "
         f"{friction:.4g} N m: the column twists and the gear stays",
     )
 
@@ -120,5 +120,5 @@ SCENE = Scene(
     chart="steering_feel",
     revolutions=None,
     at_test_speed=False,
-    unpromised=lambda gear: "it has a fixed number of steps per cycle, which no setting changes",
+    unpromised=lambda gear: "its number of steps per cycle is fixed",
 )

@@ -52,8 +52,8 @@ def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> S
     """
     if fidelity.solver != "generalized-alpha":
         raise InputError(
-            f"fidelity.solver is {fidelity.solver}; stick-slip needs generalized-alpha: without inertia "
-            "nothing slips."
+            f"fidelity.solver is {fidelity.solver}; stick-slip needs generalized-alpha: equilibria have no "
+            f"slip."
         )
     model = reduced_gear(gear)
     run = _resolved(gear, fidelity, options)
@@ -88,7 +88,8 @@ def _resolved(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     if refined.failed is not None:
         return run.invalid(
             Code.STEPS_NOT_CONFIRMED,
-            f"steps half as long, which should confirm the figures, fail: {refined.failed.outcome.message}",
+            f"the run in half the steps, which should confirm the metrics, fails: "
+            f"{refined.failed.outcome.message}",
         )
     if refined.times and not refined.confirmed:
         return run.invalid(
@@ -113,7 +114,7 @@ def _change(coarse: Mapping[str, float], fine: Mapping[str, float]) -> float:
 
 NOTHING_FALLS = Remark(
     Code.FRICTION_NEVER_FALLS,
-    "no part's friction is larger at rest than in motion, so that the gear cannot stick and slip: choose "
+    "the gear cannot stick and slip, because no part's friction is larger at rest than in motion: choose "
     "friction_law stribeck or bristle and a static_ratio above 1 for mesh, yoke, bush or bearing",
 )
 
@@ -166,5 +167,5 @@ SCENE = Scene(
     chart="stick_slip",
     needs_inertia=True,
     revolutions=None,
-    unpromised=lambda gear: "it has steps of its own, which no setting changes",
+    unpromised=lambda gear: "its steps are fixed by the scene",
 )

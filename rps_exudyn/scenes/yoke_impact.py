@@ -40,8 +40,8 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
     """
     if fidelity.solver != "generalized-alpha":
         raise InputError(
-            f"fidelity.solver is {fidelity.solver}; yoke-impact needs generalized-alpha: without inertia "
-            "nothing hits."
+            f"fidelity.solver is {fidelity.solver}; yoke-impact needs generalized-alpha: equilibria have "
+            f"no impacts."
         )
     chosen = fidelity.with_bending()
     chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, WIDEST_ZONE)})
@@ -67,8 +67,8 @@ def _rigid(fidelity: Fidelity) -> Remark | None:
         return None
     return Remark(
         Code.RACK_RIGID,
-        "the rack is rigid (fidelity.rack): its bending is missing, without which the default gear's impulse "
-        "is 45 % too small and its end moves a twentieth as far; choose flexible, with fidelity.mesh = flank "
+        "the rack is rigid (fidelity.rack): without bending the default gear's impulse is 45 % too small "
+        "and its end moves a twentieth as far; choose flexible, with fidelity.mesh = flank "
         "and fidelity.bush = condensed",
     )
 

@@ -49,14 +49,14 @@ class YokeSetting:
         """
         if self.preload < 0:
             raise InputError(
-                f"test.back_off leaves the yoke's spring loose: it would press with {self.preload:.4g} N; "
+                f"test.back_off unloads the yoke's spring: its force would be {self.preload:.4g} N; "
                 "turn the cap back by less, or tighten it with more torque."
             )
         try:
             return gear.replace({"yoke.clearance": self.clearance, "yoke.preload": self.preload})
         except InputError as error:
             raise InputError(
-                f"test.cap_torque and test.back_off set what no gear may have: {problem}"
+                f"test.cap_torque and test.back_off give a gear outside the limits: {problem}"
                 for problem in error.problems
             ) from None
 
@@ -97,7 +97,7 @@ def yoke_set(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sce
     maneuvers = maneuvers_of_test(as_set, "pinion", fidelity.step_angle, options.least_steps)
     pressing = Remark(
         Code.CAP_PRESSES,
-        "the cap still presses the plunger: it is turned back by less than its compression",
+        "the cap still presses the plunger: test.back_off is smaller than its compression",
     )
     figures = {
         "cap_force": setting.cap_force,

@@ -123,7 +123,7 @@ def kept_by(run: Run, wanted: Wanted, gear: SteeringGear, first: Fidelity) -> Re
         f"in half the steps and finer strips {_named(wanted)} differs by {refined.change:.2g} %{_rms(wanted)}"
     )
     if not refined.confirmed:
-        return _finding(refined.finest[0], f"NOT reached: {found} from this one", Code.ACCURACY_NOT_REACHED)
+        return _finding(refined.finest[0], f"NOT reached: {found} from this run", Code.ACCURACY_NOT_REACHED)
     result, fidelity = refined.runs[-2]
     text, *codes = vibrating(run, wanted, gear, fidelity)
     return _finding(result, found + text, *codes)
@@ -144,14 +144,16 @@ def vibrating(
     try:
         still, moved = run(part, fidelity), run(part, moving)
     except InputError as beyond:  # the first pitches of a way from lock to lock may lie elsewhere
-        return _not_promised(f"whether the gear vibrates at this speed is not known, {beyond}")
+        return _not_promised(f"it is unknown whether the gear vibrates at this speed, {beyond}")
     if not (still.status is Status.OK and moved.status is Status.OK):
-        return _not_promised(f"dynamics, which would show vibration, end {moved.status}, {moved.message}")
+        return _not_promised(
+            f"the dynamic run that would show vibration ends {moved.status}, {moved.message}"
+        )
     error = wanted.error(part, (still, fidelity), (moved, moving))
     if error <= AGREED * wanted.percent:
         return (f", dynamics by {error:.2g} %",)
     return _not_promised(
-        f"at this speed the gear vibrates, dynamics differ by {error:.2g} % RMS from "
+        f"the gear vibrates at this speed: dynamics differ by {error:.2g} % RMS from "
         "equilibria, and by more in shorter steps"
     )
 

@@ -46,9 +46,9 @@ class Batch:
     """What became of n gears, in the order of the table's rows. All values are SI.
 
     Attributes:
-        results: of the rows that were simulated one by one; None where gears were followed together.
+        results: of the rows that were simulated one by one; None where gears were computed together.
         found: these; None if none were.
-        alone: why all rows were simulated one by one; "" if single rows were for their own outcome.
+        single_run_reason: why all rows were simulated one by one; "" if they were not.
 
     Examples:
         >>> gears = rps.batch("free-pinion-torque", rps.SteeringGear(), {"mesh.friction": [0.05, 0.1]})
@@ -58,14 +58,19 @@ class Batch:
 
     results: tuple[Result | None, ...]
     found: Together | None = None
-    alone: str = ""
+    single_run_reason: str = ""
 
     def __len__(self) -> int:
         return len(self.results)
 
     @property
+    def alone(self) -> str:
+        """The former name of `single_run_reason`."""
+        return self.single_run_reason
+
+    @property
     def in_loop(self) -> np.ndarray:
-        """Which rows were followed together, shape (n,), see `batch`."""
+        """Which rows were computed together, shape (n,), see `batch`."""
         return np.array([result is None for result in self.results], dtype=bool)
 
     @property
@@ -144,10 +149,10 @@ def batch(
     Each row is a gear of its own; one that cannot exist is a row with the status `invalid`, and its message
     states why.
 
-    The gears of a free pinion torque, a load test or a rack push are followed together, several times as fast
+    The gears of a free pinion torque, a load test or a rack push are computed together, several times as fast
     as one by one: by the same equations at the same instants, with means within 1e-5 and other metrics mostly
     within 1e-3 of single runs. What is not supported (`together.UNSUPPORTED`) or not found well within the
-    bounds of all checks is simulated one by one; `Batch.in_loop` and `Batch.alone` record it. So are tables
+    bounds of all checks is simulated one by one; see `in_loop` and `single_run_reason`. So are tables
     of few gears.
 
     Args:
@@ -177,14 +182,14 @@ def batch(
     if "mesh.law" not in values:
         gear = with_law(gear, chosen, chosen_scene.law, values)
     kept = chosen_scene.test.curve if keep == "torque" and chosen_scene.test else None
-    found, alone = _together(scene, gear, values, chosen, ranges, kept)
+    found, single_run_reason = _together(scene, gear, values, chosen, ranges, kept)
     return Batch(
         tuple(
             None if found is not None and found.ended[i] else _row(scene, gear, row, chosen)
             for i, row in enumerate(rows)
         ),
         found,
-        alone,
+        single_run_reason,
     )
 
 

@@ -144,8 +144,8 @@ def _check_reach(
     scene, floor = tables[0].scene, min(table.floor for table in tables)
     if wanted < floor:
         raise InputError(
-            f"--accuracy is {wanted:g} %; the references of {scene} are known to {floor:.2g} %, "
-            "which is the strictest that can be promised."
+            f"--accuracy is {wanted:g} %; the references of {scene} are known to {floor:.2g} %, and no "
+            f"stricter accuracy can be promised."
         )
     known = [(each, table) for table in tables for each in table.known(gear, presets)]
     if not known:
@@ -165,15 +165,13 @@ def _instead_of(first: SceneTable, taken: SceneTable) -> str:
     if taken is first:
         return ""
     best = min(each.promised for each in first.settings)
-    return f"; promised is {taken.quantity} alone, of {first.quantity} {best:.2g} % at best"
+    return f"; the promise is for {taken.quantity}; for {first.quantity} it is {best:.2g} % at best"
 
 
 def beyond_promise(gear: SteeringGear) -> str:
     """Return why the table promises nothing for this gear; empty if it does."""
     if GearPair.of(gear).slowest_sliding < LEAST_SLIDING:
-        return (
-            "; NOT promised for this gear, whose teeth hardly slide at the pitch point: friction jumps there"
-        )
+        return "; NOT promised for this gear: its teeth hardly slide at the pitch point, where friction jumps"
     return ""
 
 
@@ -201,7 +199,7 @@ def _beside(gear: SteeringGear, fidelity: Fidelity) -> str:
         return ""
     only = "; closed form and general contact do not model it and are not considered"
     left_out = only if gear.mesh.contact_law == "teeth" else ""
-    return f"; this is the numerical error alone, and beside it {law.clause}{left_out}"
+    return f"; this is the numerical error; in addition, {law.clause}{left_out}"
 
 
 def _why(taken: Setting, table: SceneTable, gear: SteeringGear, wanted: float, enough: int) -> str:
@@ -210,7 +208,7 @@ def _why(taken: Setting, table: SceneTable, gear: SteeringGear, wanted: float, e
     knobs += [f"{name} {value:g}" for name, value in taken.settings.items()]
     per = scene_named(table.scene).unit_of_cost
     return (
-        f"{taken.preset}, {', '.join(knobs) or 'unmodified'}: the cheapest of {enough} settings that keep "
+        f"{taken.preset}, {', '.join(knobs) or 'unmodified'}: the cheapest of {enough} settings within "
         f"{wanted:g} %; it promises {taken.promised:.2g} % of {table.quantity} (half of {table.gears} "
         "random gears stay below "
         f"{taken.median:.2g} %) at about {1e3 * cost:.2g} ms of CPU time per {per}"

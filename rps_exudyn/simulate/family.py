@@ -219,7 +219,7 @@ def _perturbed(gear: SteeringGear, steps: Sequence[tuple[Ends, float]]) -> list[
 def _singly(
     maneuver: Maneuver, series: GearSeries, record: np.ndarray, angles: np.ndarray
 ) -> tuple[np.ndarray, float] | None:
-    """Places (k, 8) at the mesh, beside what rigid bodies do, of the gear of a series from a settled start,
+    """Places (k, m) at the mesh, beside what rigid bodies do, of the gear of a series from a settled start,
     by the path of single runs, and what its force depends on that start; None where it is not found or does
     not settle."""
     travel = travel_per_radian(series.body, float(series.pair.gain))

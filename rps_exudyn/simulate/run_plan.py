@@ -121,7 +121,7 @@ def _reported(result: Result, tries: list[dict[str, Any]]) -> Result:
         codes = each_once([Code.OTHER_SETTINGS, *codes])
         message = "; ".join([*failures, f"ok with {_shown(last)}", *remarks])
     else:
-        message = f"{result.message}; nor did {len(failures)} safer settings"
+        message = f"{result.message}; {len(failures)} safer settings did not help"
     return replace(result, findings=findings, codes=codes, message=message)
 
 

@@ -51,22 +51,23 @@ GAIN = ("pinion.normal_module", "rack.tooth_angle")  # from lock to lock each ge
 
 UNSUPPORTED = {
     "scene": "the gears of this scene are run singly",
-    "fidelity": "many gears are followed together only by the fidelity quasi-static",
-    "parts": "a bow, a side force, the weight of the rack, listed pitch errors or a back that slopes ask for "
-    "single runs",
-    "friction": "bristles, or friction of the plunger in its bore, ask for single runs",
-    "conditions": "temperature, wear or a grease asks for single runs",
+    "fidelity": "many gears are computed together only by the fidelity quasi-static",
+    "parts": "a bow, a side force, the rack's weight, listed pitch errors or a sloping back need single runs",
+    "friction": "bristles, or friction of the plunger in its bore or along the pinion, need single runs",
+    "conditions": "temperature, wear or a grease needs single runs",
     "parameter": "gears that differ in {path} are run singly",
-    "text": "the values of {path} are no plain numbers",
-    "few": "the table has too few gears to be followed together, or its middle gear is not found",
+    "text": "the values of {path} are not plain numbers",
+    "few": "the table has too few gears to be computed together, or its middle gear is not found",
 }
-"""All reasons for which no gears of a table are followed together."""
+"""All reasons for which no gears of a table are computed together."""
 
 
 def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, values: Mapping[str, Any]) -> str:
-    """Return why the gears of a table cannot be followed together, or ""."""
+    """Return why the gears of a table cannot be computed together, or ""."""
     usual = Fidelity.preset("quasi-static")
-    same = fidelity.replace({"step_angle": usual.step_angle, "strip_stations": usual.strip_stations})
+    free = "step_angle", "strip_stations", "pinion"
+    same = fidelity.replace({name: getattr(usual, name) for name in free})
+    supported = fidelity.pinion == "supported"
     listed = gear.rack.pitch_errors or gear.pinion.pitch_errors or gear.rack.back_parallelism
     parts = gear.rack.bow or gear.rack.side_force or gear.installation.gravity or listed
     reasons = {
@@ -75,7 +76,8 @@ def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, value
         "parts": bool(parts),
         "conditions": not is_new(gear),
         "friction": any(getattr(gear, part).facts.has_state for part in RUBBING_PARTS)
-        or bool(gear.yoke.bore_friction or gear.yoke.bore_damping),
+        or bool(gear.yoke.bore_friction or gear.yoke.bore_damping)
+        or bool(supported and gear.pinion.axial_friction),
     }
     if reason := next((name for name, holds in reasons.items() if holds), ""):
         return UNSUPPORTED[reason]
@@ -270,7 +272,7 @@ def can_exist(gear: SteeringGear, fidelity: Fidelity, settings: Mapping[str, flo
 
 @dataclass(frozen=True, eq=False)
 class _Followed:
-    """Gears of a table that were followed together and pass all checks.
+    """Gears of a table that were computed together and pass all checks.
 
     Attributes:
         common: what they have in common.

@@ -112,8 +112,8 @@ def beyond_formulas(gear: SteeringGear) -> str:
     pinion, lift = gear.pinion, gear.pinion.runout
     if lift >= gear.yoke.clearance:
         return (
-            f"the formulas have no yokenut, and a runout of {1e6 * lift:.4g} um uses up "
-            f"yoke.clearance = {1e6 * gear.yoke.clearance:.4g} um"
+            f"the formulas have no yokenut, but a runout of {1e6 * lift:.4g} um exceeds yoke.clearance = "
+            f"{1e6 * gear.yoke.clearance:.4g} um"
         )
     unknown: dict[str, object] = {
         "installation.angle_error": gear.installation.angle_error,

@@ -44,7 +44,7 @@ class Start:
 
     unsettled: float  # by how much the drive's force depends on it, over its largest
     settles_in: float  # time of steady motion after which it does not any more [s]
-    led_over: float  # time of steady motion that the rack's teeth allow before the start [s]
+    approach_time: float  # time of steady motion that the rack's teeth allow before the start [s]
     unsettled_behind: float = 0.0  # by how much the force over the first tooth pitch depends on it at most
 
 
@@ -199,19 +199,19 @@ def equilibrium_path(
     pair: GearPair,
     drive: Drive,
     time: np.ndarray,
-    led: EquilibriumPath | None = None,
+    approach_path: EquilibriumPath | None = None,
     column: ColumnModel | None = None,
 ) -> EquilibriumPath:
     """Follow the equilibria at rising times [s] of a drive's motion.
 
-    Where none is found from the instant before, one halfway to it is looked for first. `led` is a path along
-    the first of these times, which is not followed again; what it cost is counted. With a column the drive is
-    that of its upper end.
+    Where none is found from the instant before, one halfway to it is looked for. `approach_path` is a path
+    along the first of these times, which is not followed again; what it cost is counted. With a column the
+    drive is that of its upper end.
 
     Raises:
         PathInterrupted: Ctrl-C; it carries the path until then.
     """
-    following = _Following.of(balance, pair, drive, np.asarray(time, dtype=float), led, column)
+    following = _Following.of(balance, pair, drive, np.asarray(time, dtype=float), approach_path, column)
     interrupted = False
     try:
         while not following.whole:
@@ -241,7 +241,7 @@ class _Following:
     lengths: np.ndarray  # of all coordinates
     column: np.ndarray  # of `follower.Column`
     masses: np.ndarray  # of what is accelerated as the path is, one for each coordinate
-    led: EquilibriumPath | None  # path along the first instants
+    approach_path: EquilibriumPath | None  # path along the first instants
     found: int = 0  # instants
     counts: np.ndarray = field(
         default_factory=lambda: np.zeros(3, dtype=int)
@@ -257,7 +257,7 @@ class _Following:
         pair: GearPair,
         drive: Drive,
         time: np.ndarray,
-        led: EquilibriumPath | None,
+        approach_path: EquilibriumPath | None,
         column: ColumnModel | None,
     ) -> "_Following":
         """Begin with the guess for the first instant, or behind a path that leads along the first ones."""
@@ -274,15 +274,15 @@ class _Following:
             springs = (tyre.stiffness, tyre.relaxed) if tyre is not None else (0.0, 0.0)
             given = column.stiffness, column.damping, column.bend, column.phase
             numbers = np.array([1.0, *given, *springs])
-        following = cls(balance, pair, drive, rows, free, lengths, numbers, masses, led)
+        following = cls(balance, pair, drive, rows, free, lengths, numbers, masses, approach_path)
         reset(balance.memory)
         balance.memory[1, TIME] = time[0]
-        if led is not None and (len(led.time) > 1 or column is not None):
-            following.found, following.unbalanced = rows.take_over(led), led.residual
-            following.rescues = led.rescues
-            following.counts += led.evaluations, led.iterations, led.tangents
+        if approach_path is not None and (len(approach_path.time) > 1 or column is not None):
+            following.found, following.unbalanced = rows.take_over(approach_path), approach_path.residual
+            following.rescues = approach_path.rescues
+            following.counts += approach_path.evaluations, approach_path.iterations, approach_path.tangents
             return following
-        following.led = None
+        following.approach_path = None
         first = rows.coordinates[0].copy()
         first[: balance.size] = starting_guess(pair, drive.pinion_angle(pair.gain, time[0]), balance.size)
         first[RACK + 1] += TYPICAL_APPROACH - pair.axis_offset - balance.approach
@@ -459,12 +459,15 @@ class _Rows:
         asked = np.ones(t, dtype=bool)
         return cls(time, asked, coordinates, rates, forces, applied, outputs, kept, hand, column)
 
-    def take_over(self, led: EquilibriumPath) -> int:
+    def take_over(self, approach_path: EquilibriumPath) -> int:
         """Take over the instants of a path; return how many."""
-        found, size = len(led.time), led.coordinates.shape[1]
-        self.coordinates[:found, :size], self.rates[:found, :size] = led.coordinates, led.rates
-        self.forces[:found, :size] = led.forces
-        self.outputs[:found], self.kept[:found] = led.outputs, led.kept
+        found, size = len(approach_path.time), approach_path.coordinates.shape[1]
+        self.coordinates[:found, :size], self.rates[:found, :size] = (
+            approach_path.coordinates,
+            approach_path.rates,
+        )
+        self.forces[:found, :size] = approach_path.forces
+        self.outputs[:found], self.kept[:found] = approach_path.outputs, approach_path.kept
         return found
 
     @property

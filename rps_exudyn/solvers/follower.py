@@ -49,7 +49,7 @@ PATIENCE, PROGRESS = 15, 0.9  # steps of a creeping gear in which the residual m
 ACCEPT = 0.05  # residual [N] from which a step of many gears is not evaluated
 
 X, Y, Z, YAW, PITCH = 1, 2, 3, 5, 6  # coordinates of the rack
-RIGID = 8  # coordinates whose motion is known beforehand
+RIGID = 8  # coordinates whose motion is known beforehand of a single gear
 
 
 @inline
@@ -253,13 +253,14 @@ def add_column_to(  # type: ignore[no-untyped-def]
 # --- the follower ----------------------------------------------------------------------------------
 @inline
 def fill_rates(q, known, known_rates, base, per_time, free, u, w, v):  # type: ignore[no-untyped-def]
-    """Fill the rates that the path has at q; `per_time` 0 leaves those that are given."""
+    """Fill the rates that the path has at q; `per_time` 0 leaves those that are given. Of the first
+    coordinates the motion is known beforehand."""
     if per_time == 0:
         return
     at_mesh(q, u)
     put(v, w)
     for i in free:
-        if i < RIGID:
+        if i < known.size:
             w[i] = known_rates[i] + (u[i] - known[i] - base[i]) * per_time
         else:
             w[i] = (u[i] - base[i]) * per_time
@@ -276,7 +277,7 @@ def place_at(d, known, free, u, q):  # type: ignore[no-untyped-def]
     """Fill the free coordinates from a deviation at the mesh; the others are given in q."""
     put(q, u)
     for i in free:
-        u[i] = d[i] + (known[i] if i < RIGID else 0.0)
+        u[i] = d[i] + (known[i] if i < known.size else 0.0)
     for i in free:
         q[i] = u[i]
         if i == Y:
@@ -379,8 +380,8 @@ def follow(  # type: ignore[no-untyped-def]
         first: number of the first instant to find.
         time: instants (t,) [s].
         per_pitch: even instants in a tooth pitch, 0 if no whole number.
-        known: motion known beforehand, places at the mesh (g, t, 8).
-        known_rates: its rates (g, t, 8).
+        known: motion known beforehand of the first coordinates, places at the mesh (g, t, .).
+        known_rates: its rates, likewise.
         free: numbers of the unknown coordinates.
         lengths: turn all coordinates into lengths [m], (n,).
         applied: what acts besides and counts among the forces, (t, n).
@@ -412,7 +413,7 @@ def follow(  # type: ignore[no-untyped-def]
     for g in range(gears.shape[0]):
         for k in range(first):
             at_mesh(coordinates[g, k], found[k])
-            for i in range(RIGID):
+            for i in range(known.shape[2]):
                 found[k, i] -= known[g, k, i]
         evaluations, iterations, tangents, left, norm = 0, 0, 0, 0.0, 0.0
         ended[g] = time.size
@@ -563,7 +564,7 @@ def follow(  # type: ignore[no-untyped-def]
                 for i in range(2):
                     put(memory[i], kept[g, k, i])
             at_mesh(q, found[k])
-            for i in range(RIGID):
+            for i in range(known.shape[2]):
                 found[k, i] -= known[g, k, i]
             put(q, coordinates[g, k])
             put(v, rates[g, k])

@@ -215,14 +215,14 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         pool = np.concatenate([pool, numbers, of_ideal])
     if (mesh.law, bar is not None) not in LAWS:
         instead = choice_instead("mesh.law", mesh.law)
-        raise InputError(f"mesh.law is {mesh.law!r}, which earlier versions had: {instead}.")
+        raise InputError(f"mesh.law is {mesh.law!r}, which only earlier versions have: {instead}.")
     law = LAWS[mesh.law, bar is not None]
     approach = static_approach(gear.yoke.preload, LAWS[mesh.law, False], ideal, pool, pair.axis_offset)
     supported = np.zeros(0)
     if fidelity.pinion == "supported":
         gears["support"], gears["is_supported"] = pinion_support.support_record(gear, patches), 1
-        supported, sunk = pinion_support.at_rest(gears.view(np.recarray)[0].support, gear.yoke.preload)
-        approach += sunk
+        supported, sunk = pinion_support.at_rest(gears["support"][0], gear.yoke.preload)
+        approach += float(sunk)
     rest_gap = approach + yoke.seat_under(gear).depth
     gears["seat"] = yoke.seat_record(gear, friction_zone=zone, rest_gap=rest_gap, patches=patches)
     gears["spring"], gears["nut"] = yoke.spring_record(gear), yoke.nut_record(gear)

@@ -152,6 +152,7 @@ WORK = record_type(
         ("points", "f8", (MOST_POINTS, 4)),  # of the seat
         ("rubbed", "f8", (PATCH_SUMS,)),  # its sums of bristles
         ("slip", "f8", (MOST_COORDINATES,)),  # rates with which contacts slip
+        ("of_fit", "f8", (4, 4)),  # elastic stiffness of rack and bush
         ("on_carrier", "f8", (6,)),
     ]
 )
@@ -321,7 +322,8 @@ def _add_others(gear, work, factor_q, factor_v, by_rate):  # type: ignore[no-unt
         sliding = rates_of(gear.bore.law, work)[7]
         by_bore = by_rate if gear.bore.law.has_state else factor_v
         near[7, 7] += by_bore * bore_force(sliding, gear.bore, memory, out[_BORE : _BORE + 7])
-    bearing_force(turning, gear.bearing, memory, out[_BEARING : _BEARING + 7])
+    load = out[_SUPPORT + 6] + out[_SUPPORT + 7] if gear.is_supported else 0.0
+    bearing_force(turning, load, gear.bearing, memory, out[_BEARING : _BEARING + 7])
     if factor_q == 0 and factor_v == 0:
         return
     at = gear.seat, memory, work.rubbed, work.points
@@ -330,7 +332,7 @@ def _add_others(gear, work, factor_q, factor_v, by_rate):  # type: ignore[no-unt
     near[7, 7] -= factor_q * gear.spring.rate
     near[7, 7] += nut_slope(place[7], work.ended[7], gear.nut, factor_q, factor_v)
     by_turning = by_rate if gear.bearing.law.has_state else factor_v
-    near[0, 0] += by_turning * bearing_slope(turning, gear.bearing, memory)
+    near[0, 0] += by_turning * bearing_slope(turning, load, gear.bearing, memory)
 
 
 @inline
@@ -374,11 +376,11 @@ def finish(q, v, gear, work, factor_q, factor_v, by_rate, total, tangent):  # ty
         on_carrier = work.on_carrier
         for i in range(6):
             segment[i] = work.slip[8 + i] if gear.fit.law.has_state else v[8 + i]
-        carried_fit_force(rack, rate, q[8:14], segment, gear.fit, memory, bush, on_carrier)
+        carried_fit_force(rack, rate, q[8:14], segment, gear.fit, memory, bush, work.of_fit, on_carrier)
         for i in range(6):
             total[8 + i] = on_carrier[i]
     else:
-        held_fit_force(rack, rate, gear.fit, memory, bush)
+        held_fit_force(rack, rate, gear.fit, memory, bush, work.of_fit)
     _add_loads(rack, gear, out)
     _add_support(gear, work, total)
     for i in range(6):
@@ -396,7 +398,8 @@ def finish(q, v, gear, work, factor_q, factor_v, by_rate, total, tangent):  # ty
     if gear.is_carried:
         _carried_tangent(q, rate, segment, gear, work, factor_q, by_sliding, tangent)
     else:
-        add_fit_tangent(rack, rate, gear.fit, memory, factor_q, by_sliding, work.near[1:7, 1:7])
+        of_fit, near = work.of_fit, work.near[1:7, 1:7]
+        add_fit_tangent(rack, rate, gear.fit, memory, of_fit, factor_q, by_sliding, near)
         size = near_size(gear)
         for i in range(size):
             for j in range(size):
@@ -418,7 +421,7 @@ def _carried_tangent(q, rate, segment, gear, work, factor_q, factor_v, tangent):
     rack, relative, fit = np.empty(6), np.empty(6), np.zeros((6, 6))
     for i in range(6):
         rack[i], relative[i] = q[1 + i], rate[i] - segment[i]
-    add_fit_tangent(rack, relative, gear.fit, work.contact.memory, factor_q, factor_v, fit)
+    add_fit_tangent(rack, relative, gear.fit, work.contact.memory, work.of_fit, factor_q, factor_v, fit)
     n = tangent.shape[0]
     for i in range(n):
         for j in range(n):
@@ -481,12 +484,13 @@ def finish_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v, by_rate, tot
         fill_pose(q, work.slip, sections, -1.0, bar, pose)
     else:
         fill_pose(q, v, sections, -1.0, bar, pose)
-    held_fit_force(pose[POSE], pose[RATE], gear.fit, memory, out[_BUSH : _BUSH + 13])
+    held_fit_force(pose[POSE], pose[RATE], gear.fit, memory, out[_BUSH : _BUSH + 13], work.of_fit)
     for i in range(6):
         forces[i] = out[_BUSH + i]
     add_to_bar(total, forces, pose, sections, -1.0, bar)
     if wanted:
-        add_fit_tangent(pose[POSE], pose[RATE], gear.fit, memory, factor_q, by_sliding, local)
+        of_fit = work.of_fit
+        add_fit_tangent(pose[POSE], pose[RATE], gear.fit, memory, of_fit, factor_q, by_sliding, local)
         fill_pose_by_bar(pose, sections, -1.0, bar, by)
         add_products(by[1:7], 6, local, tangent)
         add_geometric(tangent, forces, sections, -1.0, factor_q, bar)

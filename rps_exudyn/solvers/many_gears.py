@@ -15,13 +15,14 @@ from numpy.polynomial import chebyshev
 from rps_exudyn.base.compiled import ready
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, PINION, PLUNGER, RACK
 from rps_exudyn.forces.friction import PLAIN
+from rps_exudyn.forces.pinion_support import at_rest
 from rps_exudyn.forces.yoke import pressed_seat
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import GRAVITY
-from rps_exudyn.solvers.follower import ACCEPT, NO_COLUMN, RIGID, follow
+from rps_exudyn.solvers.follower import ACCEPT, NO_COLUMN, follow
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.gear_model import GEAR, OUTPUTS
 from rps_exudyn.solvers.prescribed_motion import DrivenBody
@@ -186,9 +187,10 @@ def _polynomials(places: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.n
 # --- motion ----------------------------------------------------------------------------------------
 @dataclass(frozen=True, eq=False)
 class Known:
-    """Places at the mesh beside what rigid bodies do: of a reference gear, and what features add to them."""
+    """Places at the mesh beside what rigid bodies do, and of a pinion on its supports: of a reference gear,
+    and what features add to them."""
 
-    places: np.ndarray  # (1 + f, k, 8), per feature from the second on
+    places: np.ndarray  # (1 + f, k, m), m coordinates; per feature from the second on
     rates: np.ndarray  # the same, by the follower's differences
 
     @classmethod
@@ -205,7 +207,7 @@ class Known:
         return Known(self.places[:, first:], self.rates[:, first:])
 
     def of_gears(self, features: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return places and rates of gears with features (n, f); shape (n, k, 8)."""
+        """Return places and rates of gears with features (n, f); shape (n, k, m)."""
         weights = np.column_stack([np.ones(len(features)), features])
         places, rates = (np.tensordot(weights, values, 1) for values in (self.places, self.rates))
         return places, rates
@@ -244,12 +246,12 @@ class GearSeries:
 
     def rigid(self, records: np.ndarray, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return places of gears (n,) by gain and runout at angles (k,) of the pinion, and their rates; shape
-        (n, k, 8)."""
-        flank, speed = records["mesh"]["flank"], self.speed
+        (n, k, m), supports at 0."""
+        flank, speed, size = records["mesh"]["flank"], self.speed, self.forces.statics.size
         towards_e, towards_y, gain = (flank[name][:, None] for name in ("eccentric_e", "eccentric_y", "gain"))
         sin, cos = np.sin(angles), np.cos(angles)
         across, lift = towards_y * sin + towards_e * cos, towards_y * cos - towards_e * sin
-        places, rates = (np.zeros((len(records), len(angles), RIGID)) for _ in range(2))
+        places, rates = (np.zeros((len(records), len(angles), size)) for _ in range(2))
         places[..., RACK], rates[..., RACK] = gain * angles, gain * speed
         places[..., PINION], rates[..., PINION] = -angles, -speed
         if self.body == "rack":
@@ -267,11 +269,13 @@ class GearSeries:
         along Y there (n,) [m], and which teeth carry the preload (n,)."""
         ideal, n = records.copy(), len(records)
         flank, spring = ideal["mesh"]["flank"], records["spring"]
-        flank["friction"], flank["law"] = 0.0, PLAIN
+        flank["friction"], flank["law"], ideal["is_supported"] = 0.0, PLAIN, 0
         flank["eccentric_e"] = flank["eccentric_y"] = 0.0
         x, y, residual = np.zeros(n), flank["axis_offset"] - TYPICAL_APPROACH, np.zeros(n)
         loads, works = np.ascontiguousarray(spring["preload"]), self.forces.works
         ready(find_approach)(ready(self.forces.law), loads, x, y, ideal, self.forces.pool, works, residual)
+        if len(self.forces.supported):
+            y -= at_rest(records["support"], loads)[1]
         seat, made = records["seat"], records.copy()
         density, form = 2 * seat["half_length"] * seat["density"], (seat["over_y"], seat["over_z"])
         made["seat"]["rest_gap"] = pressed_seat(loads, density, seat["half_angle"], *form).depth - y
@@ -287,6 +291,7 @@ class GearSeries:
     ) -> Found:
         """Follow gears (n,) with features (n, f) over even angles (k,) [rad] at which motion is known."""
         balance, n, k = self.forces.statics, len(records), len(angles)
+        m = balance.size
         gears, resting, carried = self.adjusted(records)
         places, rates = self.rigid(gears, angles)
         beside, turning = known.of_gears(features)
@@ -301,7 +306,7 @@ class GearSeries:
         speeds[..., Y] += rates[..., RACK] * pitch + x * rates[..., PITCH]
         speeds[..., Z] -= rates[..., RACK] * yaw + x * rates[..., YAW]
         time = np.abs(angles - angles[0]) / abs(self.speed)
-        forces, outputs = np.zeros((n, k, RIGID)), np.zeros((n, k, OUTPUTS))
+        forces, outputs = np.zeros((n, k, m)), np.zeros((n, k, OUTPUTS))
         ended, counts = np.zeros(n, dtype=np.int64), np.zeros((n, 5))
         ready(follow)(
             ready(self.forces.law),
@@ -312,10 +317,10 @@ class GearSeries:
             rates,
             balance.free(driven),
             balance.lengths,
-            np.zeros((k, RIGID)),
+            np.zeros((k, m)),
             NO_COLUMN,
             np.zeros(k),
-            np.zeros(RIGID),
+            np.zeros(m),
             ACCEPT,
             coordinates,
             speeds,
@@ -343,8 +348,8 @@ class GearSeries:
         return Found(record, carried & (ended == k), resting, taken)
 
     def beside_rigid(self, found: Found, records: np.ndarray, angles: np.ndarray) -> np.ndarray:
-        """Return the places (n, k, 8) at the mesh of gears that were found, beside gain, runout and where the
-        preload presses the rack."""
+        """Return the places (n, k, m) at the mesh of gears that were found, beside gain, runout and where
+        the preload presses the rack."""
         at, (rigid, _) = found.record.coordinates.copy(), self.rigid(records, angles)
         x = at[..., RACK].copy()
         at[..., Y] -= x * at[..., PITCH]

@@ -28,13 +28,7 @@ from rps_exudyn.solvers.equilibrium import SETTLED, EquilibriumPath, Start
 from rps_exudyn.solvers.gear_forces import GearForces
 from rps_exudyn.solvers.gear_model import COLUMNS
 from rps_exudyn.solvers.prescribed_motion import OVERCOME, Drive, DrivenBody
-from rps_exudyn.solvers.steering_column import (
-    ColumnModel,
-    TyreSpring,
-    driven_place,
-    driven_rate,
-    of_column,
-)
+from rps_exudyn.solvers.steering_column import ColumnModel, TyreSpring, WheelTorque
 
 WORK = {
     "work_mesh_friction",
@@ -374,3 +368,78 @@ def contact_disagreement(record: Record) -> float:
 def _work(power: np.ndarray, time: np.ndarray) -> np.ndarray:
     """Integral of a power (..., n) [W] from the start [J]; of an empty record an empty one."""
     return integral_from_start(power, time) if time.size else np.zeros(0)
+
+
+# --- Wheel and column in a recorded motion
+
+
+def driven_rate(record: Record) -> np.ndarray:
+    """Return the rate of the driven body in the sense of travel along +X, shape (n,) [rad/s or m/s]."""
+    if record.driven == "rack":
+        return record.of_rates("rack")[..., 0]
+    if record.driven == "wheel":
+        assert record.wheel is not None
+        return record.wheel[:, 1]
+    return -record.of_rates("pinion")[..., 0]
+
+
+def driven_place(record: Record) -> np.ndarray:
+    """Return the place of the driven body in the sense of travel along +X, shape (n,) [rad or m]."""
+    if record.driven == "rack":
+        return record.of("rack")[..., 0]
+    if record.driven == "wheel":
+        assert record.wheel is not None
+        return record.wheel[:, 0]
+    return -record.of("pinion")[..., 0]
+
+
+def of_column(record: Record) -> dict[str, np.ndarray]:
+    """Return the signals of wheel and column at each instant, the power lost by the name of its work; {}
+    where the rig does not turn the wheel."""
+    column = record.column
+    if column is None or record.wheel is None:
+        return {}
+    angle, rate = record.wheel.T
+    ratio = column.ratio(angle)
+    twist = column.output(angle) + record.of("pinion")[:, 0]
+    twisting = ratio * rate + record.of_rates("pinion")[:, 0]
+    torque = column.torque(twist, twisting)
+    lost = column.damping * twisting**2
+    signals = {
+        "wheel_angle": angle,
+        "pinion_torque": torque,
+        "column_torque": ratio * torque,
+        "column_twist": column.own_share * twist,
+        "column_energy": 0.5 * column.stiffness * twist**2,
+        "work_column_damping": lost,
+    }
+    if column.own_share < 1:
+        signals["housing_displacement"] = -(1 - column.own_share) * column.gain * twist
+    return signals
+
+
+def under_torque(record: Record, column: ColumnModel, drive: WheelTorque, wheel: np.ndarray) -> Record:
+    """Return the record of a pinion as that of the wheel that a torque turns, with its angles and
+    rates (n, 2) [rad, rad/s]."""
+    return replace(
+        record,
+        drive=drive.torque(record.time),
+        driven="wheel",
+        wheel=wheel,
+        column=column,
+        tyre=drive.tyre,
+    )
+
+
+def behind_column(record: Record, column: ColumnModel, wheel: Drive) -> Record:
+    """Return the record of a driven pinion as that of the wheel whose motion leads to it."""
+    angle, rate = wheel.place(record.time), wheel.rate(record.time)
+    torque = column.ratio(angle) * record.drive + column.inertia * wheel.acceleration(record.time)
+    return replace(
+        record,
+        drive=torque,
+        driven="wheel",
+        energy=record.energy + 0.5 * column.inertia * rate**2,
+        wheel=np.column_stack([angle, rate]),
+        column=column,
+    )

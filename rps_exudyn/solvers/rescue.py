@@ -51,7 +51,7 @@ class Settling:
         return self.evaluate(*self.at(place), 0.0)[0][self.free]
 
     def tangent(self, place: np.ndarray) -> np.ndarray:
-        """Return their tangent; by differences where the gear yields without resistance."""
+        """Return their tangent; by differences where the gear has no stiffness against a force."""
         slope = self.evaluate(*self.at(place), self.per_time)[1][np.ix_(self.free, self.free)]
         if np.isfinite(slope).all() and np.linalg.matrix_rank(slope) == len(slope):
             return slope

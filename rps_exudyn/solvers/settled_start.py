@@ -116,15 +116,15 @@ def settled_path(
     start to settle. If no equilibria lead to the start, the gear starts where it rests without them, which
     may be far from where it will slide. Without an approach the start itself is such a place of rest.
     """
-    led = settled_start(balance, pair, drive, approach, time[:1])
-    path = equilibrium_path(balance, pair, drive, joined_instants(led, time), led)
-    return path if led is None else replace(path, start=led.start)
+    approach_path = settled_start(balance, pair, drive, approach, time[:1])
+    path = equilibrium_path(balance, pair, drive, joined_instants(approach_path, time), approach_path)
+    return path if approach_path is None else replace(path, start=approach_path.start)
 
 
-def joined_instants(led: EquilibriumPath | None, time: np.ndarray) -> np.ndarray:
+def joined_instants(approach_path: EquilibriumPath | None, time: np.ndarray) -> np.ndarray:
     """Return the instants of a path, if there is one, and of what follows it [s]: its last one is their
     first."""
-    return time if led is None else np.concatenate([led.time, time[1:]])
+    return time if approach_path is None else np.concatenate([approach_path.time, time[1:]])
 
 
 def start_of_motion(
@@ -156,7 +156,7 @@ def settled_behind(
     """Return the equilibrium at the start of a motion of the wheel, the column twisted by its torque.
 
     Raises:
-        LinAlgError: the gear yields without resistance.
+        LinAlgError: the gear has no stiffness against a force.
     """
     twist = 0.0
     for _ in range(TWISTS):

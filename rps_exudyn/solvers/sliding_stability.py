@@ -27,6 +27,7 @@ from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
 from rps_exudyn.solvers.prescribed_motion import Steady
 from rps_exudyn.solvers.settled_start import SteadyApproach, settled_path
+from rps_exudyn.solvers.steering_column import ColumnModel
 
 PERIODS = 9  # natural periods over which growth is averaged
 INSTANTS = 64  # of a tooth pitch at which the gear is linearised
@@ -188,7 +189,7 @@ def reduced_gear(gear: SteeringGear) -> Oscillator:
     """Return the reduced model of a gear and its column; parts by law coulomb are no larger at rest."""
     gain, (pinion, rack) = float(GearPair.of(gear).gain), following_inertia(gear)
     parts = tuple(_part(law, torque, lever) for law, torque, lever in _parts(gear))
-    column = gear.column
+    column = ColumnModel.of(gear)
     return Oscillator(pinion + rack * gain**2, column.stiffness, column.damping, parts)
 
 

@@ -7,37 +7,44 @@ pinion at phi,
 
 A universal joint with the bend beta turns its output by tan u = tan theta / cos beta, theta counted from
 where the wheel-side yoke's axis lies in the bend's plane.
+
+The housing's mounts stand in series: what turns the pinion by T pushes the rack by T / g and the housing back
+by T / (g k_m), which is a twist of T / (g^2 k_m). The rack's load, the gear's own friction among it, counts
+as held by the vehicle.
 """
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import numpy as np
 
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.prescribed_motion import Drive, SetOff, Steady
-
-if TYPE_CHECKING:
-    from rps_exudyn.solvers.record import Record
 
 Angle = np.ndarray | float
 
 
 @dataclass(frozen=True)
 class ColumnModel:
-    """Inertia, joint and spring between hand and pinion."""
+    """Inertia, joint and spring between hand and pinion; the housing's mounts yield with it."""
 
     inertia: float  # of the wheel [kg m^2]
     stiffness: float  # [N m/rad]
     damping: float  # [N m s/rad]
     bend: float  # of the joint [rad]
     phase: float  # of its wheel-side yoke at wheel angle 0 [rad]
+    own_share: float = 1.0  # of the twist that is the column's; the rest is that of the mounts
+    gain: float = 0.0  # of the gear: the housing's way along X over the mounts' twist [m/rad]
 
     @classmethod
     def of(cls, gear: SteeringGear) -> "ColumnModel":
-        """Return the column of a gear."""
-        given = gear.column
-        return cls(given.wheel_inertia, given.stiffness, given.damping, given.joint_angle, given.joint_phase)
+        """Return the column of a gear, in series with the mounts of its housing: their damping is that of
+        slow motion."""
+        given, gain = gear.column, float(GearPair.of(gear).gain)
+        mounts = gear.housing.mount_stiffness * gain**2
+        share = mounts / (given.stiffness + mounts) if mounts else 1.0
+        stiffness, damping = given.stiffness * share, given.damping * share**2
+        return cls(given.wheel_inertia, stiffness, damping, given.joint_angle, given.joint_phase, share, gain)
 
     def output(self, angle: Angle) -> np.ndarray:
         """Return the angle u behind the joint [rad], 0 at wheel angle 0, of the shape of the angles."""
@@ -160,75 +167,3 @@ class GrowingTorque(WheelTorque):
     def torque(self, time: Places) -> np.ndarray:
         """Return growth t, of the shape of the times [s]."""
         return np.asarray(self.growth * np.asarray(time))
-
-
-# --- Signals of the steering column in a recorded motion, and equilibria of the pinion seen from the wheel
-
-
-def driven_rate(record: "Record") -> np.ndarray:
-    """Return the rate of the driven body in the sense of travel along +X, shape (n,) [rad/s or m/s]."""
-    if record.driven == "rack":
-        return record.of_rates("rack")[..., 0]
-    if record.driven == "wheel":
-        assert record.wheel is not None
-        return record.wheel[:, 1]
-    return -record.of_rates("pinion")[..., 0]
-
-
-def driven_place(record: "Record") -> np.ndarray:
-    """Return the place of the driven body in the sense of travel along +X, shape (n,) [rad or m]."""
-    if record.driven == "rack":
-        return record.of("rack")[..., 0]
-    if record.driven == "wheel":
-        assert record.wheel is not None
-        return record.wheel[:, 0]
-    return -record.of("pinion")[..., 0]
-
-
-def of_column(record: "Record") -> dict[str, np.ndarray]:
-    """Return the signals of wheel and column at each instant, the power lost by the name of its work; {}
-    where the rig does not turn the wheel."""
-    column = record.column
-    if column is None or record.wheel is None:
-        return {}
-    angle, rate = record.wheel.T
-    ratio = column.ratio(angle)
-    twist = column.output(angle) + record.of("pinion")[:, 0]
-    twisting = ratio * rate + record.of_rates("pinion")[:, 0]
-    torque = column.torque(twist, twisting)
-    lost = column.damping * twisting**2
-    return {
-        "wheel_angle": angle,
-        "pinion_torque": torque,
-        "column_torque": ratio * torque,
-        "column_twist": twist,
-        "column_energy": 0.5 * column.stiffness * twist**2,
-        "work_column_damping": lost,
-    }
-
-
-def under_torque(record: "Record", column: ColumnModel, drive: WheelTorque, wheel: np.ndarray) -> "Record":
-    """Return the record of a pinion as that of the wheel that a torque turns, with its angles and
-    rates (n, 2) [rad, rad/s]."""
-    return replace(
-        record,
-        drive=drive.torque(record.time),
-        driven="wheel",
-        wheel=wheel,
-        column=column,
-        tyre=drive.tyre,
-    )
-
-
-def behind_column(record: "Record", column: ColumnModel, wheel: Drive) -> "Record":
-    """Return the record of a driven pinion as that of the wheel whose motion leads to it."""
-    angle, rate = wheel.place(record.time), wheel.rate(record.time)
-    torque = column.ratio(angle) * record.drive + column.inertia * wheel.acceleration(record.time)
-    return replace(
-        record,
-        drive=torque,
-        driven="wheel",
-        energy=record.energy + 0.5 * column.inertia * rate**2,
-        wheel=np.column_stack([angle, rate]),
-        column=column,
-    )

@@ -1,10 +1,11 @@
 """The gear in operation: what temperature and wear make of the parameters of a new gear at 20 degC.
 
     clearance     c = c_20 + dT (a_h (L_s + L_p) - a_s L_s - a_p L_p) + w     from rack's axis to yokenut
-    preload       P = P_20 (1 - 2.9e-4/K dT) - k (c - c_20)
+    preload       P = P_20 (1 - set) (1 - 2.9e-4/K dT) - k (c - c_20)
     wear          dw/dn = kappa P, hence w = P / k (1 - exp(-kappa k n))      Archard, n cycles
     liner         mu = mu_20 exp(E_a / R (1 / T - 1 / 293.15 K))              PTFE
-    bush          E = E_20 E_POM(T) / E_POM(20 degC)
+    bush          E = E_20 E_POM(T) / E_POM(20 degC);  clearance c = c_20 + r dT, r of a tube that the housing
+                  holds outside and at its ends; drag F = F_20 (i - r dT) / i where it presses by i at 20 degC
     base oil      nu = a exp(b / (T - T_0)) (Vogel), or log log (nu + 0.7) = A - B log T (Walther)
     grease drag   F = f nu rho v A / h                                        on the rack, of bush and seat
 
@@ -78,6 +79,8 @@ class OperatingGear(NamedTuple):
             "operating_clearance": yoke.clearance,
             "operating_yoke_friction": yoke.friction,
             "operating_viscous_drag": self.gear.bush.viscous_drag,
+            "operating_bush_clearance": self.gear.bush.clearance,
+            "operating_bush_drag": self.gear.bush.drag,
             "wear_liner": self.wear.liner,
             "wear_teeth": self.wear.teeth,
         }
@@ -95,13 +98,14 @@ def operating_gear(gear: SteeringGear) -> OperatingGear | None:
     conditions, yoke, bush = gear.conditions, gear.yoke, gear.bush
     warmer = conditions.temperature - REFERENCE_TEMPERATURE
     moved = warmer * clearance_per_kelvin(gear)
-    preload = yoke.preload * (1 - SPRING_SOFTENING * warmer) - yoke.spring_rate * moved
+    preload = yoke.preload * (1 - conditions.spring_set) * (1 - SPRING_SOFTENING * warmer)
+    preload -= yoke.spring_rate * moved
     if preload < 0:
         raise InputError(
-            f"conditions leave no preload: the yoke's spring would have to pull by {-preload:.4g} N; lower "
+            f"conditions leave no preload: the force of the yoke's spring would be {-preload:.4g} N; lower "
             "conditions.temperature or yoke.spring_rate."
         )
-    worn = wear(gear, preload)
+    worn, (room, drag) = wear(gear, preload), bush_in_operation(gear)
     in_operation = gear.replace(
         {
             "yoke.preload": max(preload - yoke.spring_rate * worn.closing, 0.0),
@@ -109,8 +113,12 @@ def operating_gear(gear: SteeringGear) -> OperatingGear | None:
             "yoke.friction": min(yoke.friction * friction_factor(gear), 1.0),
             "bush.youngs_modulus": bush.youngs_modulus * float(pom_modulus(conditions.temperature)),
             "bush.viscous_drag": bush.viscous_drag + grease_drag(gear),
+            "bush.clearance": room,
+            "bush.interference": 0.0,
+            "bush.drag": drag,
             "conditions.temperature": REFERENCE_TEMPERATURE,
             "conditions.steering_cycles": 0.0,
+            "conditions.spring_set": 0.0,
             "grease.base_oil": "none",
         },
         "gear in operation",
@@ -122,8 +130,8 @@ def is_new(gear: SteeringGear) -> bool:
     """Return whether a gear is new, at 20 degC and without a base oil, so that its parameters hold as they
     are."""
     conditions = gear.conditions
-    usual = conditions.temperature == REFERENCE_TEMPERATURE and not conditions.steering_cycles
-    return usual and gear.grease.base_oil == "none"
+    aged = conditions.steering_cycles or conditions.spring_set
+    return conditions.temperature == REFERENCE_TEMPERATURE and not aged and gear.grease.base_oil == "none"
 
 
 def tested_gear(gear: SteeringGear) -> SteeringGear:
@@ -141,6 +149,41 @@ def clearance_per_kelvin(gear: SteeringGear) -> float:
     plunger = gear.yoke.plunger_thickness
     housing = gear.housing.expansion * (steel + plunger)
     return float(housing - STEEL_EXPANSION * steel - gear.yoke.plunger_expansion * plunger)
+
+
+def bush_clearance_per_kelvin(gear: SteeringGear) -> float:
+    """Return the growth of the bar's diametral clearance in the bush over temperature [m/K].
+
+    The housing holds the tube outside and at its ends: Lame's solution in generalised plane strain.
+    """
+    bush, held = gear.bush, gear.housing.expansion
+    inner, outer, nu = bush.inner_diameter / 2, bush.outer_diameter / 2, bush.poisson_ratio
+    free = bush.expansion + nu * (bush.expansion - held)  # as the housing holds the length
+    plane = nu / (1 - nu)
+    passed_on = 2 * inner / ((1 - plane) * outer + (1 + plane) * inner**2 / outer)
+    bore = free * inner - passed_on * (free - held) * outer
+    return 2 * bore - STEEL_EXPANSION * gear.rack.bar_diameter
+
+
+def bush_in_operation(gear: SteeringGear) -> tuple[float, float]:
+    """Return the bar's diametral clearance in the bush [m] and its Coulomb drag [N] at its temperature.
+
+    Raises:
+        InputError: a clearance that the temperature closes.
+    """
+    bush = gear.bush
+    grown = (gear.conditions.temperature - REFERENCE_TEMPERATURE) * bush_clearance_per_kelvin(gear)
+    if bush.interference:
+        pressed = bush.interference - grown
+        return max(-pressed, 0.0), bush.drag * max(pressed, 0.0) / bush.interference
+    if not bush.clearance:
+        return 0.0, bush.drag
+    if bush.clearance + grown < 0:
+        raise InputError(
+            f"conditions.temperature is {gear.conditions.temperature - 273.15:.4g} degC; it closes "
+            f"bush.clearance = {1e6 * bush.clearance:.4g} um by {-1e6 * grown:.4g} um: the bar jams."
+        )
+    return bush.clearance + grown, bush.drag
 
 
 def friction_factor(gear: SteeringGear) -> float:
@@ -195,8 +238,9 @@ def grease_drag(gear: SteeringGear) -> float:
     stress = eta * gear.test.speed * abs(float(GearPair.of(gear).gain)) / grease.film
     if stress > LARGEST_SHEAR:
         raise InputError(
-            f"grease.base_oil = {grease.base_oil} is sheared by {stress / 1e6:.3g} MPa at test.speed; its "
-            f"viscosity holds to {LARGEST_SHEAR / 1e6:g} MPa: raise conditions.temperature or grease.film, "
+            f"grease.base_oil = {grease.base_oil} has a shear stress of {stress / 1e6:.3g} MPa at "
+            f"test.speed; its viscosity is known up to {LARGEST_SHEAR / 1e6:g} MPa: raise "
+            f"conditions.temperature or grease.film, "
             "or lower test.speed."
         )
     area = np.pi * rack.bar_diameter * gear.bush.length

@@ -38,7 +38,7 @@ def check_twice(keys: Keys, axes: tuple[Axis, ...], settings: Mapping[str, Any])
     names: set[str] = set()
     for axis in axes:
         if axis.name in names:
-            keys.wrong("axis", f"{axis.name} is there twice; give one of them another name.")
+            keys.wrong("axis", f"{axis.name} is given twice; rename one of them.")
         names.add(axis.name)
         for path in (*axis.paths, *axis.along):
             if path in seen:
@@ -76,7 +76,7 @@ def _axis(keys: Keys, table: Mapping[str, Any], where: str, grid: bool) -> Axis 
 
 def _paths(keys: Keys, table: Mapping[str, Any], where: str) -> tuple[str, ...]:
     if ("path" in table) == ("paths" in table):
-        keys.wrong(where, "needs either path or paths: what it varies.")
+        keys.wrong(where, "needs path or paths: the parameters that it varies.")
         return ()
     paths = table.get("paths", [table.get("path")])
     if not isinstance(paths, list) or not paths:

@@ -91,7 +91,7 @@ def _table(path: str | Path) -> CaseTable:
     if table.skipped:
         count, (_, first) = len(table.skipped), table.skipped[0]
         warnings.warn(
-            f"{path}: {count} files of cases cannot be used and count as not done: {first}", stacklevel=3
+            f"{path}: {count} files of cases cannot be used and count as missing: {first}", stacklevel=3
         )
     return table
 

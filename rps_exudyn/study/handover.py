@@ -34,9 +34,9 @@ class Dispatch:
 
     Attributes:
         grouped: in groups, by `batch`; else singly.
-        ranges: path -> over what it varies in the whole design; None where no gears are followed together.
+        ranges: path -> over what it varies in the whole design; None where no gears are computed together.
             All groups are given the same, so that a case ends the same in whichever group it is.
-        single_run_reason: why none are followed together; "" if they are, or for so few cases or such a
+        single_run_reason: why none are computed together; "" if they are, or for so few cases or such a
             model that they are done singly.
     """
 
@@ -91,7 +91,7 @@ class Handover(Iterator[Task]):
     Attributes:
         single_run_reason: see `Dispatch`.
         through_batch: number of cases that were answered in groups; all others were done singly.
-        in_loop: number of those that were followed together.
+        in_loop: number of those that were computed together.
     """
 
     def __init__(

@@ -29,7 +29,7 @@ CORRELATIONS: Schema = {
 
 def gear_schema() -> Schema:
     """Schema of a gear file: every parameter with its meaning, default, limits in SI, and choices."""
-    samples = {"type": "object", "description": "samples that a fit left, of inputs that vary together"}
+    samples = {"type": "object", "description": "samples of a fit's posterior, of inputs that vary together"}
     return _headed(
         "Gear of rps-exudyn", _tables(SteeringGear) | {"correlation": CORRELATIONS, "posterior": samples}
     )
@@ -45,7 +45,7 @@ def study_schema() -> Schema:
         "title": {"type": "string", "description": "heading of the report"},
         "scene": {"enum": list(SCENE_NAMES)},
         "gear": {"type": "string", "description": "gear file, beside or below this one"},
-        "fidelity": {"enum": list(PRESETS), "description": "what is modelled how", "default": "flank"},
+        "fidelity": {"enum": list(PRESETS), "description": "model preset", "default": "flank"},
         "accuracy": {"type": "string", "description": 'largest error, for instance "1 %"'},
         "set": _closed(settings, "parameters of all cases"),
         "axis": {"type": "array", "items": _axis(paths, settings), "description": "what is varied"},

@@ -28,13 +28,13 @@ SEED = 0  # of the bootstrap: the same study gives the same intervals
 
 KINDS = {
     MORRIS: {
-        "mean absolute effect": "mu*: mean change of the number over the whole axis, without its sign",
-        "mean effect": "mu: the same with its sign",
-        "spread of the effect": "sigma: large if the axis acts non-linearly, or together with others",
+        "mean absolute effect": "mu*: mean absolute change of the metric over the whole axis",
+        "mean effect": "mu: mean change of the metric over the whole axis",
+        "spread of the effect": "sigma: large if the axis acts nonlinearly or together with others",
     },
     SALTELLI: {
-        "first order": "S1: fraction of the variance that the axis explains alone",
-        "total": "ST: fraction of the variance in which the axis takes part, with all its interactions",
+        "first order": "S1: fraction of the variance that the axis explains by itself",
+        "total": "ST: fraction of the variance to which the axis contributes, with all its interactions",
     },
 }
 """Design -> name of each index, and its meaning."""
@@ -123,7 +123,7 @@ def _whole_groups(numbers: np.ndarray, size: int, table: CaseTable) -> np.ndarra
     """
     if numbers.size % size:
         raise InputError(
-            f"{table.path} has {numbers.size} cases, which are no whole groups of {size} as its design "
+            f"{table.path} has {numbers.size} cases, which are not whole groups of {size} as its design "
             f"{table.description.design} needs them."
         )
     whole = np.isfinite(numbers).reshape(-1, size).all(axis=1)

@@ -217,7 +217,7 @@ class Store:
             else:
                 file.seek(0)
                 raise InputError(
-                    f"{self.path} is being worked on by {file.read() or 'another runner'}; "
+                    f"{self.path} is in use by {file.read() or 'another runner'}; "
                     "wait for it, or choose another folder by --out."
                 )
 
@@ -276,6 +276,5 @@ def _check_folder(folder: Path, description: Description) -> None:
         )
     if existing.signals != description.signals:
         raise InputError(
-            f"{folder} holds this study with another [keep] table, and its finished cases would not fit; "
-            "choose another folder by --out."
+            f"{folder} holds this study with another [keep] table; choose another folder by --out."
         )

@@ -26,9 +26,9 @@ PENDING = "pending"
 NEGLIGIBLE = 1e-5  # differences below this fraction of the largest number do not count
 
 OUTCOME = {
-    "hash": Quantity("", "", "name of the case's file in cases/, without .h5"),
+    "hash": Quantity("", "", "name of the case, without .h5"),
     "status": Quantity("", "", "how the case ended, or pending"),
-    "message": Quantity("", "", "why, if the status is not ok; of an ok case remarks"),
+    "message": Quantity("", "", "cause of a failure, or remarks of an ok case"),
     "cpu_s": Quantity("s", "s", "CPU time of the simulation"),
     "wall_s": Quantity("s", "s", "elapsed time of the simulation"),
 }

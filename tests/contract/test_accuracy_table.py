@@ -65,7 +65,7 @@ def test_what_the_signal_does_not_promise_is_promised_of_a_number_and_said() -> 
     assert choose("reversal", GEAR, best).quantity == signal.quantity
     choice = choose("reversal", GEAR, (strict + best) / 2)
     assert choice.quantity == number.quantity == "hysteresis_area"
-    assert f"promised is hysteresis_area alone, of pinion_torque {best:.2g} % at best" in choice.why
+    assert f"the promise is for hysteresis_area; for pinion_torque it is {best:.2g} % at best" in choice.why
 
 
 def test_the_step_follows_the_tooth_pitch() -> None:

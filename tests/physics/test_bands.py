@@ -122,7 +122,7 @@ def test_failed_samples_are_counted_with_their_cause() -> None:
     band = band_of_runs(TURN, gear, FORMULA, own, samples=100)
     assert band.drawn.failed in (25, 26)  # those below the runout, one point in each hundredth
     (cause,) = band.drawn.failures
-    assert "uses up yoke.clearance" in cause
+    assert "exceeds yoke.clearance" in cause
     assert np.isnan(band.drawn.numbers["torque_mean"]).sum() == band.drawn.failed
     found = band.figures["torque_mean"]
     assert found.lowest[0] == -np.inf
@@ -302,7 +302,7 @@ def test_solution_error_stands_beside_the_band(both: tuple[Band, Band]) -> None:
 def test_numbers_depend_neither_on_processes_nor_on_parts(
     scene: str, count: int, rounding: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Bit for bit for gears followed together; else but for BLAS, which has one thread in processes."""
+    """Bit for bit for gears computed together; else but for BLAS, which has one thread in processes."""
     monkeypatch.setattr("rps_exudyn.inference.uncertainty.samples.TOGETHER", 8)
     monkeypatch.setattr("rps_exudyn.simulate.cases.run_cases.STARTING", -1.0)  # processes after the first
     own = carried({}, {"yoke.preload": "uniform(200 N, 400 N)"})
@@ -328,7 +328,7 @@ def test_a_sample_whose_process_ends_is_one_that_failed(monkeypatch: pytest.Monk
 
 
 def test_a_sample_beyond_its_time_limit_is_one_that_failed() -> None:
-    """A part that is followed together and does not end is done again, sample by sample."""
+    """A part that is computed together and does not end is done again, sample by sample."""
     own, gear = carried({}, {"yoke.preload": "uniform(200 N, 400 N)"}), SteeringGear()
     with pytest.raises(InputError, match=r"16 of 16 samples failed.*timeout: the run took"):
         band_of_runs(TURN, gear, EQUILIBRIA, own, 16, time_limit=1e-4)

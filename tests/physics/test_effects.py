@@ -119,7 +119,7 @@ def test_indices_need_their_design_and_enough_cases() -> None:
         indices(table_of("random", x, x[:, 0]), "torque_mean")
     with pytest.raises(InputError, match="rack_gain is no number of this study; there are torque_mean"):
         indices(table_of("morris", x, x[:, 0]), "rack_gain")
-    with pytest.raises(InputError, match="4 cases, which are no whole groups of 3"):
+    with pytest.raises(InputError, match="4 cases, which are not whole groups of 3"):
         indices(table_of("morris", x, x[:, 0]), "torque_mean")
     with pytest.raises(InputError, match="1 complete groups of 4 cases; indices need at least 2"):
         indices(table_of("saltelli", x, x[:, 0]), "torque_mean")

@@ -124,9 +124,7 @@ def test_a_series_is_the_same_from_its_file(tmp_path: Path) -> None:
     assert read.simulations == kept.simulations <= 3
     other = fit(measurement, like=read_series(path), free=("yoke.preload",))
     assert other.converged
-    assert any(
-        "series is not taken over: it fitted yoke.preload, mesh.friction" in each for each in other.warnings
-    )
+    assert any("series is not used: it fitted yoke.preload, mesh.friction" in each for each in other.warnings)
 
 
 @pytest.mark.parametrize(("case", "most"), [("spikes", 0.0025), ("disturbed", 0.007), ("missing", 0.003)])
@@ -210,12 +208,12 @@ def test_what_means_determine_follows_from_the_closed_form() -> None:
     light, heavy = (BenchTest("load-test", mass * GRAVITY) for mass in (10.0, 150.0))
     free = NOTHING.with_test(gear, FREE)
     for same in (BenchTest("rack-push"), BenchTest("reversal"), light):
-        assert free.with_test(gear, same).alone()["yoke.preload"] > 0.5
+        assert free.with_test(gear, same).from_data()["yoke.preload"] > 0.5
     apart = free.with_test(gear, BenchTest("yoke-out")).with_test(gear, BenchTest("bearing"))
-    assert apart.alone()["bearing.friction_torque"] < 0.05
-    assert 0.2 < apart.alone()["bush.drag"] < 0.25  # with and without yoke: a ratio of 25 %
-    assert apart.alone()["yoke.preload"] > 0.5
-    assert apart.with_test(gear, heavy).alone()["yoke.preload"] < 0.12
+    assert apart.from_data()["bearing.friction_torque"] < 0.05
+    assert 0.2 < apart.from_data()["bush.drag"] < 0.25  # with and without yoke: a ratio of 25 %
+    assert apart.from_data()["yoke.preload"] > 0.5
+    assert apart.with_test(gear, heavy).from_data()["yoke.preload"] < 0.12
     advice = advice_of(gear, free, [FREE])
     assert advice is not None
     assert {"yoke-out", "bearing", "load-test"} <= {test.kind for test in advice.tests}

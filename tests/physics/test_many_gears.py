@@ -1,4 +1,4 @@
-"""Gears followed together end as single runs of them end; what is not found so is run singly."""
+"""Gears computed together end as single runs of them end; what is not found so is run singly."""
 
 from pathlib import Path
 
@@ -152,7 +152,7 @@ def test_records_of_a_table_are_those_of_packed_gears() -> None:
         (SCENE, {}, {"pinion.teeth": [6]}, "differ in pinion.teeth"),
         (SCENE, {}, {"rack.travel": [0.14]}, "differ in rack.travel"),
         (SCENE, {"test.path": "lock-to-lock"}, {"pinion.normal_module": [0.0018]}, "differ in pinion.normal"),
-        (SCENE, {}, {"yoke.preload": ["300 N"]}, "no plain numbers"),
+        (SCENE, {}, {"yoke.preload": ["300 N"]}, "not plain numbers"),
     ],
 )
 def test_what_asks_for_single_runs_is_said(
@@ -179,7 +179,7 @@ def test_what_asks_for_single_runs_stands_in_the_pages() -> None:
 def test_few_gears_are_run_singly(gear: rps.SteeringGear) -> None:
     found = rps.batch(SCENE, gear, {"yoke.preload": [290.0, 310.0]}, keep="torque")
     assert not found.in_loop.any()
-    assert "too few gears" in found.alone
+    assert "too few gears" in found.single_run_reason
 
 
 def test_a_test_that_leaves_the_teeth_is_the_cause_of_every_row(gear: rps.SteeringGear) -> None:

@@ -13,7 +13,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import Result
 from rps_exudyn.solvers.gear_forces import gear_forces
 from verification import stability
-from verification.led_ways import pitches_before, room_before, ways_of
+from verification.approach_paths import passes_of, pitches_before, room_before
 from verification.plan_reference import expected, explicit, reference_forces
 from verification.refined_steps import NotFiniteError, NotFoundError, confirmed
 from verification.runge_kutta import FreeMotion
@@ -91,7 +91,7 @@ def test_figures_stand_once_half_the_steps_say_the_same() -> None:
             raise NotFiniteError("too long")
         return 1 + 0.03 / parts, float("nan")
 
-    assert confirmed(in_proportion)[0] == pytest.approx(1.00375)
+    assert confirmed(in_proportion).figure == pytest.approx(1.00375)
     with pytest.raises(NotFoundError, match=r"still moves by 1\.98%"):
         confirmed(lambda parts: (1 + 0.01 * (-1) ** parts.bit_length(), 0.0))
     with pytest.raises(NotFoundError, match="ripple by 10"):
@@ -107,23 +107,23 @@ def test_load_test_reference_takes_whole_pitches() -> None:
     assert run.summary["torque_forward"] == pytest.approx(right.figure, rel=1e-3)
 
 
-def led_from(changes: dict[str, object]) -> tuple[float, float]:
+def approach_from(changes: dict[str, object]) -> tuple[float, float]:
     """Pitches from which a reference comes, and pitches of teeth before its record."""
     gear = GEAR.replace(changes)
     plan = ScenePlan("free-pinion-torque", gear, Fidelity.preset("quasi-static"))
-    way = ways_of(plan)[0]
-    room = room_before(gear, way) * gear.pinion.teeth / (2 * np.pi)
-    return pitches_before(gear, reference_forces(plan), way), room
+    course = passes_of(plan)[0]
+    room = room_before(gear, course) * gear.pinion.teeth / (2 * np.pi)
+    return pitches_before(gear, reference_forces(plan), course), room
 
 
-def test_a_reference_comes_from_where_its_beginning_is_forgotten() -> None:
+def test_a_reference_comes_from_where_its_beginning_does_not_matter() -> None:
     """The default gear forgets within four pitches, so that eight lead to the same force. In a seat of 6
     degrees the rack settles slowly: the force after four and after eight differs fourfold, and all teeth
     before the record are used; so they are where there are few."""
-    assert led_from({})[0] == 8
-    slow, room = led_from({"yoke.seat_angle": 0.1})
+    assert approach_from({})[0] == 8
+    slow, room = approach_from({"yoke.seat_angle": 0.1})
     assert slow == room > 8
-    few, room = led_from({"test.start_angle": "-20 deg", "rack.travel": "20 mm"})
+    few, room = approach_from({"test.start_angle": "-20 deg", "rack.travel": "20 mm"})
     assert few == room < 4
 
 

@@ -173,7 +173,7 @@ def test_threshold_lies_between_forces_that_do_not_hit_and_forces_that_do() -> N
 
 @pytest.mark.quick
 def test_model_without_inertia_is_refused() -> None:
-    with pytest.raises(InputError, match="without inertia nothing hits"):
+    with pytest.raises(InputError, match="equilibria have no impacts"):
         rps.run("rattle", GEAR, fidelity="quasi-static")
 
 

@@ -112,7 +112,7 @@ def test_a_heavy_weight_lifts_one_flank() -> None:
     both = ran("load-test", {"test.load_mass": 0.9 * limit, **stiff})
     one = ran("load-test", {"test.load_mass": 1.1 * limit, **stiff})
     assert both["mesh_normal_force_coast"].min() > 0
-    assert "coast flanks carry nothing" in one.message
+    assert "coast flanks carry no load" in one.message
 
 
 def test_a_weight_that_lifts_the_rack_out_of_mesh_is_said_to() -> None:
@@ -293,14 +293,14 @@ def test_without_a_pulse_nothing_moves() -> None:
 def test_impulse_of_the_pulse_is_taken_up_by_the_parts_it_meets() -> None:
     """Without clearance or inertia to speak of: a slow weak pulse across the rack is shared by spring and
     bush; the plunger moves by less than the pulse over the spring's rate."""
-    weak = {"test.pulse_force": "20 N", "test.pulse_period": "0.1 s", "test.pulse_duration": "0.1 s"}
+    weak = {"test.pulse_force": "20 N", "test.pulse_period": "30 ms", "test.pulse_duration": "30 ms"}
     moved = np.ptp(ran("yoke-impact", weak, "flank")["plunger_displacement"])
     assert 0 < moved < 2 * 20 / GEAR.yoke.spring_rate
 
 
 @pytest.mark.parametrize("fidelity", ["quasi-static", "closed-form"])
 def test_impact_without_inertia_is_refused(fidelity: str) -> None:
-    with pytest.raises(InputError, match="without inertia nothing hits"):
+    with pytest.raises(InputError, match="equilibria have no impacts"):
         rps.run("yoke-impact", GEAR, fidelity=fidelity)
 
 

@@ -11,7 +11,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Status
-from rps_exudyn.scenes.checks.after_run import start_forgotten
+from rps_exudyn.scenes.checks.after_run import start_settled
 from rps_exudyn.scenes.maneuver import maneuvers_of_test, swing_maneuver
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.equilibrium import SETTLED, Start, equilibrium_path, starting_guess, steady_rates
@@ -38,7 +38,14 @@ def far_back(gear: SteeringGear, pitches: float) -> float:
     return float(-maneuver.drive.sign * path.forces[before.size + maneuver.lead :, 0].mean())
 
 
-@pytest.mark.parametrize("gear", [CREEPS_LONG, CREEPS], ids=["long", "short"])
+@pytest.mark.parametrize(
+    "gear",
+    [
+        pytest.param(CREEPS_LONG, marks=pytest.mark.long, id="long"),
+        pytest.param(CREEPS, marks=pytest.mark.long, id="short"),
+        pytest.param(by_law(CREEPS, "line"), id="line"),
+    ],
+)
 @pytest.mark.parametrize("model", ["quasi-static", "flank"])
 def test_a_short_record_is_that_of_a_motion_that_began_far_back(gear: SteeringGear, model: str) -> None:
     """20 tooth pitches and an odd part, in steps of its own. 0.5 %: such steps are right to 0.2 %, and what
@@ -165,7 +172,7 @@ def test_a_gear_that_rests_nowhere_begins_creeping() -> None:
     [
         (SETTLED, 1.0, False),
         (Start(0.05, 4.0, 1.0), 1.0, True),
-        (Start(0.05, 4.0, 1.0), 40.0, False),  # forgotten in a tenth of the record: 0.5 % of its mean
+        (Start(0.05, 4.0, 1.0), 40.0, False),  # settled in a tenth of the record: 0.5 % of its mean
         (Start(0.05, np.inf, 1.0), 40.0, True),
         (Start(0.009, np.inf, 1.0), 1.0, False),
     ],
@@ -173,13 +180,14 @@ def test_a_gear_that_rests_nowhere_begins_creeping() -> None:
 def test_what_the_start_remembers_is_refused_where_it_moves_the_mean(
     start: Start, recorded: float, fails: bool
 ) -> None:
-    found = list(start_forgotten(start, {"time": np.array([0.0, recorded])}, SteeringGear()))
+    found = list(start_settled(start, {"time": np.array([0.0, recorded])}, SteeringGear()))
     assert bool(found) is fails
     if found:
         status, code, _ = found[0]
         assert (status, code) == (Status.INVALID, Code.START_MATTERS)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("stiffness", "zone", "step"),
     [(5e12, 0.001, "12 deg"), (5e12, 0.001, "20 deg"), (1e14, 0.001, "20 deg"), (2e13, 1.0, "8 deg")],

@@ -10,6 +10,7 @@ import rps_exudyn as rps
 from rps_exudyn.analysis.curve import difference
 from rps_exudyn.analysis.wheel_metrics import describe_feel
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.multibody.column import jointed_forces, jointed_tangent
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -119,6 +120,21 @@ def test_column_is_a_spring_in_series() -> None:
     0.5 %; bristles yield as well, which softens it."""
     assert feel().summary["on_centre_stiffness"] == pytest.approx(GEAR.column.stiffness, rel=5e-3)
     assert feel("bristle").summary["on_centre_stiffness"] < 0.85 * GEAR.column.stiffness
+
+
+@pytest.mark.parametrize("fidelity", ["quasi-static", "flank"])
+@pytest.mark.parametrize("mounts", [5e6, 2e7])
+def test_mounts_of_the_housing_are_a_spring_in_series(mounts: float, fidelity: str) -> None:
+    """5 N/um make 68 of the column's 120 N m/rad; the housing yields by the running torque's force on it, and
+    what column and mounts store belongs to the balance."""
+    gear = GEAR.replace({"housing.mount_stiffness": mounts})
+    result, gain = rps.run("steering-feel", gear, fidelity=fidelity), float(GearPair.of(GEAR).gain)
+    expected = 1 / (1 / GEAR.column.stiffness + 1 / (mounts * gain**2))
+    assert result.summary["on_centre_stiffness"] == pytest.approx(expected, rel=5e-3)
+    moved = -result["pinion_torque"] / (gain * mounts)
+    assert result["housing_displacement"] == pytest.approx(moved, abs=0.02 * np.abs(moved).max())
+    assert abs(result.summary["energy_residual"]) < 1e-3
+    assert "housing_displacement" not in feel(fidelity=fidelity).signals
 
 
 def test_hand_carries_the_wheel() -> None:

@@ -149,7 +149,7 @@ def test_remarks_on_what_cannot_stick_and_what_hides_it() -> None:
 
 
 def test_equilibria_cannot_slip() -> None:
-    with pytest.raises(InputError, match="without inertia nothing slips"):
+    with pytest.raises(InputError, match="equilibria have no slip"):
         rps.run("stick-slip", STEEL, fidelity="quasi-static")
 
 

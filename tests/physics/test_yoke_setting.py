@@ -101,7 +101,7 @@ def test_spring_alone_holds_a_cap_that_is_hardly_tightened() -> None:
     [
         (
             {"test.cap_torque": "0.1 N*m", "test.back_off": "2000 deg"},
-            "test.back_off leaves the yoke's spring",
+            "test.back_off unloads the yoke's spring",
         ),
         ({"yoke.spring_rate": "1 N/mm", "test.back_off": "3600 deg"}, "yoke.clearance"),
     ],

@@ -21,9 +21,9 @@ def test_band_is_printed_and_every_sample_kept(command: Command) -> None:
     answer = command(["run", *OPTIONS, "--all", "--band", "64", *settings, "--set", "pinion.runout=32 um"])
     assert answer.status == 0
     assert "of 64 samples failed" in answer.out
-    assert "uses up yoke.clearance" in answer.out
+    assert "exceeds yoke.clearance" in answer.out
     assert re.search(r"Contributions to torque_mean: yoke.preload (9\d|100) %", answer.out)
-    assert "law line is off by -1.2 to +0.32 %" in answer.out
+    assert "law line deviates by -1.2 to +0.32 %" in answer.out
     kept = json.loads(Path("r.band.json").read_text())
     assert kept["samples"] == len(kept["values"]["yoke.preload"]) == 64
     failed = sum(value is None for value in kept["values"]["torque_mean"])
@@ -63,7 +63,7 @@ def test_band_as_json_and_files_that_were_there(command: Command) -> None:
 
 def test_run_without_a_band_takes_the_median(command: Command) -> None:
     answer = command(["run", *OPTIONS, "--set", "yoke.preload=uniform(200 N, 600 N)"])
-    assert "yoke.preload: the median of its distribution is taken" in answer.err
+    assert "yoke.preload: the run uses the median of the distribution" in answer.err
     assert rps.load("r.h5").gear.yoke.preload == 400
 
 

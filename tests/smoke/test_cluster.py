@@ -107,4 +107,4 @@ def test_missing_cluster_is_reported(
     file = write_grid(tmp_path / "s.toml", 100)
     answer = command(["study", str(file), "--cluster", "tcp://127.0.0.1:9"])
     assert answer.status == 2
-    assert "--cluster tcp://127.0.0.1:9: no scheduler answers there" in answer.err
+    assert "--cluster tcp://127.0.0.1:9: no scheduler answers" in answer.err

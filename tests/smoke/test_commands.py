@@ -167,7 +167,7 @@ def test_failed_run_does_not_replace_existing_files(
 
 def test_second_run_keeps_the_files_of_the_first(command: Command, simulated: Result) -> None:
     assert command(["run", "--out", "a.h5"]).err == ""
-    assert "older files are kept: a.1.h5, a.1.png" in command(["run", "--out", "a.h5"]).err
+    assert "previous files renamed to a.1.h5, a.1.png" in command(["run", "--out", "a.h5"]).err
     assert "a.2.h5" in command(["run", "--out", "a.h5"]).err
     assert sorted(os.listdir()) == ["a.1.h5", "a.1.png", "a.2.h5", "a.2.png", "a.h5", "a.png"]
     assert load("a.1.h5").summary == simulated.summary

@@ -32,7 +32,7 @@ def test_grid_has_its_axes_as_dimensions(made_up_result: Result, tmp_path: Path)
     assert all({"units", "long_name"} <= set(variable.attrs) for variable in study.variables.values())
     assert study.torque_mean.attrs == {
         "units": "N*m",
-        "long_name": "mean of pinion_torque over the pinion angle recorded",
+        "long_name": "mean of pinion_torque over the recorded pinion angle",
     }
 
 

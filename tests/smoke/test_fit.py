@@ -78,9 +78,9 @@ def test_interrupt_while_the_picture_is_drawn_names_the_files_that_are_there(
 
 def test_fit_as_json(command: Command, files: list[str]) -> None:
     answer = command(["fit", files[0], "--single-law", "--json", "--free", "yoke.preload"])
-    assert answer.json["estimates"]["yoke.preload"]["verdict"] == "follows from what was given of others"
+    assert answer.json["estimates"]["yoke.preload"]["verdict"] == "follows from other priors"
     assert answer.json["converged"] is True
-    rest = "made_up_free: 1 row is left out, line 364, where the angle stands still or jerks back"
+    rest = "made_up_free: 1 row is left out, line 364, where the angle stands still or jumps back"
     assert answer.json["left_out"] == [rest]
     assert answer.json["files"] == ["fitted.toml"]
 
@@ -98,4 +98,4 @@ def test_processes_share_the_simulations_of_a_fit(files: list[str], monkeypatch:
 def test_a_simulation_beyond_its_time_limit_is_named(command: Command, files: list[str]) -> None:
     answer = command(["fit", files[0], "--single-law", "--jobs", "1", "--time-limit", "0.1 ms"])
     assert answer.status == 2
-    assert "no equilibrium where it begins: a run did not end" in answer.err
+    assert "no equilibrium at its initial guess: a run did not end" in answer.err

@@ -145,7 +145,7 @@ def test_accuracy_says_what_it_leaves_out() -> None:
         error = law_error(gear_by(law), FLANK)
         assert error
         beside = choose("free-pinion-torque", gear_by(law), 1.0).beside
-        assert beside.startswith(f"; this is the numerical error alone, and beside it {error.clause}")
+        assert beside.startswith(f"; this is the numerical error; in addition, {error.clause}")
         assert ("are not considered" in beside) == (law == "teeth")
 
 

@@ -77,7 +77,7 @@ STATUS = {"rps-exudyn check": 1, "rps-exudyn view": 2}
 SERVERS = {
     "dask scheduler": r"Scheduler at:\s+(tcp://\S+)",
     "dask worker": r"(?s)Registered to:.+Registered to:",
-    "rps-exudyn explore": r"serving: http://([^/\s]+)",
+    "rps-exudyn explore": r"server: http://([^/\s]+)",
 }
 """Commands that go on until they are ended, and what they print when they are ready."""
 

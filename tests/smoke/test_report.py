@@ -86,7 +86,7 @@ def test_half_finished_study(made_up_result: Result, tmp_path: Path, command: Co
     assert "rps-exudyn study made-up.toml" in page.sections["Provenance"]
 
 
-STOPPED = "yoke.clearance = {} um is used up, first at 0 deg; the yokenut carries up to {} N"
+STOPPED = "yoke.clearance = {} um is closed, first at 0 deg; the yokenut carries up to {} N"
 
 
 def test_remarks_and_causes_are_counted_and_linked(

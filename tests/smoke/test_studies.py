@@ -68,7 +68,7 @@ def test_study_from_the_command_line_and_one_case_again(command: Command) -> Non
     store = Store.open("preload-toy")
     stored = store.path_of(store.description.cases[0].hash)
     again = fresh("rerun", str(stored), "--out", "again.h5")
-    assert f"Every number is that of {stored}, bit for bit." in " ".join(again.split())
+    assert f"Every number equals that of {stored}, bit for bit." in " ".join(again.split())
     assert json.loads(fresh("rerun", "again.h5", "--json"))["differing"] == {}
 
 

@@ -88,7 +88,7 @@ def ctrl_c(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_ctrl_c_ends_a_run_and_keeps_what_was_recorded(command: Command, scene: str) -> None:
     answer = command(["run", scene, *SETTINGS, "--out", "a.h5"])
     assert answer.status == 130
-    assert answer.err == "rps-exudyn: interrupted; what was recorded until then is kept in a.h5.\n"
+    assert answer.err == "rps-exudyn: interrupted; the record until then is kept in a.h5.\n"
     result = load("a.h5")
     assert result.status is Status.TIMEOUT
     assert "interrupted at" in result.message

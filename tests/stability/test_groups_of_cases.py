@@ -24,7 +24,7 @@ from rps_exudyn.study.study_file import read_study
 from shell import Command
 from study_files import write_grid, write_stand_in
 
-SINGLY = '[set]\nyoke.friction_law = "bristle"\n'  # as no gears are followed together
+SINGLY = '[set]\nyoke.friction_law = "bristle"\n'  # as no gears are computed together
 TORQUE = '[keep]\nsignals = ["pinion_torque"]\n[set]\ntest.turns = 0.2\n'
 
 
@@ -214,7 +214,7 @@ def test_members_found_together_end_alike_in_whichever_group(tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("extra", "reason"),
     [
-        (SINGLY, "ask for single runs"),
+        (SINGLY, "need single runs"),
         ('[set]\nrack.bow = "0.1 mm"\n', "a bow, a side force"),
     ],
 )
@@ -268,9 +268,9 @@ def test_of_other_scenes_some_cases_go_singly(tmp_path: Path, scene: str, axis: 
 @pytest.mark.parametrize(
     ("extra", "said"),
     [
-        (TORQUE, "most of them followed together"),
-        ("", "most of them followed together"),
-        (SINGLY, "none followed together: bristles"),
+        (TORQUE, "most of them computed together"),
+        ("", "most of them computed together"),
+        (SINGLY, "no cases computed together: bristles"),
     ],
 )
 def test_a_dry_run_says_which_way_cases_go(command: Command, tmp_path: Path, extra: str, said: str) -> None:
@@ -285,7 +285,7 @@ def test_a_case_found_together_is_rerun_compared_and_reported(command: Command, 
     assert command(["study", str(file), "--jobs", "1", "--json"]).json["in_loop"] == FEWEST
     store = Store.open(tmp_path / "s")
     first = store.path_of(store.description.cases[0].hash)
-    assert "followed together" in rps.load(first).findings["together"]
+    assert "computed together" in rps.load(first).findings["together"]
     answer = command(["rerun", str(first), "--out", "again.h5", "--json"])
     assert answer.status == 0
     before, now = answer.json["differing"]["torque_mean"]
@@ -294,4 +294,4 @@ def test_a_case_found_together_is_rerun_compared_and_reported(command: Command, 
     assert command(["report", str(first), "--out", "page.html"]).status == 0
     page = Path("page.html").read_text()
     assert "Geometry" in page
-    assert "followed together" in page
+    assert "computed together" in page

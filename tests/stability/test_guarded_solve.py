@@ -8,7 +8,8 @@ from exudyn.itemInterface import Force, MarkerNodePosition, NodePoint, ObjectMas
 import rps_exudyn as rps
 from rps_exudyn.multibody import recorder
 from rps_exudyn.multibody.bodies import add_forces
-from rps_exudyn.multibody.solve import MOST_DIVISIONS, Secant, SolverPlan, StepRefusedError, solve
+from rps_exudyn.multibody.secant import Secant
+from rps_exudyn.multibody.solve import MOST_DIVISIONS, SolverPlan, StepRefusedError, solve
 from rps_exudyn.results.outcome import Code, Status
 
 PLAN = SolverPlan(end_time=0.1, steps=100)

@@ -110,19 +110,19 @@ def test_second_runner_is_refused_and_the_first_undisturbed(
         wait_for(lambda: (tmp_path / "s" / "study.json").exists())
         answer = command(["study", str(file)])
         assert answer.status == 2
-        assert f"s is being worked on by process {first.pid}" in answer.err
+        assert f"s is in use by process {first.pid}" in answer.err
         assert first.wait(300) == 0
     assert len(rows(tmp_path / "s")) == 2
 
 
 def test_ctrl_c_stops_at_once_and_keeps_what_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = write_grid(tmp_path / "s.toml", 100, 911, 912)
-    with Running(file, 100, monkeypatch) as process:
+    with Running(file, 1000, monkeypatch) as process:
         wait_for(lambda: (tmp_path / "s" / "study.json").exists() and rows(tmp_path / "s"))
         process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=90)  # a case takes 100 s
+        _, err = process.communicate(timeout=300)  # a case takes 1000 s
     assert process.returncode == 130
-    assert "finished cases are kept in s, and the same command does the others" in err
+    assert "finished cases are kept in s; the same command runs the others" in err
     assert "Traceback" not in err
     assert list(rows(tmp_path / "s")) == [100]
 
@@ -244,8 +244,8 @@ def test_study_whose_workers_never_start_stops_in_a_sentence(
     assert answer.status == 2
     assert answer.err == (
         "rps-exudyn: 8 processes in a row ended before they had done anything (its process was ended by "
-        "SIGKILL); s/messages.log holds what they said. Finished cases are kept in s, and the same command "
-        "does the others.\n"
+        "SIGKILL); s/messages.log holds their output. Finished cases are kept in s; the same command "
+        "runs the others.\n"
     )
     assert list(rows(tmp_path / "s")) == [100]
 

@@ -25,7 +25,7 @@ def refused(command: Command, *arguments: str) -> str:
 
 def test_stricter_than_the_floor(command: Command) -> None:
     floor = scene_tables("free-pinion-torque")[0].floor
-    assert f"{floor:.2g} %, which is the strictest" in refused(command, "--accuracy", "0.0001%")
+    assert f"{floor:.2g} %, and no stricter accuracy" in refused(command, "--accuracy", "0.0001%")
 
 
 def test_stricter_than_any_setting_of_the_preset(command: Command) -> None:
@@ -48,7 +48,7 @@ def test_scene_or_preset_that_was_not_measured(command: Command) -> None:
 
 def test_a_growing_force_which_finds_another_quantity(command: Command) -> None:
     said = refused(command, "rattle", "--set", "test.road_shape=growing-sine", "--accuracy", "1%")
-    assert "test.road_shape is growing-sine, which finds a threshold" in said
+    assert "test.road_shape is growing-sine, which serves to find a threshold" in said
 
 
 def test_every_scene_has_a_table_or_a_reason_why_it_has_none() -> None:

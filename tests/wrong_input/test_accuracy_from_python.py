@@ -26,7 +26,7 @@ def test_of_the_preset_named() -> None:
     ("given", "said"),
     [
         ({"accuracy": "one"}, "for instance 1%"),
-        ({"accuracy": "1e-9%"}, "which is the strictest"),
+        ({"accuracy": "1e-9%"}, "no stricter accuracy"),
         ({"accuracy": "1%", "fidelity": Fidelity()}, "accuracy chooses the model itself"),
     ],
 )

@@ -26,7 +26,7 @@ def no_simulation(monkeypatch: pytest.MonkeyPatch) -> None:
 
 MISTAKES = {
     "runn": 'Unknown command "runn".',
-    "run free-pinion-torque again": "again is more than the command takes",
+    "run free-pinion-torque again": "again is not an argument of this command",
     "run somewhere": "SCENE is 'somewhere'; it must be one of free-pinion-torque",
     "run --speed 3": "Unknown option",
     "run --out": "requires an argument",
@@ -39,7 +39,7 @@ MISTAKES = {
     "run --out missing/a.h5": "missing/a.h5 cannot be written: there is no folder",
     "explore --port 70000": "--port is 70000; it must be from 0 to 65535",
     "explore --host=": "--host is empty; give an address, for instance 127.0.0.1",
-    f"explore --host {'ä' * 70}": "äää --port 0 cannot be used: it is no name of a host.",
+    f"explore --host {'ä' * 70}": "äää --port 0 cannot be used: it is not a host name.",
     "explore --host nowhere.invalid": "--host nowhere.invalid --port 0 cannot be used:",
     "animate missing.h5": "missing.h5",
     "animate r.h5 --view below": "--view is 'below'; it must be one of gear, mesh",

@@ -66,7 +66,10 @@ def test_nowhere_is_space(tmp_path: Path) -> None:
     answer = limited(RUN, tmp_path, 3000)
     assert answer.returncode == 1
     assert "Traceback" not in answer.stderr
-    assert "a.h5 cannot be written: File too large. Nor could the result be kept elsewhere" in answer.stderr
+    assert (
+        "a.h5 cannot be written: File too large. The result could not be stored elsewhere either"
+        in answer.stderr
+    )
     assert "mean torque" in answer.stdout
     assert os.listdir(tmp_path) == []
 

@@ -2,6 +2,8 @@
 
 import os
 import re
+import struct
+import zlib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +17,7 @@ from made_up_study import make_study
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of, without_checksum
 from rps_exudyn.gears.solids import rack_solid
+from rps_exudyn.inference.measured import channels
 from rps_exudyn.results.block import Block, CaseRecord, packed
 from rps_exudyn.study.study_file import read_study
 from shell import Command
@@ -149,6 +152,85 @@ def test_bodies_of_a_rack_of_kilometres_are_refused() -> None:
     with pytest.raises(InputError, match=r"rack.travel needs 1541\d{3} teeth on the rack"):
         rack_solid(gear)
     assert rack_solid(gear.replace({"rack.travel": "150 mm"})).mass_properties
+
+
+MAT_HEAD = b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack("<H", 0x100) + b"IM"
+CELL, SIZES, NAME = 1, struct.pack("<IIii", 5, 8, 1, 1), struct.pack("<II", 1, 0)
+
+
+def matrix(kind: int, sizes: bytes, content: bytes) -> bytes:
+    body = struct.pack("<IIII", 6, 8, kind, 0) + sizes + NAME + content
+    return struct.pack("<II", 14, len(body)) + body
+
+
+def test_cells_within_cells_are_refused(tmp_path: Path) -> None:
+    """On a hundred thousand levels scipy's reader ends the process."""
+    one = matrix(CELL, SIZES, b"")
+    head, levels, size = one[8:], [one], len(one)
+    for _ in range(10**5):
+        size += len(head)
+        levels.append(struct.pack("<II", 14, size) + head)
+        size += 8
+    content = b"".join(reversed(levels))
+    packed = zlib.compress(content)
+    compressed = struct.pack("<II", 15, len(packed)) + packed
+    for each in (content, compressed):
+        (tmp_path / "m.mat").write_bytes(MAT_HEAD + each)
+        with pytest.raises(InputError, match=r"m.mat is a damaged file of MAT \(ValueError\)"):
+            rps.read_measured_torque(tmp_path / "m.mat")
+
+
+def test_a_matrix_of_more_cells_than_bytes_is_refused(tmp_path: Path) -> None:
+    """Room for its cells would be made before the first one is read."""
+    sizes = struct.pack("<IIii", 5, 8, 2**31 - 1, 1)
+    (tmp_path / "m.mat").write_bytes(MAT_HEAD + matrix(CELL, sizes, b""))
+    with pytest.raises(InputError, match=r"m.mat is a damaged file of MAT \(ValueError\)"):
+        rps.read_measured_torque(tmp_path / "m.mat")
+
+
+def test_compressed_blocks_unpack_to_what_is_allowed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A block of an MDF file is bounded by what it holds, not by what the file declares."""
+    zeros = zlib.compress(bytes(10**6))
+    data = struct.pack("<2sBxIQQ", b"DT", 0, 0, 8, len(zeros)) + zeros
+    block = struct.pack("<4s4xQQ", b"##DZ", 24 + len(data), 0) + data
+    head = struct.pack("<4s4xQQQ", b"##HD", 32, 1, 96)
+    (tmp_path / "m.mf4").write_bytes(b"MDF     4.10    ".ljust(64, b"\0") + head + block)
+    monkeypatch.setattr(channels, "LARGEST", 10**5)
+    with pytest.raises(InputError, match=r"m.mf4 needs more memory than there is"):
+        rps.read_measured_torque(tmp_path / "m.mf4")
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        (".".join(["a"] * 10**5) + " = 1", "it has a key of more than 50 parts"),
+        (f"[{'.'.join(['yoke'] * 3000)}]", "it has a key of more than 50 parts"),
+        ("x = " + "{a.b.c.d = " * 20 + "1" + "}" * 20, "its text is nested more than 50 levels deep"),
+        ("x = " + "[" * 300 + "]" * 300, "its text is nested more than 50 levels deep"),
+    ],
+)
+def test_deep_keys_are_no_gear(text: str, reason: str, tmp_path: Path, command: Command) -> None:
+    (tmp_path / "g.toml").write_text(text)
+    answer = command(["run", "--gear", str(tmp_path / "g.toml")])
+    assert answer.status == 2
+    assert reason in answer.err
+
+
+def test_names_of_others_cannot_command_a_terminal(tmp_path: Path, command: Command) -> None:
+    (tmp_path / "g.toml").write_text('[yoke]\n"\\u001b[31mred" = 1\n')
+    answer = command(["run", "--gear", str(tmp_path / "g.toml")])
+    assert answer.status == 2
+    assert r"yoke.\x1b[31mred is no parameter" in answer.err
+
+
+def test_a_message_names_some_of_many_mistakes(tmp_path: Path) -> None:
+    (tmp_path / "g.toml").write_text("[yoke]\n" + "".join(f"k{i} = 1\n" for i in range(1000)))
+    with pytest.raises(InputError, match="950 more values are wrong"):
+        rps.SteeringGear.from_toml(tmp_path / "g.toml")
+    titles = ";".join(f"c{i}" for i in range(1000))
+    (tmp_path / "m.csv").write_text(f"{titles}\n" + f"{';'.join(['1'] * 1000)}\n" * 9)
+    with pytest.raises(InputError, match=r"only c0, .*c29, 970 more; name one"):
+        rps.read_measured_torque(tmp_path / "m.csv")
 
 
 def test_a_million_values_of_an_axis_are_refused(tmp_path: Path) -> None:

@@ -24,14 +24,14 @@ def test_choice_is_answered_with_what_replaces_it(
     answer = command(["run", "--set", f"{path}={value}"])
     assert answer.status == 2
     assert answer.err.count("\n") == 1
-    assert f"{path} is '{value}', which earlier versions had: {instead}." in answer.err
+    assert f"{path} is '{value}', which only earlier versions have: {instead}." in answer.err
 
 
 @pytest.mark.parametrize("option", ["--mesh=ratio", "--bush=adams-chain"])
 def test_option_is_answered_too(option: str, command: Command) -> None:
     answer = command(["run", option])
     assert answer.status == 2
-    assert "which earlier versions had" in answer.err
+    assert "which only earlier versions have" in answer.err
 
 
 def test_yoke_is_a_body(command: Command) -> None:
@@ -61,7 +61,7 @@ def test_axis_of_a_study_is_answered_too(path: str, value: str, command: Command
     )
     answer = command(["study", "study.toml", "--dry-run"])
     assert answer.status == 2, answer.out
-    assert "which earlier versions had" in answer.err or PARAMETERS.get(path, "-") in answer.err
+    assert "which only earlier versions have" in answer.err or PARAMETERS.get(path, "-") in answer.err
 
 
 def test_what_remains_of_a_choice_is_read() -> None:
@@ -93,7 +93,7 @@ def test_result_of_a_retired_choice_is_read_and_not_run_again(old: Path, command
         assert command(words).status == 0, words
     answer = command(["rerun", str(old)])
     assert answer.status == 2
-    assert f" is '{old.stem}', which earlier versions had" in answer.err
+    assert f" is '{old.stem}', which only earlier versions have" in answer.err
 
 
 def test_stored_nonsense_is_no_choice_of_an_earlier_version() -> None:

@@ -35,7 +35,7 @@ MISTAKES = {
     "unknown scene": (f'scene = "race"\n{AXIS}', "scene is 'race'; it must be one of free-pinion-torque"),
     "unknown fidelity": (f'fidelity = "best"\n{AXIS}', "fidelity is 'best'; it must be one of full"),
     "accuracy that is no percentage": (f'accuracy = "x"\n{AXIS}', "it must be a percentage greater than 0"),
-    "accuracy beyond the floor": (f'accuracy = "1e-6 %"\n{AXIS}', "the strictest that can be promised"),
+    "accuracy beyond the floor": (f'accuracy = "1e-6 %"\n{AXIS}', "no stricter accuracy can be promised"),
     "accuracy and a model of one's own": (
         f'accuracy = "1%"\n[set]\nfidelity.step_angle = "1 deg"\n{AXIS}',
         "accuracy chooses the model itself; leave out fidelity.step_angle",
@@ -47,7 +47,7 @@ MISTAKES = {
         "yoke.preloat is no parameter; the nearest",
     ),
     "a table": (axis('path = "yoke"\nvalues = [1]'), "yoke is a table; name one of its parameters"),
-    "no path": (axis("values = [1]"), "axis 1 needs either path or paths"),
+    "no path": (axis("values = [1]"), "axis 1 needs path or paths"),
     "unknown axis key": (axis('path = "yoke.preload"\nrange = [1, 2]'), "axis 1 has range, which is no key"),
     "wrong unit": (
         axis('path = "yoke.preload"\nvalues = ["3 kg"]'),

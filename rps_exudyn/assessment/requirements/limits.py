@@ -17,7 +17,7 @@ TORQUE, STRESS = ("N*m", "N*m"), ("Pa", "MPa")
 REQUIRED = {
     "free_torque": Quantity(*TORQUE, "mean free torque of the pinion"),
     "variation_on_centre": Quantity(*TORQUE, "largest minus smallest torque on centre, in one direction"),
-    "variation_off_centre": Quantity(*TORQUE, "largest minus smallest torque beyond, in one direction"),
+    "variation_off_centre": Quantity(*TORQUE, "largest minus smallest torque off centre, in one direction"),
     "efficiency_ratio": Quantity("", "", "reverse over forward efficiency with the test's weight"),
     "rated_root_pinion": Quantity(*STRESS, "bending stress at the pinion's root, ISO 6336-3"),
     "rated_root_rack": Quantity(*STRESS, "bending stress at the rack's root, ISO 6336-3"),

@@ -157,7 +157,7 @@ def verdict_on_limit(kept: tuple[float, float], ratio: float, side: int) -> Verd
     """Judge a row that compares with a limit, by the share of the gears that keep it.
 
     Args:
-        kept: least and greatest share; samples that failed decide where the verdicts on both differ.
+        kept: least and greatest share; failed samples decide where the verdicts on both differ.
         ratio: S over the limit.
         side: +1: at most; -1: at least.
     """
@@ -220,7 +220,7 @@ def _key(procedure: Procedure) -> str:
 
 
 def _expected(procedure: Procedure) -> float:
-    """Return about what a procedure takes [s]: gears that are followed together take less."""
+    """Return about what a procedure takes [s]: gears that are computed together take less."""
     if not procedure.scene:
         return 0.0
     each = 0.1 if scene_named(procedure.scene).test is None else 0.01

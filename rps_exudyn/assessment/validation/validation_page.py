@@ -47,9 +47,9 @@ TITLES = {
     "verification": "Code verification: closed forms and standards",
 }
 UNKNOWN = (
-    "Manuals print neither module, friction, spring nor accuracy of their gears: their rows compare with the "
-    "band of any gear with the default teeth (inputs unknown). Half of that band is 44 % of the mean torque, "
-    "wider than most rows; such a row excludes gross errors and validates no parameter."
+    "Manuals state neither module, friction, spring nor accuracy of their gears: their rows compare with the "
+    "band of any gear with the default teeth (inputs unknown), which is wider than most rows. Such a row "
+    "excludes gross errors and validates no parameter."
 )
 HEADS = ("source", "simulated, with 90 % of the gears; grey is what was published", "simulated", "verdict")
 PICTURE = "(simulated - measured) / measured of every row, with 95 % uncertainty"

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rps_exudyn.base.errors import are
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.inference.fitting.bench_tests import mixed_speeds
 from rps_exudyn.inference.fitting.level import ZERO, LevelEstimate
@@ -44,12 +45,14 @@ def refusals(problem: Problem, levels: LevelFit) -> list[Refusal]:
             _load_probability(problem, levels),
             BY_CHANCE,
             "weights",
-            "half the difference under weights changes with the weight where no flank lifts: friction "
-            "depends on the load, or the runs differ by more than is declared",
+            "half the torque difference changes with the weight although no flank lifts: friction depends "
+            "on the load, or the runs differ by more than the declared repeatability",
         ),
     )
     return [
-        Refusal(name, f"nothing is called found: {what} (probability {probability:.2g}, limit {limit:g})")
+        Refusal(
+            name, f"no parameter counts as found: {what} (probability {probability:.2g}, limit {limit:g})"
+        )
         for probability, limit, name, what in checks
         if probability < limit
     ]
@@ -111,7 +114,7 @@ def notes(problem: Problem, gear: SteeringGear) -> Iterator[str]:
     """What explains how the curves differ from the model, and what the intervals lack."""
     levels, measurement = problem.levels, problem.measurement
     if all(each.runs == 1 for each in levels):
-        yield "no test was run twice: how much runs differ is declared, not known from these data"
+        yield "no test was repeated: the repeatability is the declared one"
     for each in levels:
         yield from notes_of(each, gear)
     yield from measurement.late
@@ -123,21 +126,21 @@ def notes_of(level: LevelEstimate, gear: SteeringGear) -> Iterator[str]:
     yield from level.asks
     title, of_kind = level.test.title, level.test.of_kind
     if not level.both_ways:
-        yield f"{title} was measured one way only: the sensor's zero counts as friction there"
+        yield f"{title} was measured in one direction only: an error of the sensor's zero counts as friction"
     if level.spikes:
-        yield f"{level.spikes} points of {title} are left out as spikes"
+        yield f"{are(level.spikes, 'point', f' of {title}')} left out as outliers"
     if of_kind.by_angle:
         yield from _rig(level, gear)
     zero = 0.0 if level.half_sum is None or of_kind.weighted else level.half_sum
     if abs(zero) > 3 * ZERO * abs(level.value):
-        yield f"the zero of the sensor is {zero:.2g} (SI) in {title}, which is a large part of its mean"
+        yield f"the zero of the sensor is {zero:.2g} (SI) in {title}, a large part of its mean"
 
 
 def _rig(level: LevelEstimate, gear: SteeringGear) -> Iterator[str]:
     """Friction's own waves and bend, drift, correlated noise, and the order at which the teeth show."""
     value = abs(level.value)
     if level.correlated > 0.5:
-        yield "what is left of the curve keeps its sign over some degrees: noise is correlated"
+        yield "the residual keeps its sign over some degrees: the noise is correlated"
     if level.drift_sd > NAMED * value:
         yield (
             f"half the sum of both directions drifts: {100 * level.drift_sd / value:.2g} % of the level, by "
@@ -158,14 +161,19 @@ def _rig(level: LevelEstimate, gear: SteeringGear) -> Iterator[str]:
         size = float(np.hypot(*vector))
         if size > OWN_WAVE * sd and size > NAMED * value:
             times = "once" if order == 1 else "twice"
+            teeth = level.tooth_waves.get(1.0)
+            if teeth is not None and not teeth.is_seen:
+                name += (
+                    f", or the teeth, where an encoder counts {gear.pinion.teeth / order:g} times the angle"
+                )
             yield f"friction changes by {100 * size / value:.2g} % {times} per turn: {name}"
     bend, sd = level.bend
     if abs(bend) > OWN_BEND * sd and abs(bend) > NAMED * value:
         yield (
-            f"friction is {200 * bend / value:+.2g} % at the ends of the travel beside its middle: a bent "
-            "rack, or a bore out of line"
+            f"friction is {200 * bend / value:+.2g} % at the ends of the travel compared with the middle: "
+            f"a bent rack, or a bore out of line"
         )
-    yield from _encoder(level)
+    yield from _encoder(level, gear.pinion.teeth)
 
 
 def _eccentric_share(gear: SteeringGear) -> float:
@@ -174,7 +182,7 @@ def _eccentric_share(gear: SteeringGear) -> float:
     return own / abs(stored)
 
 
-def _encoder(level: LevelEstimate) -> Iterator[str]:
+def _encoder(level: LevelEstimate, teeth: int) -> Iterator[str]:
     waves = level.tooth_waves
     own = waves.get(1.0)
     if own is None:
@@ -186,6 +194,6 @@ def _encoder(level: LevelEstimate) -> Iterator[str]:
     wrong = not own.is_seen if ratio > 1 else others[ratio].size > 1.5 * own.size
     if wrong:
         yield (
-            f"the teeth show {ratio:.3g} times as often per turn of the angle as the pinion given has "
-            "teeth: the encoder may have a ratio, or the pinion other teeth"
+            f"the teeth show {ratio * teeth:.3g} times per turn of the angle, the given pinion has {teeth}: "
+            "the encoder may have a ratio, or the pinion another number of teeth"
         )

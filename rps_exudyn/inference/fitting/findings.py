@@ -103,9 +103,7 @@ def offset_sentence(fit: Fit) -> str:
     if fit.level is None:
         return ""
     offset, half = np.degrees(fit.offset), 1.96 * np.degrees(fit.offset_sd)
-    return (
-        f"angle offset {offset:.2f} deg +- {half:.2g} deg: the model's angle is that of the files less this"
-    )
+    return f"angle offset {offset:.2f} deg +- {half:.2g} deg: model angle = file angle - offset"
 
 
 def sum_sentence(fit: Fit) -> str:
@@ -134,9 +132,9 @@ def _apart_sentences(fit: Fit) -> Iterator[str]:
     left = [each.path for each in fit.estimates if each.verdict is Verdict.OPEN and each.path in LEVEL]
     if not left:
         return
-    yield f"not separable by these tests: {', '.join(left)}; their values below fit together, not each alone"
+    yield f"not separable by these tests: {', '.join(left)}; the values below are one of many combinations"
     if fit.level is not None:
-        yield f"determined is their sum: {sum_sentence(fit)}"
+        yield f"only their sum is determined: {sum_sentence(fit)}"
     for each in fit.combinations:
         yield f"the product {each.words} is known to {100 * each.sd:.2g} % (standard deviation)"
     if fit.advice and fit.advice.tests:
@@ -262,7 +260,7 @@ def gear_text(fit: Fit, gear_file: str) -> str:
     said = [level_sentence(fit), *open_sentences(fit)]
     said += [f"{path} {value}: {verdict}" for path, value, _, _, verdict in rows(fit)]
     if not fit.converged:
-        said.insert(0, "THE FIT DID NOT CONVERGE: these values are where it ended.")
+        said.insert(0, "THE FIT DID NOT CONVERGE: these values are its last iteration.")
     head = "".join(f"# {sentence}\n" for sentence in said if sentence)
     names = ", ".join(dict.fromkeys(each.name for each in fit.passes))
     samples = posterior_table(fit.gear, fit.posterior) if fit.posterior else ""

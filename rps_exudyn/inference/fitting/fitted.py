@@ -307,8 +307,8 @@ def unexplained(problem: Problem, shape: Solved | None) -> str:
     if shape.converged and misfit < 1 + CHANCE / np.sqrt(points):
         return ""
     return (
-        f"what is left of the curves is {misfit:.2g} times their white noise: bow, angle error and "
-        f"runout may be others, and have no interval; {BY_HAND}"
+        f"the residual of the curves is {misfit:.2g} times their white noise: bow, angle error and runout "
+        f"are uncertain and have no interval; {BY_HAND}"
     )
 
 
@@ -341,7 +341,7 @@ def shape_sentences(
             alike = abs(covariance[i, j]) > ALIKE * sds[i] * sds[j]
             if alike and (one.is_curved or other_one.is_curved) and one.path != other_one.path:
                 pair = f"{other_one.path} and {one.path}"
-                yield f"{pair} are known together better than each by itself: {BY_HAND}"
+                yield f"{pair} are known better in combination than each by itself: {BY_HAND}"
 
 
 # --- From where the steps of a fit ended to what is said about it
@@ -662,15 +662,15 @@ def _warnings(ended: Ended, estimates: Sequence[Estimate]) -> Iterator[str]:
     """What is to be said of the steps and of the estimates themselves."""
     why = ended.levels.end.why or (ended.shape.why if ended.shape else "")
     if not ended.levels.end.converged or (ended.shape and not ended.shape.converged):
-        yield f"the fit did not converge ({why}); what it has is written, and is no estimate"
+        yield f"the fit did not converge ({why}); its last iteration is written, not an estimate"
     for each in estimates:
         if each.path in LEVEL and abs(np.log(each.value / each.prior)) > FAR_FROM_PRIOR * each.prior_sd:
-            yield f"{each.path} lies far from what was expected: its prior pulls at it, or the model is wrong"
+            yield f"{each.path} lies far from the prior: the prior or the model may be wrong"
         if each.path in LEVEL and each.path.endswith("friction") and each.value > 0.98:
             yield f"{each.path} is at its limit of 1"
     runouts = [each for each in estimates if each.path in (*VECTORS, *SIGNED)]
     if ended.problem.with_offset and not any(each.verdict is Verdict.NOT_ZERO for each in runouts):
-        yield "the angle's offset is known but for whole tooth pitches: no runout separates them"
+        yield "the offset of the angle is known except for whole tooth pitches, as there is no runout"
 
 
 # --- What the shape of a free torque would determine of the level's parameters, were the contact law true

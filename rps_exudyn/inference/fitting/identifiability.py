@@ -37,8 +37,8 @@ class LevelData:
     paths: tuple[str, ...]  # nuisances last
     information: np.ndarray  # (n, n)
 
-    def alone(self) -> dict[str, float]:
-        """Standard deviation of each logarithm from the data alone."""
+    def from_data(self) -> dict[str, float]:
+        """Standard deviation of each logarithm from the data, without priors."""
         believed = np.array([NUISANCES.get(path, ANYTHING) for path in self.paths])
         covariance = np.linalg.inv(self.information + np.diag(believed**-2.0))
         return dict(zip(self.paths, np.sqrt(np.diag(covariance)).tolist(), strict=True))
@@ -128,13 +128,13 @@ def advice_of(gear: SteeringGear, data: LevelData, done: Sequence[BenchTest]) ->
     left = [test for test in candidates(gear) if test.kind not in kinds and test not in done]
 
     def worst(after: LevelData) -> float:
-        alone = after.alone()
-        return sum(np.log(max(alone[path] / LEVEL[path].sd, NARROWED)) for path in SEPARATING) + 0.01 * sum(
-            np.log(alone[path]) for path in LEVEL
-        )
+        from_data = after.from_data()
+        return sum(
+            np.log(max(from_data[path] / LEVEL[path].sd, NARROWED)) for path in SEPARATING
+        ) + 0.01 * sum(np.log(from_data[path]) for path in LEVEL)
 
     def separated(after: LevelData) -> bool:
-        return all(after.alone()[path] < NARROWED * LEVEL[path].sd for path in SEPARATING)
+        return all(after.from_data()[path] < NARROWED * LEVEL[path].sd for path in SEPARATING)
 
     if separated(data):
         return None
@@ -147,7 +147,7 @@ def advice_of(gear: SteeringGear, data: LevelData, done: Sequence[BenchTest]) ->
         data = data.with_test(gear, best)
         chosen.append(best)
         left.remove(best)
-    return Advice(tuple(chosen), {path: sd for path, sd in data.alone().items() if path in LEVEL})
+    return Advice(tuple(chosen), {path: sd for path, sd in data.from_data().items() if path in LEVEL})
 
 
 # --- How often tests must be run until preload and friction of the teeth are known as well as is wanted

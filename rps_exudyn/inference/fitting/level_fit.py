@@ -217,7 +217,7 @@ def fitted_levels(
                     continue
                 return LevelFit(model, replace(last, converged=False, why=str(error)), _kept(values, error))
         else:
-            raise NoPredictionError("no equilibrium between the gear expected and the one that is fitted")
+            raise NoPredictionError("no equilibrium between the expected gear and the fitted one")
         model = model.corrected(u, rows_of(values))
         end = stepped(model, u)
         moved = float(np.max(np.abs(end.u - u) * np.sqrt(np.diag(end.information)), initial=0.0))

@@ -223,7 +223,7 @@ class _Design:
             try:
                 own, changed = (block.means(prediction.simulated(each)) for each in (gear, other))
             except NoPredictionError as error:
-                raise InputError(f"the gear expected cannot be planned for: {error}.") from None
+                raise InputError(f"no plan for the expected gear: {error}.") from None
             rows = expected_rows({test: own.tolist()}, {test: 1})
             model = LevelModel.of(rows, unknowns, gear).corrected(u, rows.values)
             models[test], means[test], slopes[test] = model, own, model.slopes(u)

@@ -28,6 +28,7 @@ from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.simulate.cases.run_cases import CaseRunner, Task
 from rps_exudyn.solvers.closed_form import GRAVITY, mean_state, pushing_force
 from rps_exudyn.solvers.prescribed_motion import DrivenBody
+from rps_exudyn.solvers.temperature_and_wear import tested_gear
 
 TURN = 2 * np.pi
 SEEN = 4e-6  # of a runout, that changes means by a percent of what 20 um do [m]
@@ -122,7 +123,7 @@ def pass_values(block: CurveBlock, gear: SteeringGear, fidelity: Fidelity, sense
         InputError: no such gear, or a test that it does not allow.
         NoPredictionError: there is no equilibrium.
     """
-    test = block.test
+    test, gear = block.test, tested_gear(gear)
     if test.kind in ("yoke-out", "bearing", RACK_ON_ROLLERS.name):
         return np.array([formula_means(gear, test)[0 if sense > 0 else 1]])
     if test.of_kind.by_angle:
@@ -162,7 +163,8 @@ def gear_in(test: BenchTest, gear: SteeringGear, nuisances: Mapping[str, float] 
 
 
 def formula_means(gear: SteeringGear, test: BenchTest) -> tuple[float, float]:
-    """Return the mean values towards +X and -X by the closed form."""
+    """Return the mean values towards +X and -X by the closed form, of the gear in operation."""
+    gear = tested_gear(gear)
     if test.kind == "bearing":
         return gear.bearing.friction_torque, -gear.bearing.friction_torque
     if test.kind == "yoke-out":

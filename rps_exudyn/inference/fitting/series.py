@@ -80,11 +80,11 @@ def read_series(path: str | Path) -> Series:
     except ValueError:
         content = {}
     if set(content) - _FORMERLY != _KEYS or content["what"] != WHAT:
-        raise InputError(f"{path} is no file of a series; fit --series FILE writes one.")
+        raise InputError(f"{path} is not a file that fit --series wrote.")
     try:
         return _series(content)
     except (TypeError, ValueError, OverflowError):  # no numbers, or too large ones
-        raise InputError(f"{path} holds no fit any more: its numbers do not go together.") from None
+        raise InputError(f"{path} is damaged: its numbers do not belong to one fit.") from None
 
 
 def _series(content: dict[str, Any]) -> Series:

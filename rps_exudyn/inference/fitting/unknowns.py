@@ -95,8 +95,7 @@ def unknowns_of(
     for path in (*free, *priors):
         if path not in FREEABLE:
             raise InputError(
-                f"{path} cannot be fitted: no standard deviation is declared for it; there are "
-                f"{', '.join(FREEABLE)}."
+                f"{path} cannot be fitted, because it has no prior; choose from {', '.join(FREEABLE)}."
             )
     found: list[Unknown] = []
     for path in sorted(free, key=FREEABLE.index):
@@ -121,7 +120,7 @@ def _positive(path: str, value: float, prior: tuple[float, float] | None) -> Unk
     if prior is not None:
         value, sd = prior[0], prior[1] / prior[0] if prior[0] > 0 else 0.0
     if not value > 0:
-        raise InputError(f"{path} is {value:g}; a parameter that is fitted must begin above 0.")
+        raise InputError(f"{path} is {value:g}; a fitted parameter must start above 0.")
     return Unknown(path, "", float(np.log(value)), sd, LEVEL[path].step)
 
 

@@ -16,11 +16,15 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
+from itertools import chain, islice, repeat
+from math import prod
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
 from rps_exudyn.base.errors import InputError, raise_wrapped
+from rps_exudyn.base.files import DEEPEST
 from rps_exudyn.inference.measured.layout import Layout
 
 LARGEST = 2_000_000_000  # bytes that a file may unpack to
@@ -113,7 +117,10 @@ def channels_of(path: str | Path, content: bytes) -> Channels | None:
         raise InputError(refused)
     found = tuple(each for each in found if each.values.size > 1)
     if not found:
-        raise InputError(f"{path} is a file of {what} without a channel of numbers.")
+        raise InputError(
+            f"{path} is a file of {what} without a channel of numbers; save angle and torque as a vector "
+            "each, with its unit: as a property of the channel, or in its name (torque_Nm)."
+        )
     return Channels(f"channels of {what}", _with_own_names(found))
 
 
@@ -156,7 +163,7 @@ def _numbers(values: object) -> np.ndarray | None:
 def _mdf(content: bytes) -> Iterator[Channel]:
     from asammdf import MDF
 
-    _check_links(content)
+    _check_blocks(content)
     with MDF(BytesIO(content)) as file:
         size = sum(
             each.channel_group.cycles_nr * (each.channel_group.samples_byte_nr + 1) for each in file.groups
@@ -180,14 +187,20 @@ def _mdf(content: bytes) -> Iterator[Channel]:
 _HEADER_BLOCK = 64  # address of an MDF file's header block
 _REFERRING = (b"##CA", b"##CH", b"##EV", b"##AT")  # blocks that may refer back to channels
 _BLOCK = struct.Struct("<4s4xQQ")
+_PACKED = b"##DZ"  # block of compressed data, which follow its own head
+_PACKED_HEAD = struct.Struct("<2sB13xQ")
+_PIECE = 1 << 24  # bytes unpacked at once where only their number is asked
 
 
-def _check_links(content: bytes) -> None:
-    """Refuse an MDF file whose blocks lead back to themselves: its reader would follow them for ever.
+def _check_blocks(content: bytes) -> None:
+    """Refuse an MDF file whose blocks lead back to themselves, for its reader would follow them for ever, or
+    unpack to more than `LARGEST`.
 
     Raises:
-        ValueError: they do.
+        ValueError: they lead back.
+        MemoryError: they unpack to more.
     """
+    size = 0
     open_blocks: set[int] = set()
     done: set[int] = set()
     stack = [(_HEADER_BLOCK, False)]
@@ -203,12 +216,28 @@ def _check_links(content: bytes) -> None:
             continue
         name, _, count = _BLOCK.unpack_from(content, place)
         begin = place + _BLOCK.size
+        if name == _PACKED:
+            size += _unpacked_block(content, begin, LARGEST + 1 - size)
+            _check_size(size)
         if name[:2] != b"##" or name in _REFERRING or begin + 8 * count > len(content):
             done.add(place)
             continue
         open_blocks.add(place)
         stack.append((place, True))
         stack += [(link, False) for link in struct.unpack_from(f"<{count}Q", content, begin) if link]
+
+
+def _unpacked_block(content: bytes, begin: int, most: int) -> int:
+    """Bytes that a block of compressed data unpacks to, as far as they are at most `most`."""
+    _, kind, length = _PACKED_HEAD.unpack_from(content, begin)
+    data = memoryview(content)[begin + _PACKED_HEAD.size :][:length]
+    if kind > 1:
+        raise ValueError("a compression that is not zlib's")
+    unpacking, size = zlib.decompressobj(), 0
+    while data and size < most:
+        size += len(unpacking.decompress(data, _PIECE))
+        data = memoryview(unpacking.unconsumed_tail)
+    return size
 
 
 def _tdms(content: bytes) -> Iterator[Channel]:
@@ -260,22 +289,57 @@ def _variables(group: str, table: Mapping[str, object]) -> Iterator[Channel]:
 
 
 def _unpacked(content: bytes) -> int:
-    """Bytes of a MAT file's variables, as far as they are at most `LARGEST`."""
-    order: str = "little" if content[126:128] == b"IM" else "big"
-    place, size = 128, 0
-    while place + 8 <= len(content) and size <= LARGEST:
-        kind = int.from_bytes(content[place : place + 4], order)  # type: ignore[arg-type]
-        count = int.from_bytes(content[place + 4 : place + 8], order)  # type: ignore[arg-type]
-        data = content[place + 8 : place + 8 + count]
-        if kind == 15:  # compressed
-            unpacking = zlib.decompressobj()
-            while data and size <= LARGEST:
-                size += len(unpacking.decompress(data, 1 << 20))
-                data = unpacking.unconsumed_tail
-        else:
-            size += count
-        place += 8 + count
-    return size
+    """Return the bytes of a MAT file with what its compressed elements unpack to, as far as they are at most
+    `LARGEST`.
+
+    Raises:
+        ValueError: matrices within matrices are nested deeper than `DEEPEST`, on which its reader crashes, or
+            one declares more than it can hold.
+    """
+    order: Literal["little", "big"] = "little" if content[126:128] == b"IM" else "big"
+    size, level = len(content), [memoryview(content)[128:]]
+    for _ in range(DEEPEST):
+        inner = []
+        for kind, part in (element for data in level for element in _elements(data, order)):
+            if kind == _COMPRESSED:
+                part = memoryview(zlib.decompressobj().decompress(part, max(1, LARGEST + 1 - size)))
+                size += len(part)
+            if kind in (_COMPRESSED, _MATRIX):
+                inner.append(part)
+            if kind == _MATRIX and _declared(part, order) > len(part):
+                raise ValueError("a matrix of more numbers than its bytes")
+            if size > LARGEST:
+                return size
+        if not inner:
+            return size
+        level = inner
+    raise ValueError(f"matrices nested more than {DEEPEST} levels deep")
+
+
+_MATRIX, _COMPRESSED = 14, 15  # kinds of elements in MAT files that hold further ones
+_SPARSE, _WITHOUT_SIZES = 5, (16, 17)  # classes of matrices
+
+
+def _declared(matrix: memoryview, order: Literal["little", "big"]) -> int:
+    """Return of how many numbers or cells a matrix declares to be; 0 of a sparse one, which holds fewer."""
+    (_, flags), (_, sizes) = islice(chain(_elements(matrix, order), repeat((0, memoryview(b"")))), 2)
+    kind = int.from_bytes(flags[:4], order) % 256
+    if kind == _SPARSE or kind in _WITHOUT_SIZES or not sizes:
+        return 0
+    sign = "<" if order == "little" else ">"
+    return prod(np.frombuffer(sizes[: len(sizes) // 4 * 4], f"{sign}i4").tolist())
+
+
+def _elements(data: memoryview, order: Literal["little", "big"]) -> Iterator[tuple[int, memoryview]]:
+    """Yield kind and content of the elements in a row but those whose content stands beside their kind."""
+    place = 0
+    while place + 8 <= len(data):
+        kind = int.from_bytes(data[place : place + 4], order)
+        count = int.from_bytes(data[place + 4 : place + 8], order)
+        place += 8
+        if kind < 1 << 16:
+            yield kind, data[place : place + count]
+            place += count if kind == _COMPRESSED else count + -count % 8
 
 
 def _check_size(size: int) -> None:

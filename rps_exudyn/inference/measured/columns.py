@@ -20,12 +20,14 @@ NAMES = {
 """Quantity -> words that name it in the header of a file, as a regular expression."""
 
 GERMAN = re.compile(r"winkel|moment\b|drehung|weg\b|hub\b|kraft|verschiebung", re.I)
+_DRIVEN = ("pinion_angle", "rack_displacement")
 EXAMPLES = {
     "pinion_angle": "[deg]",
     "pinion_torque": "[N m]",
     "rack_displacement": "[mm]",
     "rack_force": "[N]",
 }
+MOST_SHOWN = 30  # columns in a message
 _BRACKETS = re.compile(r"(?P<name>.*?)\s*[\[({<]\s*(?P<unit>[^\])}>]*?)\s*[\])}>]\s*")
 _BETWEEN = re.compile(r"\s*/\s*|\s*,\s*|\s+in\s+|_|\s*:\s*|\s+|(?<=[a-zäöü])(?=[A-Z°])")
 _CHOSEN = re.compile(r"\s*(?P<title>.*?)\s*(?:\[\s*(?P<unit>[^\]]+?)\s*\])?\s*")
@@ -143,18 +145,23 @@ def _found(where: str, titles: list[_Title], quantity: str) -> _Title:
     fitting = named or [each for each in titles if each.unit and each.size(quantity) is not None]
     choice = f'--column {quantity}="{{}} {EXAMPLES[quantity]}"'
     if not fitting:
-        columns = ", ".join(short(each.text, 30) for each in titles)
         raise InputError(
-            f"{where} has no column {quantity} with its unit, only {columns}; name one {quantity} "
+            f"{where} has no column {quantity} with its unit, only {_shown(titles)}; name one {quantity} "
             f"{EXAMPLES[quantity]}, or choose one: {choice.format('TITLE')}."
         )
     if len(fitting) > 1:
-        columns = " and ".join(each.text for each in fitting)
+        below = "" if quantity in _DRIVEN else "; if they are two directions, write one below the other"
         raise InputError(
-            f"{where} has {len(fitting)} columns that may be {quantity}: {columns}; choose one: "
-            f"{choice.format(fitting[0].name or fitting[0].index + 1)}."
+            f"{where} has {len(fitting)} columns that may be {quantity}: {_shown(fitting, ' and ')}; choose "
+            f"one: {choice.format(fitting[0].name or fitting[0].index + 1)}{below}."
         )
     return fitting[0]
+
+
+def _shown(titles: Sequence[_Title], between: str = ", ") -> str:
+    """The titles as a list, of a very wide table the first ones."""
+    more = [f"{len(titles) - MOST_SHOWN} more"] if len(titles) > MOST_SHOWN else []
+    return between.join([*(short(each.text, 30) for each in titles[:MOST_SHOWN]), *more])
 
 
 def _chosen(where: str, titles: list[_Title], quantity: str, choice: str) -> _Title:
@@ -166,10 +173,10 @@ def _chosen(where: str, titles: list[_Title], quantity: str, choice: str) -> _Ti
         index = int(title) - 1
         alike = [each for each in titles if each.index == index] or [_Title(index, title, title, "")]
     if len(alike) != 1:
-        columns = ", ".join(each.text for each in titles)
         count = len(alike) or "no"
         raise InputError(
-            f"{where} has {count} columns {title!r} for {quantity}; it has {columns or 'no names'}."
+            f"{where} has {count} columns {short(title, 30)!r} for {quantity}; it has "
+            f"{_shown(titles) or 'no names'}."
         )
     found = alike[0]
     return _Title(found.index, found.text, found.name, unit or found.unit)
@@ -192,7 +199,7 @@ def _with_unit(where: str, layout: Layout, title: _Title, quantity: str) -> Meas
     size = _Title(title.index, title.text, title.name, unit).size(quantity)
     if size is None:
         raise InputError(
-            f"{where}: [{short(unit, 30)}] is no unit of {quantity} that is certain; write for instance "
+            f"{where}: [{short(unit, 30)}] is no unit of {quantity} that is unambiguous; write for instance "
             f"{EXAMPLES[quantity]}, or state it: {example}."
         )
     by_unit = not title.is_named(quantity) and title.name != quantity and not from_cells

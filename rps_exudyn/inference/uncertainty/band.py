@@ -183,8 +183,7 @@ def nominal_result(
     result = simulate(scene, medians, fidelity)
     if result.status is not Status.OK:
         raise InputError(
-            f"a band needs a gear that runs at the medians of its inputs; this one ends {result.status}: "
-            f"{result.message}."
+            f"a band needs a run at the medians of its inputs, which ends {result.status}: {result.message}."
         )
     return result
 

@@ -165,7 +165,7 @@ def read_pairs(table: Any, where: str, problems: list[str]) -> dict[Pair, float]
         elif isinstance(number, bool) or not isinstance(number, int | float) or not -1 <= number <= 1:
             problems.append(f'{where}: {text} is {shown(value)}; it must be from -1 to 1, or "{AS_ONE}".')
         elif pair in found:
-            problems.append(f"{where}: {text} is there twice.")
+            problems.append(f"{where}: {text} is given twice.")
         else:
             found[pair] = float(number)
     return found

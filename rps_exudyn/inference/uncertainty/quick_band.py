@@ -34,6 +34,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_PINION_TORQUE
 from rps_exudyn.solvers.closed_form import mean_state, torque_per_preload
+from rps_exudyn.solvers.temperature_and_wear import tested_gear
 from rps_exudyn.solvers.yoke_stop import stop_stiffness
 
 SCENE, FIGURE = FREE_PINION_TORQUE.name, "torque_mean"
@@ -122,8 +123,8 @@ def formula_torques(gear: SteeringGear, points: Samples) -> np.ndarray:
     found, direction = np.empty(len(points)), gear.test.direction
     for i, settings in enumerate(points.settings()):
         known = _changed(gear, {path: value for path, value in settings.items() if path not in ERRORS})
-        found[i] = mean_state(known, direction, 0.0).torque
-        found[i] += direction * stop_torque(_changed(gear, settings))
+        found[i] = mean_state(tested_gear(known), direction, 0.0).torque
+        found[i] += direction * stop_torque(tested_gear(_changed(gear, settings)))
     return found
 
 

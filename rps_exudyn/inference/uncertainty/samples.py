@@ -15,7 +15,7 @@ from rps_exudyn.simulate.batch import Batch, batch
 from rps_exudyn.simulate.cases.run_cases import Task, run_cases
 from rps_exudyn.simulate.together import fewest, unsupported_reason
 
-TOGETHER = 256  # gears that are followed together at once
+TOGETHER = 256  # gears that are computed together at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +76,7 @@ def runs_at(
         fidelity: how all are modelled.
         points: inputs of the runs.
         jobs: number of processes.
-        time_limit: of a run, or of a part that is followed together [s].
+        time_limit: of a run, or of a part that is computed together [s].
 
     Returns:
         The numbers of a part's points, and its runs.

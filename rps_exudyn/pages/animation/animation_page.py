@@ -131,7 +131,7 @@ def _remarks(result: Result, motion: Motion, lines: ContactLines | None) -> Any:
     )
     if not motion.rigid:
         yield (
-            "Deflections are micrometres and milliradians. Magnified, they deviate from their mean over the "
+            "Deflections are micrometres and milliradians. They are magnified about their mean over the "
             f"record by up to {most.displacement:g} times (lift, sideways, plunger) and {most.tilt:g} times "
             "(angles) what was computed; the mean itself stays as it is."
         )
@@ -143,9 +143,9 @@ def _remarks(result: Result, motion: Motion, lines: ContactLines | None) -> Any:
         if result.gear.mesh.contact_law == "area":
             yield 'Law "area" has no lines; their places and shares are those of law "line".'
         if result.gear.mesh.contact_law != "teeth":
-            yield "Along a line the load is in proportion to the depth: right in sum, not in its course."
+            yield "The load along a line follows the depth: its sum is right, its distribution is not."
     yield (
         "Arrows end where a force acts and are as long as it is large. The bent arrow is the torque that "
-        "drives the pinion. The plunger's bore and the spring are drawn for the eye; the model has their "
-        "mass and rate."
+        "drives the pinion. The plunger's bore and the spring are drawn only for illustration; the model "
+        "contains their mass and spring rate."
     )

@@ -32,9 +32,9 @@ class Drawing:
 
     def draw(self, image: np.ndarray, camera: Camera, frame: int) -> None:
         """Draw one instant, deflections magnified, over an image (height, width, 3) in 0..1."""
-        poses, away = self._places(frame)
+        poses, _ = self._places(frame)
         self.draw_bodies(image, np.full(image.shape[:2], np.inf), camera, frame)
-        if over := [mesh for arrow in self.arrows for mesh in self._arrow(arrow, frame, poses, away)]:
+        if over := [mesh for arrow in self.arrows for mesh in self._arrow(arrow, frame)]:
             _paint(image, None, camera, *(np.concatenate(each) for each in zip(*over, strict=True)))
         if self.lines is not None and not self.explode:
             _paint(image, None, camera, *self._ribbons(self.lines, frame, poses["pinion"], camera))
@@ -69,15 +69,13 @@ class Drawing:
         cuts = np.full(count, 0.0 if part.name in SECTIONED else NO_CUT)
         return world[part.faces], normals[part.faces], colours, cuts
 
-    def _arrow(
-        self, arrow: Arrow, frame: int, poses: dict[str, Pose], away: dict[str, np.ndarray]
-    ) -> list[tuple[np.ndarray, ...]]:
+    def _arrow(self, arrow: Arrow, frame: int) -> list[tuple[np.ndarray, ...]]:
         """Shaft and head."""
         size = GearPair.of(self.motion.gear).tip_radius
         length = LONGEST * size * float(self.motion.signals[arrow.signal][frame]) / self.strongest
         if abs(length) < 0.02 * LONGEST * size:
             return []
-        head, way = self._acts_at(arrow, frame, poses, away), np.sign(length) * arrow.direction
+        head, way = self.acts_at(arrow, frame), np.sign(length) * arrow.direction
         thick = 0.1 * size
         tip = min(3.2 * thick, 0.6 * abs(length))
         neck, tail = head - tip * way, head - abs(length) * way
@@ -87,10 +85,9 @@ class Drawing:
             _cone(neck, head, 1.3 * thick, 0.0, colour),
         ]
 
-    def _acts_at(
-        self, arrow: Arrow, frame: int, poses: dict[str, Pose], away: dict[str, np.ndarray]
-    ) -> np.ndarray:
+    def acts_at(self, arrow: Arrow, frame: int = 0) -> np.ndarray:
         """Point at which a force acts [m]; forces of the teeth in the middle of their lines, by load."""
+        poses, away = self._places(frame)
         if arrow.part != "mesh":
             turn, origin = poses[arrow.part]
             return turn @ arrow.point + origin + away[arrow.part]

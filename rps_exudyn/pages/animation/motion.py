@@ -105,6 +105,7 @@ class Motion:
             "plunger": (upright, behind),
             "spring": (upright, behind),
             "yokenut": (upright, np.array([0.0, axis, 0.0])),
+            "bearings": (pair.pinion_frame, pair.pinion_origin),
             "bush": (upright, np.array([bush.distance + bush.length / 2, axis, 0.0])),
         }
 
@@ -124,6 +125,7 @@ def exploded(gear: SteeringGear) -> dict[str, np.ndarray]:
     step = 0.35 * (plunger_ends(gear)[1] + yoke.plunger_length)
     return {
         "pinion": np.array([0.0, -1.2 * step, 0.0]),
+        "bearings": np.array([0.0, -1.2 * step, 0.0]),
         "rack": np.zeros(3),
         "plunger": np.array([0.0, 1.1 * step, 0.0]),
         "spring": np.array([0.0, 2.1 * step, 0.0]),

@@ -12,6 +12,7 @@ from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.solids import plunger_ends
 from rps_exudyn.pages.animation.motion import Motion
+from rps_exudyn.pages.charts.style import COLOURS, PART_COLOURS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.tooth_contact.line_loads import STATIONS
 
@@ -42,17 +43,19 @@ def _all(motion: Motion) -> Iterator[Arrow]:
     gear = motion.gear
     pair, bar, up = GearPair.of(gear), RackBar.of(gear), np.array([0.0, 1.0, 0.0])
     back = np.array([0.0, gear.rack.bar_diameter / 2, 0.0])
-    yield Arrow("seat_force", "plunger on the rack", "plunger", back, -up, "#7b3fa0")
+    yield Arrow("seat_force", "plunger on the rack", "plunger", back, -up, PART_COLOURS["seat"])
     nut = np.array([0.0, plunger_ends(gear)[1], 0.0])
-    yield Arrow("yokenut_force", "yokenut on the plunger", "plunger", nut, -up, "#b00020")
+    yield Arrow("yokenut_force", "yokenut on the plunger", "plunger", nut, -up, "#0B5F94")
     to_flank = np.array([0.0, -gear.rack.reference_height, 0.0])
-    for side, name, colour in ((-1, "drive", "#d9480f"), (1, "coast", "#1971c2")):
+    for side, name, colour in ((-1, "drive", PART_COLOURS["mesh"]), (1, "coast", "#8A5F00")):
         push = -pair.rack_flank_normal(side)  # of the pinion on the rack
         label = f"pinion on the rack, {name} flanks"
         yield Arrow(f"mesh_normal_force_{name}", label, "mesh", to_flank, push, colour)
-    end = np.array([bar.x_min, 0.0, 0.0])
-    yield Arrow("load_force", "load on the rack's end", "rack", end, np.array([-1.0, 0, 0]), "#2b8a3e")
-    yield Arrow("rack_force", "drive of the rack", "rack", end, np.array([1.0, 0, 0]), "#2b8a3e")
+    end, ink = np.array([bar.x_min, 0.0, 0.0]), COLOURS["torque"]
+    yield Arrow(
+        "load_force", "load on the rack's end", "rack", end, np.array([-1.0, 0, 0]), COLOURS["torque"]
+    )
+    yield Arrow("rack_force", "drive of the rack", "rack", end, np.array([1.0, 0, 0]), ink)
 
 
 # --- The lines on which the teeth touch, frame by frame, with the load along each

@@ -23,10 +23,12 @@ COLOURS = {
     "spring": (0.549, 0.769, 0.910),
     "yokenut": (0.043, 0.373, 0.580),
     "bush": (0.0, 0.620, 0.451),
+    "bearings": (0.8, 0.475, 0.655),
 }
 """PicturePart -> red, green, blue in 0..1: as in `pages.charts.style`, the yoke in three blues."""
 BORE = 0.52  # of the plunger, over its diameter
 BORE_DEPTH = 0.62  # over the plunger's length
+RING, RING_WIDTH = 1.5, 0.5  # outer radius and width of a bearing, over the shaft's radius and diameter
 COILS, ALONG_COIL, AROUND_WIRE = 5, 20, 8
 
 
@@ -57,6 +59,19 @@ def picture_parts(gear: SteeringGear) -> list[PicturePart]:
         "bush": (bush.vertices, bush.faces),
     }
     return [PicturePart(name, *with_normals(*mesh)) for name, mesh in bodies.items()]
+
+
+def bearing_rings(gear: SteeringGear) -> PicturePart:
+    """Rings in the pinion's frame where its bearings stand; the model has stiffness and friction there, no
+    body."""
+    radius = gear.pinion.shaft_diameter / 2
+    segments = arc_segments(RING * radius, 2 * np.pi, CHORD_ERROR)
+    rings = Manifold()
+    for place in (gear.bearing.lower_position, gear.bearing.upper_position):
+        ends = [np.array([0, 0, place + side * RING_WIDTH * radius]) for side in (-1, 1)]
+        beyond = [place_of + (place_of - np.array([0, 0, place])) for place_of in ends]
+        rings += cylinder(RING * radius, *ends, segments) - cylinder(radius, *beyond, segments)
+    return PicturePart("bearings", *with_normals(*from_manifold(rings)))
 
 
 def bored(plunger: Solid, gear: SteeringGear) -> tuple[np.ndarray, np.ndarray]:

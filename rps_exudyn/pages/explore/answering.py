@@ -27,7 +27,7 @@ LONGEST = 10.0  # that a state may take [s]
 LONGEST_REQUESTED = 600.0  # that a click may take: it can be cancelled [s]
 MOST_TABS = 4096  # of which the number of the last request is kept
 TOO_LONG = (
-    f"This state takes longer than {LONGEST:.0f} s; download its gear file and compute it by "
+    f"These settings take longer than {LONGEST:.0f} s; download its gear file and compute it by "
     "rps-exudyn run --gear."
 )
 TOO_LONG_REQUESTED = (

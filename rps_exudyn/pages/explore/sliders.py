@@ -102,8 +102,8 @@ def settings_of(state: Any) -> dict[str, Any]:
 # --- The answer: the scene's curve, numbers, losses, geometry; or why there is none
 
 MODELS = {
-    "quasi-static": " Quasi-static: equilibria at each instant, without inertia. Friction is as given.",
-    "flank": " Dynamics by fidelity flank. Friction is as given.",
+    "quasi-static": " Quasi-static: equilibria at each instant, without inertia. Friction as given.",
+    "flank": " Dynamics by fidelity flank. Friction as given.",
 }
 MOST_POINTS = 3000  # of a curve
 SIZES = (
@@ -125,7 +125,7 @@ class Wish:
         state: path -> number in the slider's unit.
         scene: name of a scene.
         is_both_ways: whether the rig turns there and back.
-        measured: text of a measured file.
+        measured: bytes of a measured file, as base64.
     """
 
     state: Any

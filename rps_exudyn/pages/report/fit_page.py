@@ -44,7 +44,7 @@ DIGITS = 3
 WIDE = 1.96  # deviations of a 95 % interval
 CAUTION = (
     "A good fit proves nothing about single parameters: crowning, tip relief or a friction that depends on "
-    "speed pass unseen under noise, and move friction coefficients by several percent."
+    "speed are hidden by noise, and change friction coefficients by several per cent."
 )
 CURVES = (
     "Measured and fitted torque with the 95 % band of the fit; below, measured - fitted with two standard "
@@ -101,7 +101,7 @@ def _rows(fit: Fit) -> Iterable[Row]:
     if fit.advice and fit.advice.tests:
         yield Row("next test", listed([findings.test_words(test) for test in fit.advice.tests]))
     if not fit.converged:
-        yield Row("no estimate", "the fit did not converge: these values are where it ended")
+        yield Row("no estimate", "the fit did not converge: these values are its last iteration")
 
 
 def name_of(path: str) -> str:
@@ -111,7 +111,7 @@ def name_of(path: str) -> str:
 
 def _found(fit: Fit) -> Iterable[PageBlock]:
     if not fit.converged:
-        yield Warning("The fit did not converge: these values are where it ended, and no estimates.")
+        yield Warning("The fit did not converge: these values are its last iteration, not estimates.")
     verdicts = {path: verdict for path, *_, verdict in findings.rows(fit)}
     yield Judged(HEADS, [_judged(each, verdicts[each.path]) for each in fit.estimates])
     for sentence in filter(None, (findings.level_sentence(fit), *findings.open_sentences(fit))):
@@ -166,6 +166,6 @@ def _basis(fit: Fit) -> Iterable[PageBlock]:
     ]
     yield Fold("Correlations", [Grid(("", *fit.correlated), rows)])
     changed = fit.gear.changes()
-    yield Fold("Gear with the estimates", [parameter_grid(changed, "What differs from the default gear")])
+    yield Fold("Gear with the estimates", [parameter_grid(changed, "Differences from the default gear")])
     cost = Text(f"{fit.simulations} simulations, {fit.cpu_s:.2g} s of CPU time.")
     yield Fold("Origin", [cost, provenance_facts(provenance())])

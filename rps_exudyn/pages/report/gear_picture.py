@@ -2,7 +2,8 @@
 
 import base64
 import gzip
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,25 +16,41 @@ from rps_exudyn.pages.animation.camera import FIELD, Camera
 from rps_exudyn.pages.animation.drawn import Drawing
 from rps_exudyn.pages.animation.film import cutout, image_bytes
 from rps_exudyn.pages.animation.motion import Motion
-from rps_exudyn.pages.animation.parts import picture_parts
-from rps_exudyn.pages.report.html import GearPicture, Label
+from rps_exudyn.pages.animation.parts import bearing_rings, picture_parts
+from rps_exudyn.pages.report.html import ForceArrow, GearPicture, Label
+from rps_exudyn.pages.report.sheet import rounded
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.free_pinion_torque import SCENE
 from rps_exudyn.simulate.run import simulate
 
 SIZE = (760, 420)  # [pixels]
 AZIMUTH, ELEVATION = 0.9, -0.35  # from below: teeth, yoke and bush in one picture [rad]
-MARGIN = 0.1  # of the picture, around everything that has a label
+MARGINS = np.array([0.2, 0.09]), np.array([0.04, 0.1])  # left and top, right and bottom, for the labels
 DISTANCES = np.geomspace(0.1, 20, 120)  # of the eye [m]
 CENTRINGS = 4
+LONGEST, DRAG = 2.6, 7.0  # arrows of the strongest force and of the bush, over the pinion's tip radius
+SHAFT_END = 22e-3  # of the shaft beyond its bearings [m]
+BENT, ROUND = (-0.75 * np.pi, 0.6 * np.pi), 40  # arc of the torque's arrow [rad], and its points
+RADIUS = 1.9  # of this arc, over the shaft's
+HEAD = (14.0, 10.0)  # length and width of an arrow's head [pixels]
 ALT = (
     "The gear from below: pinion (orange) in mesh with the rack (grey), the yoke with plunger, spring and "
-    "nut (blue) cut open above it, the bush (green) along the rack. The bearings are no bodies: a friction "
-    "torque on the pinion's shaft."
+    "nut (blue) cut open above it, the bush (green) along the rack. Rings show the bearings, where the model "
+    "has a friction torque and no body. Arrows end where a force acts."
 )
+PART_OF_BODY = {"plunger": "seat", "mesh": "mesh"}
 
-Anchors = dict[str, tuple[np.ndarray, str, str]]
+
+class Anchor(NamedTuple):
+    """What a label names."""
+
+    text: str
+    point: np.ndarray  # [m], shape (3,)
+    part: str
+    off: tuple[float, float]  # of the label from the point [pixels]
+    side: str  # of the label on which it ends
 
 
 def gear_picture(gear: SteeringGear, result: Result | None = None) -> GearPicture | None:
@@ -41,26 +58,29 @@ def gear_picture(gear: SteeringGear, result: Result | None = None) -> GearPictur
 
     Args:
         gear: what is shown.
-        result: whose motion the view in three dimensions plays; without one the rack only travels.
+        result: whose mean forces are written and whose motion the view in three dimensions plays; without
+            one those of the free turning gear by its closed form.
     """
     try:
         still = simulate(SCENE.name, gear.replace({"test.path": "one-way"}), "closed-form")
-        motion = Motion.of(still)
         parts = picture_parts(gear)
-        drawing = Drawing(motion, parts, None)
+        short = picture_parts(gear.replace({"pinion.shaft_length": _shown_shaft(gear)}))
+        motion = Motion.of(still)
+        drawing = Drawing(motion, [*short, bearing_rings(gear)], None)
         shown = still if result is None or not _moves(result) else result
         moving = Motion.of(shown)
     except InputError:
         return None
-    anchors = {text: (point, way, part) for text, point, way, part in _anchors(gear)}
-    camera = _camera(np.stack([point for point, *_ in anchors.values()]))
+    anchors = list(_anchors(gear, moving))
+    camera = _camera(np.stack([each.point for each in anchors]))
     image = image_bytes(cutout(drawing, camera, SIZE), "webp")
     played = rendered(shown, moving, parts, None, image)
     return GearPicture(
         image=f"data:image/webp;base64,{base64.b64encode(image).decode('ascii')}",
         size=SIZE,
         alt=ALT,
-        labels=[_label(camera, text, *anchor) for text, anchor in anchors.items()],
+        labels=[_label(camera, each) for each in anchors],
+        arrows=[_bent(gear, camera), *_straight(gear, drawing, camera)],
         page=base64.b64encode(gzip.compress(played.encode(), mtime=0)).decode("ascii"),
     )
 
@@ -69,19 +89,37 @@ def _moves(result: Result) -> bool:
     return "pinion_angle" in result.signals and "rack_displacement" in result.signals
 
 
-def _anchors(gear: SteeringGear) -> Iterator[tuple[str, np.ndarray, str, str]]:
-    """Text of each label, the point that it names [m], the side on which it stands, and the part."""
+def _shown_shaft(gear: SteeringGear) -> float:
+    """Length of the shaft that is drawn [m]: a longer one hides the teeth."""
+    ends = (gear.bearing.upper_position, -gear.bearing.lower_position)
+    return min(gear.pinion.shaft_length, max(gear.pinion.face_width, 2 * (max(ends) + SHAFT_END)))
+
+
+def _anchors(gear: SteeringGear, motion: Motion) -> Iterator[Anchor]:
+    """Every label."""
     pair = GearPair.of(gear)
-    axis, half = pair.bar_axis_height, gear.pinion.shaft_length / 2
+    axis, half, along = pair.bar_axis_height, _shown_shaft(gear) / 2, pair.pinion_frame[:, 2]
     nut = axis + plunger_ends(gear)[1] + gear.yoke.clearance + gear.yoke.nut_thickness
-    bush = gear.bush.distance + gear.bush.length / 2
-    value = {path: _shown(gear, path) for path in LABELLED}
-    yield f"yoke {value['yoke.preload']}", np.array([0.0, nut, 0.0]), "right", "seat"
-    yield "teeth", pair.pinion_origin - np.array([0.0, pair.tip_radius, 0.0]), "below", "mesh"
-    end = pair.pinion_origin - half * pair.pinion_frame[:, 2]
-    yield f"bearings {value['bearing.friction_torque']}", end, "below", "bearing"
-    low = np.array([bush, axis - gear.bush.outer_diameter / 2, 0.0])
-    yield f"bush {value['bush.drag']}", low, "below", "bush"
+    drag, friction = (_shown(gear, path) for path in ("bush.drag", "bearing.friction_torque"))
+    yoke, torque = (_mean(motion, signal) for signal in ("seat_force", "pinion_torque"))
+    sides = [_mean(motion, f"mesh_normal_force_{side}") for side in ("drive", "coast")]
+    teeth = " and ".join(each for each in sides if each)
+    push = f"yoke {'presses with ' * bool(yoke)}{yoke}"
+    yield Anchor(push, np.array([0.0, nut, 0.0]), "seat", (45, -4), "right")
+    tips = pair.pinion_origin - np.array([0.0, pair.tip_radius, 0.0])
+    yield Anchor(f"teeth {teeth}", tips, "mesh", (-50, -40), "left")
+    lower = pair.pinion_origin + gear.bearing.lower_position * along
+    yield Anchor(f"bearings {friction}", lower, "bearing", (-10, 48), "middle")
+    bush = np.array([gear.bush.distance, axis - gear.bush.outer_diameter / 2, 0.0])
+    yield Anchor(f"bush drags with {drag}", bush, "bush", (-30, 36), "left")
+    yield Anchor(f"torque {torque}", pair.pinion_origin + half * along, "torque", (52, -34), "right")
+
+
+def _mean(motion: Motion, signal: str) -> str:
+    """The mean of a signal in its display unit, in two or three digits; "" of one that the record lacks."""
+    if signal not in motion.signals:
+        return ""
+    return rounded(SIGNALS[signal], float(motion.signals[signal].mean()))
 
 
 def _shown(gear: SteeringGear, path: str) -> str:
@@ -90,7 +128,45 @@ def _shown(gear: SteeringGear, path: str) -> str:
     return f"{float(number):.3g} {pretty(unit)}"
 
 
-LABELLED = ("yoke.preload", "bearing.friction_torque", "bush.drag")
+# --- Arrows over the still, in its pixels
+
+
+def _straight(gear: SteeringGear, drawing: Drawing, camera: Camera) -> Iterator[ForceArrow]:
+    """The forces on the rack: of yoke and teeth as long as they are large, of the bush against its motion."""
+    size = GearPair.of(gear).tip_radius
+    for each in drawing.arrows:
+        if each.part in PART_OF_BODY and each.signal != "yokenut_force":
+            force = float(drawing.motion.signals[each.signal].mean())
+            tip = drawing.acts_at(each)
+            tail = tip - LONGEST * size * force / drawing.strongest * each.direction
+            yield _arrow(camera, np.stack([tail, tip]), PART_OF_BODY[each.part])
+    low = GearPair.of(gear).bar_axis_height - gear.bush.outer_diameter / 2
+    tip = np.array([gear.bush.distance, low, 0.0])
+    yield _arrow(camera, np.stack([tip + np.array([DRAG * size, 0.0, 0.0]), tip]), "bush")
+
+
+def _bent(gear: SteeringGear, camera: Camera) -> ForceArrow:
+    """The torque, around the end of the shaft."""
+    pair = GearPair.of(gear)
+    across, up, along = pair.pinion_frame.T
+    angle = np.linspace(*BENT, ROUND)[:, None]
+    circle = RADIUS * gear.pinion.shaft_diameter / 2 * (np.cos(angle) * across + np.sin(angle) * up)
+    return _arrow(camera, pair.pinion_origin + _shown_shaft(gear) / 2 * along + circle, "torque")
+
+
+def _arrow(camera: Camera, points: np.ndarray, part: str) -> ForceArrow:
+    """Points from tail to tip, shape (n, 3) [m], as a line that ends in a head."""
+    seen = camera.seen(points, *SIZE)[:, :2]
+    tip, length, width = seen[-1], *HEAD
+    far = np.linalg.norm(seen - tip, axis=1) > length
+    line = seen[: max(1, int(np.flatnonzero(far)[-1]) + 1 if far.any() else 1)]
+    way = (tip - line[-1]) / max(float(np.linalg.norm(tip - line[-1])), 1e-9)
+    foot, side = tip - length * way, width / 2 * np.array([-way[1], way[0]])
+    return ForceArrow(part, _text([*line, foot]), _text([tip, foot + side, foot - side]))
+
+
+def _text(points: Iterable[np.ndarray]) -> str:
+    return " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
 
 
 def _camera(points: np.ndarray) -> Camera:
@@ -101,16 +177,18 @@ def _camera(points: np.ndarray) -> Camera:
             camera = Camera(target, AZIMUTH, ELEVATION, float(distance))
             seen = camera.seen(points, *SIZE)
             places = seen[:, :2] / SIZE
-            beside, below = (places.min(axis=0) + places.max(axis=0)) / 2 - 0.5
+            middle = (MARGINS[0] + 1 - MARGINS[1]) / 2
+            beside, below = (places.min(axis=0) + places.max(axis=0)) / 2 - middle
             height = 2 * distance * np.tan(FIELD / 2)
             right, up, _ = camera.axes
             target = target + height * (beside * SIZE[0] / SIZE[1] * right - below * up)
-        if (seen[:, 2] > 0).all() and (places > MARGIN).all() and (places < 1 - MARGIN).all():
+        if (seen[:, 2] > 0).all() and (places > MARGINS[0]).all() and (places < 1 - MARGINS[1]).all():
             break
     return camera
 
 
-def _label(camera: Camera, text: str, point: np.ndarray, side: str, part: str) -> Label:
-    x, y, _ = camera.seen(point, *SIZE).tolist()
-    name, _, value = text.partition(" ")
-    return Label(name, value, part, side, 100 * x / SIZE[0], 100 * y / SIZE[1])
+def _label(camera: Camera, anchor: Anchor) -> Label:
+    place = camera.seen(anchor.point, *SIZE)[:2] + anchor.off
+    name, _, value = anchor.text.partition(" ")
+    left, top = (100 * place / SIZE).tolist()
+    return Label(name, value, anchor.part, anchor.side, left, top)

@@ -140,13 +140,23 @@ class Label:
 
 
 @dataclass(frozen=True)
+class ForceArrow:
+    """An arrow over the gear's picture: points of its line and of its head "x,y x,y" [pixels]."""
+
+    part: str
+    line: str
+    head: str
+
+
+@dataclass(frozen=True)
 class GearPicture:
-    """The gear as a still with labels, and as a page in three dimensions (gzip in base 64)."""
+    """The gear as a still with labels and arrows of forces; in three dimensions a page (gzip in base 64)."""
 
     image: str
     size: tuple[int, int]  # [pixels]
     alt: str
     labels: Sequence[Label]
+    arrows: Sequence[ForceArrow]
     page: str
 
 

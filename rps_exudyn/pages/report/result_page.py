@@ -149,7 +149,7 @@ def _notices(result: Result) -> Iterable[PageBlock]:
     if result.status is not Status.OK:
         yield Warning(
             f"The simulation failed ({result.status}): {result.message or 'no message'} "
-            f"{result.status.remedy} Its numbers must not be used."
+            f"{result.status.remedy} Do not use its numbers."
         )
     elif result.message:
         yield Grid(("remarks",), [[sentence] for sentence in sentences(result.message)])
@@ -175,7 +175,7 @@ def _losses(result: Result) -> Iterable[Section]:
 def _details(result: Result, compared: Compared, path: Path) -> Iterable[PageBlock]:
     """Everything else, folded."""
     if result.signals and (every := signals_figure(result)) is not None:
-        yield Fold("All signals that move", [Pictures([picture(every, "All signals that move")])])
+        yield Fold("Signals that vary", [Pictures([picture(every, "Signals that vary")])])
     yield from _measured_fold(result, compared)
     yield from _numbers(result)
     yield Fold("Parameters", list(_parameters(result)))
@@ -186,7 +186,7 @@ def _details(result: Result, compared: Compared, path: Path) -> Iterable[PageBlo
 
 def _numbers(result: Result) -> Iterable[PageBlock]:
     if not result.summary:
-        yield Text("It left no numbers.")
+        yield Text("It has no numbers.")
         return
     count = len(result.summary)
     yield Fold(f"All {count} quantities", [_quantities(SUMMARY, result.summary)])
@@ -274,7 +274,7 @@ def _parameters(result: Result) -> Iterable[PageBlock]:
         yield Fold("What it took", [Facts(rows)])
     if result.findings:
         found = [(words(name), as_text(value)) for name, value in result.findings.items()]
-        yield Fold("What the solver found", [Facts(found)])
+        yield Fold("Findings of the solver", [Facts(found)])
     if result.geometry:
         yield Fold("Geometry", [_quantities(GEOMETRY, result.geometry)])
 
@@ -285,7 +285,7 @@ def _quantities(known: Mapping[str, Quantity], values: Mapping[str, float]) -> G
 
 
 def _commands(path: Path) -> str:
-    return f"rps-exudyn rerun {path}     # the same again, from what the file holds\nrps-exudyn show {path}"
+    return f"rps-exudyn rerun {path}     # repeat this run\nrps-exudyn show {path}"
 
 
 # --- The section about the contact of the teeth: loads of the lines, shares of the teeth, contact pattern
@@ -303,11 +303,11 @@ def _contact_blocks(result: Result) -> Iterator[PageBlock]:
     from rps_exudyn.pages.charts.analyses import load_figure, pattern_figure
 
     if result.status is not Status.OK:
-        yield Text("The simulation failed: its loads would not be those of the gear.")
+        yield Text("The simulation failed: its loads are not those of the gear.")
         return
     if result.fidelity["mesh"] != "flank":
         modelled = result.fidelity["mesh"]
-        yield Text(f"fidelity.mesh is {modelled}; loads along the lines of contact are those of flank.")
+        yield Text(f"fidelity.mesh is {modelled}; only flank has loads along lines of contact.")
         return
     try:
         yield Pictures([picture(pattern_figure(result), "Contact pattern")])

@@ -135,7 +135,7 @@ def _largest_effects(table: CaseTable) -> Iterable[Section]:
             if np.isfinite(effect.fraction)
         ]
         if len(shares) > 1:
-            note = Text("Share of the variance explained by each factor alone.")
+            note = Text("Share of the variance explained by each factor by itself.")
             yield Section(f"Effects on {LABELS[name]}", [note, Shares(shares, apart=True)])
 
 
@@ -162,9 +162,7 @@ def _what(table: CaseTable) -> Iterable[PageBlock]:
             "others; the same command continues where it stopped."
         )
     if table.skipped:
-        yield Warning(
-            f"{len(table.skipped)} files could not be read and count as not done; see Failed cases."
-        )
+        yield Warning(f"{len(table.skipped)} files could not be read and count as missing; see Failed cases.")
     facts = [
         ("study", description.name),
         ("scene", description.scene),
@@ -181,7 +179,7 @@ def _what(table: CaseTable) -> Iterable[PageBlock]:
     fixed = {
         path: description.base.get(path, default.value_at(path)) for path in GEAR_FACTS if path not in varied
     }
-    yield Fold("The gear, where it is not varied", [gear_facts(fixed)], is_open=True)
+    yield Fold("Parameters that are not varied", [gear_facts(fixed)], is_open=True)
     rows = [
         [
             axis.name,
@@ -193,7 +191,7 @@ def _what(table: CaseTable) -> Iterable[PageBlock]:
     ]
     yield Grid(("axis", "parameters", "values", "meaning"), rows, "What was varied")
     if description.base:
-        yield parameter_grid(description.base, "Set for all cases, other than by default")
+        yield parameter_grid(description.base, "Set for all cases")
     yield fidelity_facts(description.fidelity)
 
 
@@ -252,15 +250,15 @@ def _ranked(table: CaseTable) -> list[str]:
 def _effects(table: CaseTable) -> Iterable[PageBlock]:
     names = _ranked(table)
     if not names:
-        yield Text("No number differs between the cases that ended ok.")
+        yield Text("All completed cases have equal metrics.")
         return
     if table.description.design == GRID_DESIGN:
         yield Text(
-            "Dots are cases; the line is the mean over the settings of all other axes that are known at each "
-            "of its points."
+            "Dots are cases; the line is the mean over the settings of all other axes with a result at "
+            "each of its points."
         )
     else:
-        yield Text("Dots are cases; the line joins the means of classes of equally many.")
+        yield Text("Dots are cases; the line joins the means of classes of equal size.")
     yield Text("The fraction is the share of the variance explained by each factor.")
     for place, name in enumerate(names):
         blocks = list(_effects_on(table, name))
@@ -353,7 +351,7 @@ def _indices(table: CaseTable, name: str, kinds: Sequence[str]) -> Grid:
         return f"{show(index.value)}{interval}"
 
     rows = [[axis, *(cell(row[kind]) for kind in kinds)] for axis, row in found.rows.items()]
-    left_out = f", {found.left_out} left out for unknown numbers" if found.left_out else ""
+    left_out = f", {found.left_out} left out without a result" if found.left_out else ""
     caption = f"{words(name)}: from {found.groups} groups of cases{left_out}; ± is the 95 % interval"
     return Grid(("axis", *kinds), rows, caption)
 
@@ -372,7 +370,7 @@ def _ends(name: str) -> dict[str, str]:
 def _extremes(table: CaseTable, store: Store) -> Iterable[PageBlock]:
     names = _ranked(table)[:LEADING]
     if not names:
-        yield Text("No number differs between the cases that ended ok.")
+        yield Text("All completed cases have equal metrics.")
     for name in names:
         yield Fold(words(name), list(_extremes_of(table, store, name)), is_open=True)
 

@@ -210,7 +210,7 @@ def _band_blocks(table: CaseTable, names: Sequence[str]) -> Iterable[PageBlock]:
     rows = [
         _levels_of(table.numbers[name], name, failed) for name in names if _known(table.numbers[name]).any()
     ]
-    head = ("number", *(f"{100 * level:g} %" for level in LEVELS), "error of 5 %", "error of 95 %")
+    head = ("number", *(f"{100 * level:g} %" for level in LEVELS), "error at 5 %", "error at 95 %")
     rows = [row for row in rows if row]
     if not rows:
         yield Text(f"Quantiles need at least {LEAST_KNOWN} cases that ended ok.")

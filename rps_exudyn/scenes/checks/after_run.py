@@ -65,7 +65,7 @@ def validated(
         *([] if friction_zone is None else [friction_developed(signals, friction_zone, GearPair.of(gear))]),
         *([] if friction_zone is None else [torque_resolved(signals)]),
         *([] if friction_zone is None or record.settled else [settled(signals, gear)]),
-        start_forgotten(record.start, signals, gear),
+        start_settled(record.start, signals, gear),
         *([] if friction_zone is None or not equilibria else [rolling_followed(signals, gear)]),
         *([inertia_followed(record, signals, gear)] if equilibria and friction_zone is None else []),
         contact_agreed(contact_disagreement(record)),
@@ -150,8 +150,8 @@ def torque_resolved(signals: dict[str, np.ndarray]) -> Failure:
         yield (
             Status.INVALID,
             Code.STEPS_TOO_COARSE,
-            f"the steps are too coarse: {steps} of them, between which up to {share:.1%} of the mean may "
-            f"hide, allowed are {RESOLVED_BOUND:.0%}; lower fidelity.step_angle",
+            f"{steps} steps are too few: the mean may be wrong by {share:.1%} (limit "
+            f"{RESOLVED_BOUND:.0%}); lower fidelity.step_angle",
         )
 
 
@@ -188,26 +188,26 @@ def settled(signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
         yield (
             Status.INVALID,
             Code.RACK_NOT_SETTLED,
-            f"the rack is not settled: over the record its surface rolls by {share:.1%} of its travel, "
-            f"allowed are {ROLLING_BOUND:.0%}; begin earlier or record longer",
+            f"the rack is not settled: over the record its surface rolls by {share:.1%} of its travel "
+            f"(limit {ROLLING_BOUND:.0%}); begin earlier or record longer",
         )
 
 
-def start_forgotten(start: Start, signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
-    """Check that what the gear came with does not matter: it could settle before the start, on teeth that
+def start_settled(start: Start, signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
+    """Check that the start does not matter: the gear could settle before the start, on teeth that
     the rack has, or what is left hardly moves the mean over the record."""
     recorded = float(signals["time"][-1])
     share = start.unsettled * min(1.0, start.settles_in / recorded) if start.unsettled else 0.0
     if share > UNSETTLED_BOUND:
         pitch = 2 * np.pi / gear.pinion.teeth / gear.test.speed
-        needed, teeth = start.settles_in / pitch, start.led_over / pitch
+        needed, teeth = start.settles_in / pitch, start.approach_time / pitch
         asks = f"in {needed:.3g} tooth pitches" if np.isfinite(needed) else "within any travel tried"
-        ends = f", the rack has teeth for {teeth:.3g} before" if np.isfinite(teeth) else ""
+        ends = f", the rack has teeth for {teeth:.3g} before the start" if np.isfinite(teeth) else ""
         yield (
             Status.INVALID,
             Code.START_MATTERS,
-            f"the gear does not settle: {start.unsettled:.1%} of the force at the start depends on where the "
-            f"motion began; forgotten {asks}{ends}",
+            f"the gear does not settle: {start.unsettled:.1%} of the force at the start depends on where "
+            f"the motion began; it would settle {asks}{ends}",
         )
 
 
@@ -224,7 +224,7 @@ def rolling_followed(signals: dict[str, np.ndarray], gear: SteeringGear) -> Fail
         yield (
             Status.INVALID,
             Code.ROLLING_TOO_COARSE,
-            f"the steps are too coarse for the rack's rolling, whose rate they miss by {share:.1%} of its "
+            f"the steps are too long for the rack's rolling: its rate is wrong by {share:.1%} of the "
             f"travel; lower fidelity.step_angle or choose generalized-alpha",
         )
 
@@ -247,8 +247,8 @@ def contact_agreed(disagreement: float) -> Failure:
         yield (
             Status.INVALID,
             Code.CONTACT_DISAGREES,
-            f"two evaluations of the contact forces differ by {disagreement:.2g}, "
-            f"allowed is {AGREEMENT_BOUND:.0g}",
+            f"two evaluations of the contact forces differ by {disagreement:.2g} (limit "
+            f"{AGREEMENT_BOUND:.0g})",
         )
 
 
@@ -280,9 +280,9 @@ def spheres_in_place(record: Record, gear: SteeringGear, signals: dict[str, np.n
         yield (
             Status.INVALID,
             Code.SPHERES_OUT_OF_PLACE,
-            f"the rack stands {1e6 * raised:.3g} um from where the preload presses it, which moves its tips "
-            f"by {abs(raised) / path:.1%} of the path of contact, allowed for general contact are "
-            f"{OUT_OF_PLACE:.0%}: choose fidelity.mesh = flank",
+            f"the rack stands {1e6 * raised:.3g} um from its place under the preload, "
+            f"{abs(raised) / path:.1%} of the path of contact (limit of general contact "
+            f"{OUT_OF_PLACE:.0%}): choose fidelity.mesh = flank",
         )
 
 
@@ -305,7 +305,7 @@ def work_balanced(signals: dict[str, np.ndarray], bound: float) -> Failure:
         yield (
             Status.INVALID,
             Code.WORK_MISSING,
-            f"the work balance misses {residual:.2%}, allowed are {bound:.1%}",
+            f"the error of the work balance is {residual:.2%} (limit {bound:.1%})",
         )
 
 
@@ -328,7 +328,7 @@ def edges_spared(signals: dict[str, np.ndarray], bound: float) -> Failure:
         yield (
             Status.INVALID,
             Code.EDGES_LOADED,
-            f"{share:.2%} of the work goes over the rack's edges with its material, allowed are {bound:.1%}",
+            f"{share:.2%} of the work is lost at the tooth edges (limit {bound:.1%})",
         )
 
 
@@ -376,6 +376,6 @@ def inertia_followed(
         yield (
             Status.INVALID,
             Code.SWING_TOO_FAST,
-            f"the swing is too fast for equilibria: as it turns about, the rack's inertia besides its travel "
-            f"is {share:.2%} of the teeth's force, allowed are {FREE_BOUND:.2%}; choose generalized-alpha",
+            f"the swing is too fast for equilibria: at the reversals the inertia of rolling and tilting is "
+            f"{share:.2%} of the teeth's force (limit {FREE_BOUND:.2%}); choose generalized-alpha",
         )

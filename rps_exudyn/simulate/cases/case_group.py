@@ -1,6 +1,6 @@
 """Cases of one design as one task: a single case is simulated, several go through `batch`.
 
-Results of gears that were followed together are those of single runs within the finding "together".
+Results of gears that were computed together are those of single runs within the finding "together".
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -21,7 +21,7 @@ from rps_exudyn.simulate.batch import Batch, batch
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.solvers.settling import TOLERANCE
 
-FINDING = "many gears followed together: mean within 1e-5, other metrics mostly within 1e-3 of a single run"
+FINDING = "many gears computed together: mean within 1e-5, other metrics mostly within 1e-3 of a single run"
 WARM_UP = {"test.turns": 0.05}
 
 
@@ -69,8 +69,8 @@ class CaseGroup:
         table = {path: [each[path] for each in settings] for path in settings[0]}
         wanted = self.keep.signals
         test = scene_named(self.scene).test
-        alone = test is not None and wanted is not None and set(wanted) <= {*test.curve}
-        keep: Literal["torque", "signals"] = "torque" if alone else "signals"
+        torque_only = test is not None and wanted is not None and set(wanted) <= {*test.curve}
+        keep: Literal["torque", "signals"] = "torque" if torque_only else "signals"
         gear, fidelity = self.base.steering_gear, self.base.fidelity
         found = batch(self.scene, gear, table, fidelity=fidelity, keep=keep, ranges=self.ranges)
         each_cpu = (process_time() - cpu) / len(settings)
@@ -81,7 +81,7 @@ class CaseGroup:
     def _together(
         self, batch: Batch, settings: Sequence[Mapping[str, Any]], cpu: float, wall: float
     ) -> Iterator[Result]:
-        """Yield the results of those gears that were followed together, in their order."""
+        """Yield the results of those gears that were computed together, in their order."""
         found, gear = batch.found, self.base.steering_gear
         if found is None:
             return

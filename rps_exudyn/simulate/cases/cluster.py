@@ -83,7 +83,7 @@ def _connected(address: str) -> "Iterator[Client]":
         get_address_host_port(address)  # a client that fails at it prints a traceback much later
         client = Client(address, timeout=CONNECTING, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
-        raise InputError(f"--cluster {address}: no scheduler answers there ({_first_line(error)}).") from None
+        raise InputError(f"--cluster {address}: no scheduler answers ({_first_line(error)}).") from None
     with client:
         yield client
 

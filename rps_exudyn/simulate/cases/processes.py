@@ -26,9 +26,9 @@ from typing import IO
 from rps_exudyn.base.compiling import CompileStep, publish
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import Progress, passed_on
+from rps_exudyn.simulate.cases.frames import frame_of, frames_in
 from rps_exudyn.simulate.cases.run_cases import Answer, Task
 from rps_exudyn.simulate.cases.time_limit import GRACE
-from rps_exudyn.simulate.cases.worker import frame_of, frames_in
 
 START_LIMIT = 900.0  # [s] until a process must be ready, all its kernels compiled
 FAILED_STARTS = 8  # in a row, after which no more are made ...
@@ -36,7 +36,7 @@ FIRST_PAUSE, LONGEST_PAUSE = 0.25, 10.0  # [s] ... with pauses between them that
 ATTEMPTS = 2  # at a task whose process dies: it may have been killed from outside
 BATCH_SECONDS = 0.5  # of work handed over at once
 LARGEST_BATCH = 32
-COMPILING = "while kernels were compiled, which later runs need not do"
+COMPILING = "while force laws were compiled, which later runs do not repeat"
 HANDING_OVER = 5.0  # [s] for an interrupted run to hand over what it has recorded
 RUNNING = "in compiled code"  # where a process is that does not hear its alarm
 PINNED = (
@@ -292,7 +292,7 @@ class Processes:
     def _count_failed_start(self, how: str) -> None:
         self._failed_starts += 1
         if self._failed_starts >= FAILED_STARTS:
-            where = f"; {self._messages} holds what they said" if self._messages else ""
+            where = f"; {self._messages} holds their output" if self._messages else ""
             raise StartError(
                 f"{FAILED_STARTS} processes in a row ended before they had done anything ({how}){where}."
             )

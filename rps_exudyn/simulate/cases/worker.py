@@ -14,12 +14,11 @@ import queue
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
-from struct import calcsize, pack, unpack
-from typing import IO, Any
+from typing import Any
 
-LENGTH = "<Q"  # of a frame's content, before it
+from rps_exudyn.simulate.cases.frames import frame_of, frames_in
 
 
 def main() -> None:
@@ -54,22 +53,6 @@ def main() -> None:
             say(answer)
         except Exception:  # an error that cannot be pickled
             say(replace(answer, error=RuntimeError(f"{type(answer.error).__name__}: {answer.error}")))
-
-
-def frame_of(content: Any) -> bytes:
-    """Return an object's pickle, with its length before it."""
-    pickled = pickle.dumps(content, pickle.HIGHEST_PROTOCOL)
-    return pack(LENGTH, len(pickled)) + pickled
-
-
-def frames_in(stream: IO[bytes]) -> Iterator[bytes]:
-    """Yield the pickles in a stream of frames; half a frame, of a process that died, is its end."""
-    size = calcsize(LENGTH)
-    while len(head := stream.read(size)) == size:
-        (length,) = unpack(LENGTH, head)
-        if len(content := stream.read(length)) < length:
-            return
-        yield content
 
 
 def _private_output() -> Callable[[Any], None]:

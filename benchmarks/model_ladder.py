@@ -1,0 +1,169 @@
+"""From the paper's model down: each row leaves out one thing of the row above; what that saves and loses.
+
+The first row is general contact in Exudyn with a bush of 25 segments. All rows have a rigid bar and the
+contact law of general contact, load per length. Changes are against `flank` in a quarter of its step and
+twice its stations.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+import rps_exudyn as rps
+from benchmarks.topic import Topic, digits, load_data, markdown, save_data
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+
+DATA = "ladder.json"
+LAW: dict[str, object] = {"mesh.law": "line"}
+RIGID: dict[str, object] = {"rack": "free"}
+SCENES: dict[str, dict[str, object]] = {
+    "free-pinion-torque": {},
+    "load-test": {"test.load_mass": "40 kg"},
+    "reversal": {},
+    "yoke-impact": {},
+}
+METRICS = {
+    "mean": ("free-pinion-torque", "torque_mean"),
+    "ripple": ("free-pinion-torque", "torque_peak_to_peak"),
+    "efficiency": ("load-test", "efficiency_forward"),
+    "reversal: work": ("reversal", "hysteresis_area"),
+    "reversal: angle": ("reversal", "reversal_angle"),
+    "impact: force": ("yoke-impact", "impact_peak_force"),
+    "impact: impulse": ("yoke-impact", "impact_impulse"),
+}
+"""Column of the table -> scene and metric."""
+TOGETHER = 64  # gears of the row of many gears
+
+
+@dataclass(frozen=True)
+class Rung:
+    """A model, and what it leaves out of the one above."""
+
+    leaves_out: str
+    preset: str
+    choices: Mapping[str, object] = field(default_factory=dict)
+    together: bool = False  # whether its gears are computed together
+
+    @property
+    def fidelity(self) -> Fidelity:
+        rack = RIGID if self.preset != "closed-form" else {}
+        return Fidelity.preset(self.preset).replace(rack | dict(self.choices))
+
+
+RUNGS = {
+    "`full`": Rung("the paper's model: spheres on triangles, 25 segments", "full"),
+    "`flank --bush chain`": Rung(
+        "spheres: the contact is integrated along lines", "flank", {"bush": "chain"}
+    ),
+    "`flank`": Rung("segments: the bush is condensed into its stiffness", "flank"),
+    "`quasi-static`": Rung("inertia: equilibria at each angle", "quasi-static"),
+    "the same, 5 deg": Rung("four of five angles", "quasi-static", {"step_angle": "5 deg"}),
+    "the same, many gears": Rung(
+        "single runs: gears of a table together", "quasi-static", {"step_angle": "5 deg"}, together=True
+    ),
+    "`quasi-static --rack guided`": Rung(
+        "rolling, yawing and pitching of the rack", "quasi-static", {"rack": "guided", "step_angle": "5 deg"}
+    ),
+    "`closed-form`": Rung("the angle: means over the field of contact", "closed-form"),
+}
+REFERENCE = Fidelity.preset("flank").replace(
+    RIGID | {"step_angle": Fidelity().step_angle / 4, "strip_stations": 2 * Fidelity().strip_stations}
+)
+
+
+def run(folder: Path, rungs: Sequence[str] = tuple(RUNGS), scenes: Sequence[str] = tuple(SCENES)) -> None:
+    """Measure these rungs in these scenes."""
+    reference = {scene: metrics(measured(scene, REFERENCE)) for scene in scenes}
+    rows = {}
+    for name in rungs:
+        print(name, flush=True)
+        measure = in_batch if RUNGS[name].together else single_run
+        rows[name] = {scene: measure(scene, RUNGS[name]) for scene in scenes}
+    save_data(folder / DATA, {"reference": reference, "rows": rows})
+
+
+def measured(scene: str, fidelity: Fidelity) -> rps.Result:
+    """The run of a scene."""
+    return rps.run(scene, SteeringGear().replace(LAW | SCENES[scene]), fidelity=fidelity)
+
+
+def metrics(result: rps.Result) -> dict[str, float]:
+    """The summary's numbers of a run that ended ok; {} of others."""
+    return dict(result.summary) if result.status == "ok" else {}
+
+
+def single_run(scene: str, rung: Rung) -> dict[str, Any]:
+    """A single run: outcome, metrics, CPU time of the solver [s], least of two runs."""
+    try:
+        runs = [measured(scene, rung.fidelity) for _ in range(2)]
+    except rps.InputError as error:
+        return {"why": str(error), "summary": {}, "cpu_s": None}
+    cpu = min(each.counters["solver_cpu"] for each in runs)
+    return {"why": runs[-1].message, "summary": metrics(runs[-1]), "cpu_s": cpu}
+
+
+def in_batch(scene: str, rung: Rung) -> dict[str, Any]:
+    """The default gear among gears that differ in preload and friction, and the CPU time of each [s]."""
+    if scene not in ("free-pinion-torque", "load-test"):
+        return {"why": "gears are computed together in steady scenes", "summary": {}, "cpu_s": None}
+    gear = SteeringGear().replace(LAW | SCENES[scene])
+    spread = np.linspace(0.9, 1.1, TOGETHER - 1)
+    columns = {
+        "yoke.preload": [*(gear.yoke.preload * spread), gear.yoke.preload],
+        "mesh.friction": [*(gear.mesh.friction * spread[::-1]), gear.mesh.friction],
+    }
+    cpu = np.inf
+    for _ in range(2):
+        before = process_time()
+        found = rps.batch(scene, gear, columns, fidelity=rung.fidelity, keep="torque")
+        cpu = min(cpu, (process_time() - before) / TOGETHER)
+    return {"why": "", "summary": {name: float(v[-1]) for name, v in found.summary.items()}, "cpu_s": cpu}
+
+
+def ladder_table(folder: Path) -> str:
+    """Model -> what it leaves out, CPU time of a turn, and by how many per cent it changes each metric."""
+    data = load_data(folder / DATA)
+    rows = []
+    for name, scenes in data["rows"].items():
+        turn = scenes["free-pinion-torque"]["cpu_s"]
+        changes = [_change(data["reference"], scenes, *metric) for metric in METRICS.values()]
+        rows.append((name, RUNGS[name].leaves_out, digits(turn), *changes))
+    return markdown(("model", "leaves out", "CPU s", *(f"{each} %" for each in METRICS)), rows)
+
+
+def _change(reference: Mapping[str, Any], row: Mapping[str, Any], scene: str, metric: str) -> str:
+    if scene not in row or metric not in row[scene]["summary"]:
+        return "-"
+    right = reference[scene][metric]
+    change = 100 * (row[scene]["summary"][metric] / right - 1)
+    return f"{change:+.2g}" if abs(change) >= 0.005 else "0"
+
+
+def times_table(folder: Path) -> str:
+    """Model -> CPU time of each scene [s]."""
+    rows = [
+        (
+            name,
+            *(
+                digits(each["cpu_s"]) if each["cpu_s"] and each["summary"] else "-"
+                for each in scenes.values()
+            ),
+        )
+        for name, scenes in load_data(folder / DATA)["rows"].items()
+    ]
+    return markdown(("CPU s", *SCENES), rows)
+
+
+TOPIC = Topic(
+    "from the paper's model down: what each simplification saves and loses",
+    "3 min",
+    "free_pinion_torque",
+    run,
+    {"rungs": ("`quasi-static`", "`closed-form`"), "scenes": ("free-pinion-torque",)},
+    {"ladder": ladder_table, "ladder_times": times_table},
+)
