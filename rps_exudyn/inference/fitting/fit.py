@@ -17,7 +17,13 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.inference.fitting.bench_tests import MeasuredPass, Measurement, read_measurement
+from rps_exudyn.inference.fitting.bench_tests import (
+    BenchTest,
+    MeasuredPass,
+    Measurement,
+    measurement_of,
+    read_measurement,
+)
 from rps_exudyn.inference.fitting.fitted import Ended, Fit, outcome_of, runout_in
 from rps_exudyn.inference.fitting.level import levels_of
 from rps_exudyn.inference.fitting.level_fit import AGREED, LevelFit, LevelModel, fitted_levels, stepped
@@ -42,10 +48,12 @@ from rps_exudyn.inference.fitting.unknowns import (
     unknowns_of,
 )
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.scenes.checks.before_run import largest_angle
 from rps_exudyn.simulate.cases.run_cases import CaseRunner
 
 LEAST_TURN = 0.8  # of a turn, that a curve must cover to show the runout
+LEAST_SWING = np.radians(10.0)  # of a reversal beyond its turns
 OTHER_LAW = {"line": "teeth", "teeth": "line", "area": "line"}
 
 
@@ -91,6 +99,7 @@ def fit(
     measurement = files if isinstance(files, Measurement) else read_measurement(files, columns, gear)
     check_sizes(measurement, gear)
     free, warnings = _tellable(measurement, gear, list(free))
+    warnings += _beyond_the_teeth(measurement, gear)
     problem = _problem(measurement, gear, free, priors or {})
     before = like.series if isinstance(like, Fit) else like
     if before is not None and (why := before.misfit(problem, gear.mesh.contact_law)):
@@ -122,10 +131,16 @@ def _tellable(measurement: Measurement, gear: SteeringGear, free: list[str]) -> 
     turning = [each for each in measurement.passes if each.test.of_kind.by_angle]
     pitch = TURN / gear.pinion.teeth
     for each in turning:
-        if np.ptp(each.angle) < 0.98 * pitch:
+        swings = each.test.of_kind.turns_about
+        if np.ptp(each.angle) < (LEAST_SWING if swings else 0.98 * pitch):
+            needed = (
+                f"a reversal needs {np.degrees(LEAST_SWING):.3g} deg beyond its turns"
+                if swings
+                else f"a level needs a tooth pitch, {np.degrees(pitch):.3g} deg, at least"
+            )
             raise InputError(
-                f"{measurement.names[each.run]} covers {np.degrees(np.ptp(each.angle)):.3g} deg in a pass; a "
-                f"level needs a tooth pitch, {np.degrees(pitch):.3g} deg, at least."
+                f"{measurement.names[each.run]} covers {np.degrees(np.ptp(each.angle)):.3g} deg in a pass; "
+                f"{needed}: check the unit of its angle, or turn further."
             )
     longest = max((float(np.ptp(each.angle)) for each in turning), default=0.0)
     warnings = []
@@ -290,6 +305,7 @@ def _by_other_law(ended: Ended, gear: SteeringGear) -> tuple[np.ndarray, list[st
 
 WRONG_UNIT = 6.0  # times what is expected, more or less: a wrong unit or factor shows, another gear does not
 MOST_TRAVELS = 3.0  # times the angle over which the expected rack has teeth: rad for deg shows
+ALL_TEETH = 1.02  # times the same: an encoder's ratio shows
 
 
 def check_sizes(measurement: Measurement, gear: SteeringGear) -> None:
@@ -298,12 +314,26 @@ def check_sizes(measurement: Measurement, gear: SteeringGear) -> None:
     Raises:
         InputError: one sentence for each file that holds such.
     """
+    if problems := _wrong_sizes(measurement, gear):
+        raise InputError(problems)
+
+
+def doubts(curve: MeasuredTorque, gear: SteeringGear) -> list[str]:
+    """Return what speaks against a free torque as it was read: wrong units, a channel that is late."""
+    try:
+        measurement = measurement_of([(BenchTest("free"), curve)])
+    except InputError as error:
+        return [problem.removesuffix(".") for problem in error.problems]
+    wrong = [problem.removesuffix(".") for problem in _wrong_sizes(measurement, gear)]
+    return [*wrong, *([] if wrong else _beyond_the_teeth(measurement, gear)), *measurement.late]
+
+
+def _wrong_sizes(measurement: Measurement, gear: SteeringGear) -> list[str]:
     problems = []
     for run, name in enumerate(measurement.names):
         passes = [each for each in measurement.passes if each.run == run]
         problems += [f"{name} {why}." for why in (*_sizes(passes, gear), *_travels(passes, gear))]
-    if problems:
-        raise InputError(problems)
+    return problems
 
 
 def _sizes(passes: list[MeasuredPass], gear: SteeringGear) -> Iterator[str]:
@@ -318,11 +348,22 @@ def _sizes(passes: list[MeasuredPass], gear: SteeringGear) -> Iterator[str]:
         )
 
 
-def _travels(passes: list[MeasuredPass], gear: SteeringGear) -> Iterator[str]:
+def _travels(passes: list[MeasuredPass], gear: SteeringGear, most: float = MOST_TRAVELS) -> Iterator[str]:
     turned = max(float(np.ptp(each.angle)) for each in passes)
     whole = 2 * largest_angle(gear)
-    if passes[0].test.of_kind.by_angle and turned > MOST_TRAVELS * whole:
+    if passes[0].test.of_kind.by_angle and turned > most * whole:
         yield (
             f"covers {turned / TURN:.3g} turns of the pinion where the gear given has teeth for "
             f"{whole / TURN:.3g}: check the unit of its angle"
         )
+
+
+def _beyond_the_teeth(measurement: Measurement, gear: SteeringGear) -> list[str]:
+    """What is to be said of files whose angles the given gear cannot turn, though another could."""
+    said = []
+    for run, name in enumerate(measurement.names):
+        own = [each for each in measurement.passes if each.run == run]
+        said += [
+            f"{name} {why}, and whether its encoder has a ratio" for why in _travels(own, gear, ALL_TEETH)
+        ]
+    return said

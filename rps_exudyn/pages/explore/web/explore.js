@@ -66,7 +66,11 @@ function slider(item) {
 
 const asked = () => ({ state: state(), scene: by("scene").value, both_ways: by("both-ways").checked, tab: TAB });
 
-async function post(path, content) {
+// The frame of a notebook hands requests over; elsewhere the server takes them
+const FRAME = window.frameElement?.rpsPost ? window.frameElement : null;
+const post = (path, content) => (FRAME ? FRAME.rpsPost(path, content) : fetched(path, content));
+
+async function fetched(path, content) {
   const reply = await fetch(`/${path}`, {
     method: "POST",
     headers: { "Content-Type": "application/json" },
@@ -114,7 +118,7 @@ async function ask() {
 // When the sliders rest, address and picture follow
 function rest() {
   const { state: moved, scene, both_ways } = asked();
-  history.replaceState(null, "", `#${encodeURIComponent(JSON.stringify({ state: moved, scene, both_ways }))}`);
+  if (!FRAME) history.replaceState(null, "", `#${encodeURIComponent(JSON.stringify({ state: moved, scene, both_ways }))}`);
   click("picture", null, (found) => {
     if (turned) {
       turn(found.page);
@@ -361,14 +365,24 @@ print(result.summary)
 
 async function take(chosen) {
   if (!chosen) return;
-  const text = await chosen.text();
+  const content = await asBase64(chosen);
   await click("measured", null, (found) => {
-    file = { name: chosen.name, text };
+    file = { name: chosen.name, content };
     measured = found.measured;
     by("fit").hidden = by("forget").hidden = false;
     said([`${chosen.name}: ${found.assumed.join("; ")}.`]);
     if (latest) chart();
-  }, { measured: text });
+  }, { measured: content });
+}
+
+// The bytes of a file: the server finds its encoding, and reads binary ones
+function asBase64(chosen) {
+  return new Promise((resolve, reject) => {
+    const reader = new FileReader();
+    reader.onload = () => resolve(reader.result.slice(reader.result.indexOf(",") + 1));
+    reader.onerror = () => reject(reader.error);
+    reader.readAsDataURL(chosen);
+  });
 }
 
 function set(values) {
@@ -402,6 +416,7 @@ async function begin() {
     click("simulation", target, (answer) => show({ ...answer, of }));
   });
   window.addEventListener("pagehide", () => {
+    if (FRAME) return;
     for (const kind of running) {
       const content = JSON.stringify({ state: {}, tab: TAB, of: kind });
       navigator.sendBeacon("/cancel", new Blob([content], { type: "application/json" }));
@@ -418,7 +433,7 @@ async function begin() {
     set(answer.state);
     said(answer.sentences);
     changed();
-  }, { measured: file?.text }));
+  }, { measured: file?.content }));
   by("forget").addEventListener("click", () => {
     file = measured = null;
     by("fit").hidden = by("forget").hidden = true;
