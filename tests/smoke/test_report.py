@@ -67,16 +67,16 @@ def test_half_finished_study(made_up_result: Result, tmp_path: Path, command: Co
     assert list(page.sections) == [
         "",
         "Effects on mean torque",
-        "What was run",
-        "Outcome",
         "Main effects and response surfaces",
-        "Best and worst cases",
         "Failed cases",
+        "Best and worst cases",
+        "Outcome",
+        "What was run",
         "All cases",
         "Provenance",
     ]
     assert "mean torque over 3 cases" in page.sections[""]
-    assert "2 of 6 cases are still to run" in page.sections["What was run"]
+    assert "2 of 6 cases are still to run" in page.sections[""]
     assert "100 N, 200 N, 400 N" in page.sections["What was run"]
     assert "mesh.friction, yoke.friction" in page.sections["What was run"]
     assert "60 N/mm" in page.sections["What was run"]
@@ -222,7 +222,18 @@ def test_page_asks_for_nothing(made_up_result: Result, tmp_path: Path, command: 
     assert len(ids) == len(set(ids))
 
 
-@pytest.mark.parametrize("scene", [*SCENE_NAMES, "a scene of tomorrow"])
+EVERY_DAY = ("free-pinion-torque", "reversal", "rattle")
+"""Scenes of which pages are made every day; pictures of all are in test_scene_pictures.py."""
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        *EVERY_DAY,
+        *(pytest.param(name, marks=pytest.mark.long) for name in SCENE_NAMES if name not in EVERY_DAY),
+        "a scene of tomorrow",
+    ],
+)
 def test_result_of_any_scene(scene: str, made_up_result: Result, tmp_path: Path, command: Command) -> None:
     """Also of one that did not keep all signals of the scene's own picture."""
     result = dataclasses.replace(
