@@ -140,7 +140,7 @@ def chosen(rows: list[Row], load: str, flank: str) -> list[list[Row]]:
 
 
 def convergence_table(folder: Path) -> str:
-    """What refinement changes."""
+    """A sentence on what refinement changes."""
     rows = read(folder)
     even, other = chosen(rows, "even", "same"), chosen(rows, "even", "opposite")
     middle, across = chosen(rows, "middle", "same"), chosen(rows, "middle", "opposite")
@@ -155,16 +155,15 @@ def convergence_table(folder: Path) -> str:
         "two patches further": middle[-1][at - 2],
         "patch near the tip, opposite flank": across[-1][at],
     }
-    table = [
-        (
-            name,
-            f"{float(row['extrapolated']):.4g}",
-            f"{float(row['order']):.1f}",
-            f"{percent(row[f'refined_{REFINEMENTS[-1]}'], row['extrapolated']):+.1f}",
-        )
-        for name, row in quantities.items()
+    orders = [float(row["order"]) for row in quantities.values()]
+    finest = [
+        abs(percent(row[f"refined_{REFINEMENTS[-1]}"], row["extrapolated"])) for row in quantities.values()
     ]
-    return markdown(("yield", "extrapolated", "order", "finest, error %"), table)
+    return (
+        f"In {len(quantities)} yields the finest mesh is within {max(finest):.1f} % of its extrapolation; "
+        f"orders are "
+        f"{min(orders):.1f} to {max(orders):.1f}."
+    )
 
 
 def even_table(folder: Path) -> str:
