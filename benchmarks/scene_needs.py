@@ -248,29 +248,40 @@ NEEDS = {
 
 
 def run(folder: Path, cases: Sequence[str] = tuple(NEEDS), changes: Sequence[str] = tuple(CHANGES)) -> None:
-    """Measure these changes of these cases; what was measured of other cases stays."""
+    """Measure what is missing of these changes of these cases; delete needs.json to measure all again."""
     file = folder / DATA
     needs = load_data(file)["needs"] if file.exists() else {}
     for name in cases:
+        need = NEEDS[name]
+        head = ["change", *(f"`{metric.name}`" for metric in need.metrics), "CPU s"]
+        before = needs.get(name, {})
+        kept = (
+            {row[0]: row for row in before["rows"] if row[0] in CHANGES} if before.get("head") == head else {}
+        )
+        missing = [title for title in changes if title not in kept]
+        if not missing and before:
+            continue
         print(name, flush=True)
-        needs[name] = measured(NEEDS[name], changes)
+        base, measured = measured_rows(need, missing)
+        kept |= {row[0]: row for row in measured}
+        needs[name] = {
+            "accuracy": ", ".join(f"`{metric.name}` {_limit(metric)}" for metric in need.metrics),
+            "head": head,
+            "rows": [base, *(kept[title] for title in CHANGES if title in kept)],
+        }
         save_data(file, {"needs": {each: needs[each] for each in NEEDS if each in needs}})
 
 
-def measured(need: Need, changes: Sequence[str]) -> dict[str, object]:
-    """One case: the accuracy stated for its metrics, and the rows of its table."""
+def measured_rows(need: Need, changes: Sequence[str]) -> tuple[list[str], list[list[str]]]:
+    """Return the rows of a case's table: of the everyday model, and of these changes."""
     base = second(lambda: outcome(need, Change()))
     assert isinstance(base, Result)
     values = [SUMMARY[metric.name].show(base.summary[metric.name]) for metric in need.metrics]
-    rows = [["everyday model", *values, cpu(base)]]
+    rows = []
     for title in changes:
         other = second(lambda title=title: outcome(need, CHANGES[title]))  # type: ignore[misc]
         rows.append([title, *cells(need, base, other)])
-    return {
-        "accuracy": ", ".join(f"`{metric.name}` {_limit(metric)}" for metric in need.metrics),
-        "head": ["change", *(f"`{metric.name}`" for metric in need.metrics), "CPU s"],
-        "rows": rows,
-    }
+    return ["everyday model", *values, cpu(base)], rows
 
 
 def outcome(need: Need, change: Change) -> Result | str:

@@ -6,7 +6,8 @@
     pytest -q FILE       all tests of a file
 
 Two processes share the files: one compiles the kernels of `COMPILING` while the other does the quick tests,
-so that few kernels are compiled twice.
+so that few kernels are compiled twice. A test that needs a law of `verification`, which each process
+compiles, is long.
 """
 
 import dataclasses
@@ -43,6 +44,8 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "contract/test_contributing.py::test_few_frames_stand_between_a_run_and_its_kernel",
     "contract/test_docstring_examples.py",
     "contract/test_law_call.py",
+    "contract/test_libraries.py::test_a_function_of_the_user_is_cached_where_numba_keeps_it",
+    "contract/test_libraries.py::test_a_run_leaves_the_libraries_as_they_were",
     "contract/test_limit_of_cpu_time.py",
     "contract/test_kernel_cache.py::test_only_what_this_process_would_compile_is_loaded",
     "contract/test_newton_step.py",
@@ -90,6 +93,7 @@ LONG = (  # files, folders or single tests that the everyday set leaves out
     "physics/test_accuracy_check.py",
     "physics/test_accuracy_methods.py",
     "physics/test_accuracy_promise.py",
+    "physics/test_convergence.py",
     "physics/test_plan_reference.py",
     "physics/test_yoke_damping.py::test_impact_with_an_o_ring_is_that_of_a_plane_model",
     "physics/test_yoke_damping.py::test_rattle_with_an_o_ring_is_that_of_a_plane_model",

@@ -14,8 +14,6 @@ from numba import types
 from rps_exudyn.base import kernel_cache
 from rps_exudyn.base.compiling import compiling
 
-Kernel = Callable[..., Any]
-
 # Types of arguments: arrays without gaps, and numbers
 VECTOR, MATRIX, CUBE = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
 HYPERCUBE, NUMBERS = types.float64[:, :, :, ::1], types.int64[::1]

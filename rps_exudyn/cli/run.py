@@ -141,10 +141,15 @@ def read_measured(path: Path, columns: Sequence[str], scene: str, gear: "Steerin
         InputError: no such file, or one that is no curve.
     """
     from rps_exudyn.inference.fitting.bench_tests import KINDS, with_signs
+    from rps_exudyn.inference.fitting.fit import doubts
     from rps_exudyn.inference.measured.reading import read_measured_torque
+    from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE
 
     measured = read_measured_torque(path, chosen_columns(columns), gear)
     if scene not in KINDS or not KINDS[scene].weighted:
         measured = with_signs(measured)
     note(f"{path}: {'; '.join(measured.assumed)}.")
+    if scene == FREE.name:
+        for doubt in doubts(measured, gear):
+            note(f"Check the file: {doubt}.")
     return measured

@@ -74,11 +74,6 @@ def mesh_stiffness_transverse(single: float, contact_ratio: float) -> float:
     return single * (0.75 * contact_ratio + 0.25)
 
 
-def mesh_stiffness_lengthwise(transverse: float) -> float:
-    """Return c_gamma_beta = 0.85 c_gamma_alpha, for the load along the face [N/m^2]."""
-    return 0.85 * transverse
-
-
 def rack_stiffness(
     teeth: int, helix: float, pressure_angle: float, profile_shift: float, dedendum: float
 ) -> float:

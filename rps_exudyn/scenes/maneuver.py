@@ -96,10 +96,6 @@ class Maneuver:
         """Return the same with a load that pulls the rack's end towards -X [N]."""
         return replace(self, rack_load=load)
 
-    def without_settling(self) -> "Maneuver":
-        """Return the same from where the gear first rests, without the equilibria that lead there."""
-        return replace(self, approach=None)
-
     def closely_approached(self) -> "Maneuver":
         """Return the same, steady motion led to its start in a quarter of the steps."""
         assert isinstance(self.approach, SteadyApproach)

@@ -175,6 +175,24 @@ def test_wear_against_marching_with_the_work_that_runs_book() -> None:
     assert worn.wear.closing == pytest.approx(closing, rel=0.05)
 
 
+@pytest.mark.parametrize("coefficient", [1e-15, 5.5e-15])
+def test_torque_over_a_life_is_that_of_the_closed_form(coefficient: float) -> None:
+    """What a million cycles take off the torque, by equilibria and by formula, to 1 % of it."""
+    changes = []
+    for fidelity in ("quasi-static", "closed-form"):
+        new, old = (
+            rps.run(
+                "free-pinion-torque",
+                GEAR.replace({"conditions.steering_cycles": cycles, "yoke.liner_wear": coefficient}),
+                fidelity=fidelity,
+            ).summary["torque_mean"]
+            for cycles in (0.0, 1e6)
+        )
+        changes.append(old / new - 1)
+    assert changes[0] == pytest.approx(changes[1], rel=0.01)
+    assert changes[1] == pytest.approx({1e-15: -0.0040, 5.5e-15: -0.0202}[coefficient], rel=0.01)
+
+
 def test_wear_ends_where_the_spring_is_at_rest() -> None:
     """However long the life, the plunger cannot follow further than the spring presses."""
     worn = operating_gear(GEAR.replace({"conditions.steering_cycles": 1e8, "yoke.liner_wear": 1e-13}))

@@ -24,6 +24,14 @@ def pitch() -> Result:
     return rps.run("free-pinion-torque", gear, fidelity="quasi-static", turns=1 / 6, start_angle=4.0)
 
 
+@pytest.fixture(scope="module")
+def lines() -> Result:
+    """One tooth pitch by law "line"."""
+    gear = rps.SteeringGear().replace({"mesh.law": "line"})
+    return rps.run("free-pinion-torque", gear, fidelity="quasi-static", turns=1 / 6)
+
+
+@pytest.mark.long
 @pytest.mark.parametrize(("side", "name"), [(-1, "mesh_normal_force_drive"), (+1, "mesh_normal_force_coast")])
 def test_pressure_over_the_flanks_is_the_normal_force(side: int, name: str, pitch: Result) -> None:
     few = {signal: values[::20] for signal, values in pitch.signals.items()}
@@ -34,6 +42,7 @@ def test_pressure_over_the_flanks_is_the_normal_force(side: int, name: str, pitc
     np.testing.assert_allclose(forces, few[name], rtol=2e-3)
 
 
+@pytest.mark.long
 def test_highest_pressure_belongs_to_the_deepest_penetration(pitch: Result) -> None:
     both = contact_pattern(pitch.gear, pitch.signals)
     highest = max(pattern.pressure.max() for pattern in both)
@@ -41,17 +50,17 @@ def test_highest_pressure_belongs_to_the_deepest_penetration(pitch: Result) -> N
     assert [pattern.side for pattern in both] == [-1, +1]
 
 
-def test_picture_says_the_highest_pressures(pitch: Result) -> None:
-    both = contact_pattern(pitch.gear, one_pitch(pitch.signals, 6))
-    titles = [axes.get_title(loc="left") for axes in pattern_figure(pitch).axes[:2]]
+def test_picture_says_the_highest_pressures(lines: Result) -> None:
+    both = contact_pattern(lines.gear, one_pitch(lines.signals, 6))
+    titles = [axes.get_title(loc="left") for axes in pattern_figure(lines).axes[:2]]
     for title, pattern in zip(titles, both, strict=True):
         assert title.endswith(f"up to {pattern.pressure.max() / 1e6:.0f} MPa")
 
 
-def test_what_has_no_pattern_is_told(pitch: Result) -> None:
-    without = {name: values for name, values in pitch.signals.items() if name != "rack_roll"}
+def test_what_has_no_pattern_is_told(lines: Result) -> None:
+    without = {name: values for name, values in lines.signals.items() if name != "rack_roll"}
     with pytest.raises(InputError, match="no rack_roll"):
-        pattern_figure(dataclasses.replace(pitch, signals=without))
+        pattern_figure(dataclasses.replace(lines, signals=without))
 
 
 @pytest.mark.parametrize("law", ["line", "teeth"])

@@ -44,7 +44,7 @@ def mesh_of(gear: SteeringGear, along: int, across: int) -> GearForces:
     return alone(forces, "mesh")
 
 
-@pytest.mark.parametrize("law", ["line", "teeth", "area"])
+@pytest.mark.parametrize("law", ["line", "teeth", pytest.param("area", marks=pytest.mark.long)])
 def test_tangent_is_the_derivative_of_the_forces(law: str) -> None:
     """Along paths on which rates follow places, as the equilibria's: dF/dq + per_time dF/dv."""
     balance = mesh_of(by_law(GEAR, law), *POINTS[law]).statics

@@ -186,7 +186,7 @@ def _pose(rng: np.random.Generator, lift: float) -> np.ndarray:
     return q
 
 
-@pytest.mark.parametrize("law", ["area", "line", "teeth"])
+@pytest.mark.parametrize("law", ["line", "teeth", pytest.param("area", marks=pytest.mark.long)])
 def test_flanks_press_and_never_pull(law: str) -> None:
     """Also where the depth is the same all along a line, as with a guided rack."""
     gear, rng = by_law(SteeringGear(), law), np.random.default_rng(3)

@@ -38,6 +38,7 @@ PAIR = GearPair.of(PAPER)
 
 
 # --- three ways to one integral ----------------------------------------------------------------
+@pytest.mark.long
 @pytest.mark.parametrize("pose", POSES)
 def test_strip_agrees_with_fine_quadrature(pose: str) -> None:
     """Six stations per segment: 1e-4; the three of the default: 4e-4 at the worst angle of a rolled rack."""
@@ -53,6 +54,7 @@ def test_strip_agrees_with_fine_quadrature(pose: str) -> None:
         assert difference(flank_contact(*args, fast), expected, PAPER) < 4e-4
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("pose", POSES)
 def test_quadrature_agrees_with_points_on_the_flanks(pose: str) -> None:
     """900 000 points per flank, each an independent spring with its own exact position and normal."""
@@ -61,7 +63,7 @@ def test_quadrature_agrees_with_points_on_the_flanks(pose: str) -> None:
     assert difference(found, wrench_by_points(PAPER, *args, zone=ZONE), PAPER) < 1.5e-4
 
 
-@pytest.mark.parametrize("lead_error", ["10 um", "-10 um"])
+@pytest.mark.parametrize("lead_error", ["10 um", pytest.param("-10 um", marks=pytest.mark.long)])
 def test_lead_error_agrees_with_points_on_the_flanks(lead_error: str) -> None:
     """The same points on the wrong helix; the load lies at one end of the teeth, which changes it by far more
     than the tolerance. Strips, with the stations of the default, at their own 4e-4."""

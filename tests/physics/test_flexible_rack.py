@@ -100,7 +100,7 @@ def test_chain_rule_gives_the_tangent(bent: GearForces, factors: tuple[float, fl
         assert np.abs((by_differences - expected) / np.outer(size, size)).max() < 2e-3
 
 
-@pytest.mark.parametrize("cells", [False, True])
+@pytest.mark.parametrize("cells", [False, pytest.param(True, marks=pytest.mark.long)])
 def test_forces_are_the_work_of_the_laws_on_the_local_pose(bent: GearForces, cells: bool) -> None:
     """Power of the generalised forces = power of each law at the bar's pose where it acts, of the bar's
     elasticity and damping: what the chain rule to the modes, and along the bar, must keep. To rounding, also

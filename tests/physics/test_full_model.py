@@ -192,6 +192,7 @@ def test_pressure_by_depth_rubs_more_than_an_even_load(pitch: Result) -> None:
     assert 1.02 < pitch.summary["torque_mean"] / even < 1.05
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "form",
     [

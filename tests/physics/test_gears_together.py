@@ -46,6 +46,8 @@ SETTINGS = {
     "there-and-back": {"test.path": "there-and-back", "test.direction": -1},
     "lock-to-lock": {"test.path": "lock-to-lock", "rack.travel": "40 mm"},
 }
+EVERY_DAY = (("one-way", "line", "stribeck"), ("there-and-back", "teeth", "coulomb"))
+"""Each path, law and friction once; the other combinations are long tests."""
 CASES = [
     *product(MEANS, ("one-way", "there-and-back"), ("line", "teeth"), ("coulomb", "stribeck")),
     *product(MEANS, ("lock-to-lock",), ("line",), ("coulomb",)),
@@ -77,7 +79,13 @@ class Case:
     alone: dict[int, rps.Result]
 
 
-@pytest.fixture(scope="module", params=CASES, ids="-".join)
+@pytest.fixture(
+    scope="module",
+    params=[
+        pytest.param(each, id="-".join(each), marks=() if each[1:] in EVERY_DAY else pytest.mark.long)
+        for each in CASES
+    ],
+)
 def case(request: pytest.FixtureRequest) -> Case:
     scene, *names = request.param
     changes: dict[str, object] = {"test.turns": 1 / 6}
@@ -180,6 +188,7 @@ def test_transmission_error_is_against_each_gears_own_gain() -> None:
     assert found.summary[name][0] == pytest.approx(alone.summary[name], rel=METRIC)
 
 
+@pytest.mark.long
 def test_a_gear_to_learn_from_is_found_where_its_contact_jumps() -> None:
     """Under a weight by law area the quadrature jumps at single angles, which the follower may not pass; a
     gear of the table that is lost there is run singly. How many are lost depends on the processor."""
@@ -193,7 +202,9 @@ def test_a_gear_to_learn_from_is_found_where_its_contact_jumps() -> None:
             assert found.summary[name][row] == pytest.approx(alone.summary[name], rel=MEAN)
 
 
-@pytest.mark.parametrize("number", [1, 4, 9, 10, 12, 21])
+@pytest.mark.parametrize(
+    "number", [4, 10, *(pytest.param(number, marks=pytest.mark.long) for number in (1, 9, 12, 21))]
+)
 def test_every_metric_of_random_gears_is_that_of_single_runs(number: int) -> None:
     """Gears of the population with loads and frictions 20 % up and down: each metric that both print, to 1 %;
     the first order of a transmission error, which a gear without runout has not, to 1 % of its peak to peak.

@@ -99,11 +99,14 @@ def test_spikes_are_left_out_and_edges_of_teeth_are_not() -> None:
         (BenchNoise(0.01, cardan=0.05), 1.0, "twice per turn: a cardan joint"),
         (BenchNoise(0.01, bow=0.1), 1.0, "at the ends of the travel"),
         (BenchNoise(0.01, zero=0.3), 1.0, "the zero of the sensor"),
-        (BenchNoise(0.01), 2.0, "0.5 times per turn"),
+        (BenchNoise(0.01), 2.0, "show 3 times per turn"),
+        (BenchNoise(0.01), 1.5, "show 4 times per turn"),
+        (BenchNoise(0.01), 3.0, "where an encoder counts 3 times the angle"),
     ],
 )
 def test_notes_name_what_explains_a_misfit(noise: BenchNoise, turns: float, words: str) -> None:
-    """The encoder that turns twice as far shows the teeth at half their order."""
+    """The encoder that turns twice as far shows the teeth at half their order; one of three times at a cardan
+    joint's."""
     level = level_of(BenchKind(noise), 4, turns=turns)
     sentences = list(notes_of(level, SteeringGear()))
     assert any(words in sentence for sentence in sentences), sentences
@@ -162,6 +165,43 @@ def test_a_late_torque_is_named_and_left_out_or_refused() -> None:
         InputError, match=r"changes 4[45] deg \((3|2\.9) s\) after the motion reverses \(limit 15 deg\)"
     ):
         measurement_of([(FREE, curve)])
+
+
+def test_a_torque_ahead_of_its_angle_is_named_and_left_out_or_refused() -> None:
+    for ahead, words in (
+        (20, "changes 10 deg before the motion reverses: the channel of the angle"),
+        (60, ""),
+    ):
+        record = bench_record(GEAR, 0.5)
+        torque = np.append(record["value"][ahead:], np.full(ahead, record["value"][-1]))
+        curve = MeasuredTorque("bench", {TORQUE[0]: record["pinion_angle"], TORQUE[1]: torque})
+        if not words:
+            with pytest.raises(InputError, match=r"30 deg before the motion reverses \(limit 15 deg\)"):
+                measurement_of([(FREE, curve)])
+            continue
+        measurement = measurement_of([(FREE, curve)])
+        assert words in measurement.late[0]
+        (level,) = levels_of(measurement.passes, TEETH, GAIN)
+        assert level.value == pytest.approx(GEAR.level, rel=2e-3)
+
+
+def test_a_sensor_at_the_end_of_its_range_is_asked_for() -> None:
+    """Steps of any size, and a wave without noise that turns at its ends, are no end of a range."""
+    random = np.random.default_rng(5)
+    record = with_noise(bench_record(GEAR, 0.5), BenchNoise(0.01), random)
+    cut = np.clip(record["value"], -1.0, 1.01 * GEAR.level)
+    curves = {"cut": cut, "steps": 0.02 * np.round(record["value"] / 0.02)}
+    smooth = np.round(0.6 + 0.05 * np.sin(bench_record(GEAR, 0.05)["pinion_angle"]), 4)
+    asked = {}
+    for name, torque in curves.items():
+        curve = MeasuredTorque("bench", {TORQUE[0]: record["pinion_angle"], TORQUE[1]: torque})
+        (level,) = levels_of(measurement_of([(FREE, curve)]).passes, TEETH, GAIN)
+        asked[name] = [each for each in level.asks if "end of its sensor" in each]
+    forth = bench_record(GEAR, 0.05)["pinion_angle"][: smooth.size // 2]
+    (level,) = levels_of([MeasuredPass(FREE, 0, 1, forth, smooth[: forth.size])], TEETH, GAIN)
+    assert len(asked["cut"]) == 1
+    assert asked["steps"] == []
+    assert level.asks == ()
 
 
 def test_noise_and_weights_are_no_lateness() -> None:

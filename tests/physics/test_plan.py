@@ -40,7 +40,15 @@ def halves_of_fit(tests: dict[str, int], seed: int, gear: SteeringGear) -> dict[
     return {path: found.estimate(path).high / found.estimate(path).value - 1 for path in USUAL_TARGETS}
 
 
-@pytest.mark.parametrize("changed", [{}, {"yoke.preload": 400.0, "yoke.friction": 0.08, "bush.drag": 30.0}])
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {},
+        pytest.param(
+            {"yoke.preload": 400.0, "yoke.friction": 0.08, "bush.drag": 30.0}, marks=pytest.mark.long
+        ),
+    ],
+)
 def test_a_plan_keeps_its_promise_on_synthetic_benches(changed: dict[str, float]) -> None:
     """Within a fifth, the other contact law and the nuisances included."""
     gear = SteeringGear().replace(changed)

@@ -38,7 +38,14 @@ def far_back(gear: SteeringGear, pitches: float) -> float:
     return float(-maneuver.drive.sign * path.forces[before.size + maneuver.lead :, 0].mean())
 
 
-@pytest.mark.parametrize("gear", [CREEPS_LONG, CREEPS], ids=["long", "short"])
+@pytest.mark.parametrize(
+    "gear",
+    [
+        pytest.param(CREEPS_LONG, marks=pytest.mark.long, id="long"),
+        pytest.param(CREEPS, marks=pytest.mark.long, id="short"),
+        pytest.param(by_law(CREEPS, "line"), id="line"),
+    ],
+)
 @pytest.mark.parametrize("model", ["quasi-static", "flank"])
 def test_a_short_record_is_that_of_a_motion_that_began_far_back(gear: SteeringGear, model: str) -> None:
     """20 tooth pitches and an odd part, in steps of its own. 0.5 %: such steps are right to 0.2 %, and what
@@ -180,6 +187,7 @@ def test_what_the_start_remembers_is_refused_where_it_moves_the_mean(
         assert (status, code) == (Status.INVALID, Code.START_MATTERS)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("stiffness", "zone", "step"),
     [(5e12, 0.001, "12 deg"), (5e12, 0.001, "20 deg"), (1e14, 0.001, "20 deg"), (2e13, 1.0, "8 deg")],

@@ -1,4 +1,7 @@
-"""Each preset through the command line, without stand-ins; the full model over a small part of a turn."""
+"""Each preset, law and rack through the command line, without stand-ins; full over a small part of a turn.
+
+They are the first tests and compile what most others need, the default law first.
+"""
 
 import pytest
 
@@ -8,15 +11,28 @@ from shell import Command
 
 TOY = ["test.turns=0.00833333", "fidelity.profile_samples=12", "fidelity.axial_samples=10"]
 PRESET_SETTINGS: dict[str, list[str]] = {
-    "full": TOY,
     "flank": ["test.turns=0.05"],
     "quasi-static": ["test.turns=0.05"],
     "closed-form": [],
+    "full": TOY,
 }
+CHOICES = (["mesh.law=teeth"], ["fidelity.rack=flexible"])
 
 
 def test_every_preset_is_run_here() -> None:
     assert set(PRESET_SETTINGS) == set(PRESETS)
+
+
+@pytest.mark.parametrize("choice", CHOICES, ids=" ".join)
+def test_choice_changes_little_of_the_mean(choice: list[str], command: Command) -> None:
+    means = []
+    for settings in ([], choice):
+        words = [word for setting in ["test.turns=0.17", *settings] for word in ("--set", setting)]
+        answer = command(["run", "--fidelity", "quasi-static", *words, "--out", "a.h5", "--overwrite"])
+        assert answer.status == 0, answer.err
+        means.append(load("a.h5").summary["torque_mean"])
+    assert means[1] == pytest.approx(means[0], rel=0.02)
+    assert means[1] != means[0]
 
 
 @pytest.mark.parametrize("preset", PRESET_SETTINGS)

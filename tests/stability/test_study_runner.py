@@ -117,10 +117,10 @@ def test_second_runner_is_refused_and_the_first_undisturbed(
 
 def test_ctrl_c_stops_at_once_and_keeps_what_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = write_grid(tmp_path / "s.toml", 100, 911, 912)
-    with Running(file, 100, monkeypatch) as process:
+    with Running(file, 1000, monkeypatch) as process:
         wait_for(lambda: (tmp_path / "s" / "study.json").exists() and rows(tmp_path / "s"))
         process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=90)  # a case takes 100 s
+        _, err = process.communicate(timeout=300)  # a case takes 1000 s
     assert process.returncode == 130
     assert "finished cases are kept in s; the same command runs the others" in err
     assert "Traceback" not in err

@@ -13,7 +13,9 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.fit import parse_priors
 from rps_exudyn.cli.run import read_measured
 from rps_exudyn.inference.fitting.bench_tests import mixed_speeds, named_test, read_measurement
-from rps_exudyn.inference.fitting.fit import fit
+from rps_exudyn.inference.fitting.fit import check_sizes, fit
+from rps_exudyn.inference.fitting.level import levels_of
+from rps_exudyn.inference.fitting.production import measured_gear
 from rps_exudyn.inference.fitting.series import read_series
 from rps_exudyn.parameters.gear import SteeringGear
 from shell import Command
@@ -57,8 +59,9 @@ def test_rows_that_are_left_out_are_named_with_the_reason(tmp_path: Path) -> Non
     assert read_measurement([path]).left_out == (
         "bench: 2 rows without a value are left out: lines 102, 105",
         "bench: 1 line without numbers is left out: line 525",
-        "bench: 5 rows are left out, lines 203, 282 to 285, where the angle stands still or jumps back",
-        "bench: 41 rows are left out, lines 2 to 42, a pass shorter than 20 % of the longest",
+        "bench: 4 rows are left out, lines 282 to 285, where the angle rests",
+        "bench: 1 row is left out, line 203, where the angle stands still or jumps back",
+        "bench: 41 rows are left out, lines 2 to 42, a pass shorter than 80 % of the longest its way",
     )
 
 
@@ -244,3 +247,57 @@ def test_values_in_a_wrong_unit_are_refused(tmp_path: Path) -> None:
     assert all("check the unit of its torque" in each for each in refused.value.problems)
     with pytest.raises(InputError, match=r"covers 57.3 turns of the pinion .* check the unit of its angle"):
         fit([turned(tmp_path / "c.csv", 0.6, -0.6, reach=180 * 57.3)])
+
+
+def wavy(path: Path, angle: np.ndarray, forth: np.ndarray) -> Path:
+    """A free torque of 0.63 or -0.61 N m beside a wave of the turn, over angles [deg]."""
+    torque = np.where(forth, 0.63, -0.61) + 0.02 * np.cos(np.radians(angle))
+    path.write_text(HEADER + "".join(f"{a:.2f},{t:.5f}\n" for a, t in zip(angle, torque, strict=True)))
+    return path
+
+
+@pytest.mark.parametrize("ends_at", ["begin", "middle"])
+def test_a_motion_that_begins_in_the_middle_has_whole_passes(ends_at: str, tmp_path: Path) -> None:
+    """0 to 180, back to -180 and forth to 0 are one pass each way; a part without its other half is left."""
+    forth, back = np.arange(-180.0, 181.0), np.arange(179.0, -181.0, -1.0)
+    last = (forth[1:181],) if ends_at == "begin" else (forth[1:], back[:180])
+    angle = np.concatenate([forth[180:], back, *last])
+    path = wavy(tmp_path / "bench.csv", angle, np.append(True, np.diff(angle) > 0))
+    measurement = read_measurement([path])
+    assert sorted(each.direction for each in measurement.passes) == [-1, 1]
+    assert all(np.ptp(each.angle) > np.radians(355) for each in measurement.passes)
+    assert any("shorter than 80 %" in each for each in measurement.left_out) == (ends_at == "middle")
+
+
+def test_a_reversal_over_less_than_a_pitch_counts_the_ripple_that_it_misses(tmp_path: Path) -> None:
+    """Over 34 of 60 deg, a wave of 5 % moves a mean by up to 2.8 %."""
+    levels = {}
+    for reach in (20.0, 180.0):
+        forth = np.arange(-reach, reach + 0.5)
+        path = wavy(
+            tmp_path / "bench.csv",
+            np.concatenate([forth, forth[::-1]]),
+            np.arange(2 * forth.size) < forth.size,
+        )
+        measurement = read_measurement([f"reversal={path}"])
+        check_sizes(measurement, SteeringGear())
+        (levels[reach],) = levels_of(measurement.passes, 6, 5.6e-3)
+    rows = {row.name: row.half / levels[20.0].value for row in levels[20.0].budget}
+    assert rows["ripple of the teeth"] == pytest.approx(1.96 * 0.05 / 2**0.5 * 0.55, rel=0.1)
+    assert "ripple of the teeth" not in {row.name for row in levels[180.0].budget}
+    with pytest.raises(InputError, match="a reversal needs 10 deg beyond its turns"):
+        fit([f"reversal={wavy(path, np.arange(-5.0, 6.0), np.full(11, True))}"])
+
+
+def test_a_gear_of_a_batch_with_a_wrong_unit_is_refused(tmp_path: Path) -> None:
+    path = turned(tmp_path / "gear1.csv", 6.6, -6.6)
+    with pytest.raises(InputError, match="check the unit of its torque"):
+        measured_gear(path, SteeringGear())
+
+
+def test_run_says_what_speaks_against_a_measured_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = turned(tmp_path / "a.csv", 6.6, -6.6)
+    read_measured(path, (), "free-pinion-torque", SteeringGear())
+    assert "Check the file: a has a mean torque of 6.6 N m" in capsys.readouterr().err

@@ -473,3 +473,64 @@ def test_100_000_rows_are_read_in_seconds_of_cpu_time(tmp_path: Path) -> None:
     begun = process_time()
     assert read_measured_torque(path).signals["pinion_angle"].size == 100_000
     assert process_time() - begun < 3.0  # 0.7 s where nothing else runs
+
+
+# --- The motion in a record
+
+
+def record(*parts: tuple[np.ndarray, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Angles [deg] and torques [N m] of parts, each of one torque beside a wave of the angle."""
+    angle = np.concatenate([part for part, _ in parts])
+    torque = np.concatenate([level + 0.02 * np.cos(np.radians(part)) * (level != 0) for part, level in parts])
+    return angle, torque
+
+
+def curve_file(folder: Path, angle: np.ndarray, torque: np.ndarray) -> Path:
+    rows = "".join(f"{a:.4f},{t:.6f}\n" for a, t in zip(angle, torque, strict=True))
+    return written(folder, HEADER + rows)
+
+
+FORTH = np.arange(-180.0, 180.5, 1.0)
+
+
+def test_rows_at_rest_are_left_out_though_the_angle_trembles(tmp_path: Path) -> None:
+    random = np.random.default_rng(1)
+    angle, torque = record(
+        (np.full(60, -180.0), 0.0), (FORTH, 0.63), (np.full(90, 180.0), 0.3), (FORTH[::-1], -0.61)
+    )
+    for tremble in (0.0, 0.02):
+        measured = read_measured_torque(
+            curve_file(tmp_path, angle + tremble * random.standard_normal(angle.size), torque)
+        )
+        forth, back = passes(measured.signals)
+        assert np.abs(forth.signals["pinion_torque"] - 0.63).max() < 0.021
+        assert np.abs(back.signals["pinion_torque"] + 0.61).max() < 0.021
+        assert min(forth.angle.size, back.angle.size) > 355
+        assert any("where the angle rests" in sentence for sentence in measured.left_out)
+
+
+@pytest.mark.parametrize("sizes", [(0.63, -0.61), (0.63, 0.61), (4.5, 3.2)])
+def test_directions_that_alternate_are_refused(sizes: tuple[float, float], tmp_path: Path) -> None:
+    torque = np.tile(sizes, FORTH.size) + 0.003 * np.random.default_rng(2).standard_normal(2 * FORTH.size)
+    path = curve_file(tmp_path, np.repeat(FORTH, 2), torque)
+    with pytest.raises(InputError, match="both directions of the motion in rows that alternate; write all"):
+        read_measured_torque(path)
+
+
+def test_rows_of_one_angle_are_spread_over_the_encoders_step(tmp_path: Path) -> None:
+    fine = np.arange(0.0, 360.0, 0.2)
+    angle = np.concatenate([np.floor(fine), np.floor(fine[::-1])])
+    random = np.random.default_rng(3)
+    torque = np.where(np.arange(angle.size) < fine.size, 0.6, -0.6) + 0.01 * random.standard_normal(
+        angle.size
+    )
+    measured = read_measured_torque(curve_file(tmp_path, angle, torque))
+    assert sum(each.angle.size for each in passes(measured.signals)) > 0.98 * angle.size
+    assert any("5 rows of one pinion angle are spread evenly" in sentence for sentence in measured.assumed)
+
+
+def test_commas_beside_the_curve_show_that_they_are_decimal(tmp_path: Path) -> None:
+    rows = "".join(f"{i};{60 + i},{111 + i};20,55\n" for i in range(40))
+    path = written(tmp_path, f"Winkel [°];Moment [Ncm];Temperatur [°C]\n{rows}")
+    measured = read_measured_torque(path)
+    assert measured.signals["pinion_torque"][0] == pytest.approx(0.60111)

@@ -73,9 +73,14 @@ _NAMED = re.compile(rf"(?P<kind>{'|'.join(KINDS)})(?:@(?P<load>[^=]+))?=(?P<file
 MOST_POINTS = 720  # of a pass: more are taken together by their medians
 UNSIGNED = 0.5  # least ratio of absolute values of friction in both directions
 MIXED = 1.5  # of two speeds, from which on friction may differ between them
-SHORTEST = 0.2  # of the longest pass: what is shorter is the way to the start, or a jerk
+SHORTEST = 0.2  # of the longest pass: what is shorter is a jerk, whose torque shows no sign
+WHOLE = 0.8  # of the longest pass one way: what is shorter is the way to the start, or a part of a pass
+SEAM = 0.05  # of the travel, by which two parts of a pass may overlap or lie apart
 TURNING = np.radians(3.0)  # after a turn of a reversal, where friction is still turning about
-LATE, TOO_LATE = np.radians(3.0), np.radians(15.0)  # after a turn, by which a torque follows: said, refused
+LATE, TOO_LATE = (
+    np.radians(3.0),
+    np.radians(15.0),
+)  # after or before a turn, by which a torque changes: said, refused
 SETTLED = 0.25  # of a pass, from its end, that shows the torque of a direction
 
 
@@ -138,7 +143,7 @@ class Measurement:
     names: tuple[str, ...]  # of the files, by their number
     assumed: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()  # rows of the files that no pass has, and why
-    late: tuple[str, ...] = ()  # files whose torque follows the motion late, and by how much
+    late: tuple[str, ...] = ()  # files whose torque follows the motion late, or is ahead, and by how much
 
     @property
     def tests(self) -> list[BenchTest]:
@@ -209,11 +214,12 @@ def measurement_of(curves: Iterable[tuple[BenchTest, MeasuredTorque]]) -> Measur
         turned = passes(signals | lines)
         after, delay = (0.0, "") if test.pushed else _lateness(turned, curve.name)
         late += [delay] if delay else []
+        turned = _joined(turned)
         own = [_measured_pass(test, run, each, after) for each in turned]
-        shortest = SHORTEST * max(np.ptp(each.angle) for each in own)
-        rows = (*curve.left_out, *_rows_left_out(turned, own, lines["line"], shortest, after))
+        kept = _are_whole(own)
+        rows = (*curve.left_out, *_rows_left_out(turned, own, kept, lines["line"], after))
         left_out += [f"{curve.name}: {sentence}" for sentence in rows]
-        own = [each for each in own if np.ptp(each.angle) > shortest]  # without the way to the start, a jerk
+        own = [each for each, is_kept in zip(own, kept, strict=True) if is_kept]
         own, said = _with_signs(own, curve.name)
         found += own
         names.append(curve.name)
@@ -224,11 +230,11 @@ def measurement_of(curves: Iterable[tuple[BenchTest, MeasuredTorque]]) -> Measur
 
 
 def _lateness(turned: Sequence[Pass], name: str) -> tuple[float, str]:
-    """Angle [rad] by which the torque follows each turn of the motion, and what is said of it; 0 and "" where
-    it changes within `LATE`, as friction does.
+    """Angle [rad] by which the torque follows each turn of the motion, negative where it is ahead, and what
+    is said of it; 0 and "" where it changes within `LATE`, as friction does.
 
     Raises:
-        InputError: it follows by more than `TOO_LATE`.
+        InputError: it is off by more than `TOO_LATE`.
     """
     found = []
     for before, after in pairwise(turned):
@@ -238,28 +244,68 @@ def _lateness(turned: Sequence[Pass], name: str) -> tuple[float, str]:
             continue
         ends = [each.signals["value"][-max(3, int(SETTLED * each.angle.size)) :] for each in (before, after)]
         first, last = (float(np.median(end)) for end in ends)
-        if abs(last - first) < 4 * max(float(np.std(np.diff(end))) for end in ends):
+        if abs(last - first) < 4 * max(1.4826 * float(np.median(np.abs(np.diff(end)))) for end in ends):
             continue  # noise hides when it changes
-        middle, values = (first + last) / 2, after.signals["value"]
-        crossed = np.flatnonzero((values - middle) * (last - first) > 0)
-        place = int(crossed[0]) if crossed.size else 0
-        clock = after.signals.get("clock")
-        seconds = float(clock[place] - clock[0]) if clock is not None else np.nan
-        found.append((abs(float(after.angle[place] - after.angle[0])), seconds))
+        middle = (first + last) / 2
+        has_changed = [(each.signals["value"] - middle) * (last - first) > 0 for each in (before, after)]
+        late, early = int(np.argmax(has_changed[1])), int(np.argmin(has_changed[0][::-1]))
+        turn, sign, place = (after, 1, late) if late else (before, -1, -1 - early)
+        begin = 0 if late else -1
+        clock = turn.signals.get("clock")
+        seconds = abs(float(clock[place] - clock[begin])) if clock is not None else np.nan
+        found.append((sign * abs(float(turn.angle[place] - turn.angle[begin])), seconds))
     if not found:
         return 0.0, ""
     angle, seconds = (float(each) for each in np.median(np.array(found), axis=0))
-    if angle <= LATE:
+    if abs(angle) <= LATE:
         return 0.0, ""
     time = f" ({seconds:.2g} s)" if np.isfinite(seconds) else ""
-    late = f"the torque changes {np.degrees(angle):.2g} deg{time} after the motion reverses"
-    if angle > TOO_LATE:
+    when, which = ("after", "its channel") if angle > 0 else ("before", "the channel of the angle")
+    said = f"the torque changes {np.degrees(abs(angle)):.2g} deg{time} {when} the motion reverses"
+    if abs(angle) > TOO_LATE:
         raise InputError(
-            f"{name}: {late} (limit {np.degrees(TOO_LATE):.0f} deg): its channel is late; shift it by "
-            "that time, or "
-            "record angle and torque by one clock."
+            f"{name}: {said} (limit {np.degrees(TOO_LATE):.0f} deg): {which} is late; shift it by "
+            "that time, or record angle and torque by one clock."
         )
-    return 1.5 * angle, f"{name}: {late}: its channel may be late, or the rig has play"
+    return 1.5 * angle, f"{name}: {said}: {which} may be late{', or the rig has play' if angle > 0 else ''}"
+
+
+def _joined(turned: Sequence[Pass]) -> list[Pass]:
+    """The passes, of which two that are parts of one, as if the motion began in the middle, are joined."""
+    left, found = list(turned), []
+    while left:
+        first = left.pop(0)
+        other = next((each for each in left if _are_parts(first, each, turned)), None)
+        if other is not None:
+            left.remove(other)
+            parts = sorted((first, other), key=lambda each: first.direction * float(each.angle.mean()))
+            first = Pass(
+                first.direction,
+                {name: np.concatenate([each.signals[name] for each in parts]) for name in first.signals},
+            )
+        found.append(first)
+    return found
+
+
+def _are_parts(first: Pass, second: Pass, turned: Sequence[Pass]) -> bool:
+    longest = max(float(np.ptp(each.angle)) for each in turned)
+    both = np.concatenate([first.angle, second.angle])
+    overlap = min(first.angle.max(), second.angle.max()) - max(first.angle.min(), second.angle.min())
+    return bool(
+        first.direction == second.direction
+        and np.ptp(both) > WHOLE * longest
+        and max(np.ptp(first.angle), np.ptp(second.angle)) < WHOLE * longest
+        and abs(overlap) < SEAM * longest
+    )
+
+
+def _are_whole(found: Sequence[MeasuredPass]) -> list[bool]:
+    """Which passes cover most of what the longest one their way covers."""
+    longest = {
+        sense: max((float(np.ptp(each.angle)) for each in found if each.direction == sense), default=0.0)
+        for sense in (1, -1)
+    }
+    return [bool(np.ptp(each.angle) > WHOLE * longest[each.direction]) for each in found]
 
 
 def _measured_pass(test: BenchTest, run: int, turned: Pass, after: float = 0.0) -> MeasuredPass:
@@ -278,33 +324,33 @@ def _measured_pass(test: BenchTest, run: int, turned: Pass, after: float = 0.0) 
 
 def _sliding(test: BenchTest, turned: Pass, after: float) -> np.ndarray:
     """Which rows of a pass are compared, shape (n,): those of a reversal where friction has turned about, and
-    those beyond an angle `after` its begin, as far as a torque is late."""
+    those beyond an angle `after` its begin, as far as a torque is late; before its end, if it is negative."""
     angle = turned.angle
     inside = (angle > angle.min() + TURNING) & (angle < angle.max() - TURNING)
     if not (test.of_kind.turns_about and inside.sum() > 2):
         inside = np.ones(angle.size, dtype=bool)
-    settled = inside & (np.abs(angle - angle[0]) >= after)
+    settled = inside & (np.abs(angle - angle[0 if after > 0 else -1]) >= abs(after))
     return settled if settled.sum() > 2 else inside
 
 
 def _rows_left_out(
     turned: Sequence[Pass],
     measured: Sequence[MeasuredPass],
+    kept: Sequence[bool],
     lines: np.ndarray,
-    shortest: float,
     after: float,
 ) -> Iterator[str]:
     """Which rows of a file, by their numbers of lines (n,), are in none of its measured passes, and why."""
     unmoved = np.setdiff1d(lines, np.concatenate([each.signals["line"] for each in turned]))
     if unmoved.size:
         yield f"{_rows(unmoved)}, where the angle stands still or jumps back"
-    for each, found in zip(turned, measured, strict=True):
+    for each, found, is_kept in zip(turned, measured, kept, strict=True):
         inside, numbers = _sliding(found.test, each, after), each.signals["line"]
-        if not np.ptp(found.angle) > shortest:
-            yield f"{_rows(numbers)}, a pass shorter than {100 * SHORTEST:.0f} % of the longest"
+        if not is_kept:
+            yield f"{_rows(numbers)}, a pass shorter than {100 * WHOLE:.0f} % of the longest its way"
             continue
         if not inside.all():
-            degrees = np.degrees(max(after, TURNING if found.test.of_kind.turns_about else 0.0))
+            degrees = np.degrees(max(abs(after), TURNING if found.test.of_kind.turns_about else 0.0))
             yield f"{_rows(numbers[~inside])}, within {degrees:.2g} deg of a reversal of the motion"
         if inside.sum() > MOST_POINTS:
             yield f"{inside.sum()} rows of a pass are reduced to {MOST_POINTS} medians"

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rps_exudyn.base.errors import are
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.inference.fitting.bench_tests import mixed_speeds
 from rps_exudyn.inference.fitting.level import ZERO, LevelEstimate
@@ -127,7 +128,7 @@ def notes_of(level: LevelEstimate, gear: SteeringGear) -> Iterator[str]:
     if not level.both_ways:
         yield f"{title} was measured in one direction only: an error of the sensor's zero counts as friction"
     if level.spikes:
-        yield f"{level.spikes} points of {title} are left out as outliers"
+        yield f"{are(level.spikes, 'point', f' of {title}')} left out as outliers"
     if of_kind.by_angle:
         yield from _rig(level, gear)
     zero = 0.0 if level.half_sum is None or of_kind.weighted else level.half_sum
@@ -160,6 +161,11 @@ def _rig(level: LevelEstimate, gear: SteeringGear) -> Iterator[str]:
         size = float(np.hypot(*vector))
         if size > OWN_WAVE * sd and size > NAMED * value:
             times = "once" if order == 1 else "twice"
+            teeth = level.tooth_waves.get(1.0)
+            if teeth is not None and not teeth.is_seen:
+                name += (
+                    f", or the teeth, where an encoder counts {gear.pinion.teeth / order:g} times the angle"
+                )
             yield f"friction changes by {100 * size / value:.2g} % {times} per turn: {name}"
     bend, sd = level.bend
     if abs(bend) > OWN_BEND * sd and abs(bend) > NAMED * value:
@@ -167,7 +173,7 @@ def _rig(level: LevelEstimate, gear: SteeringGear) -> Iterator[str]:
             f"friction is {200 * bend / value:+.2g} % at the ends of the travel compared with the middle: "
             f"a bent rack, or a bore out of line"
         )
-    yield from _encoder(level)
+    yield from _encoder(level, gear.pinion.teeth)
 
 
 def _eccentric_share(gear: SteeringGear) -> float:
@@ -176,7 +182,7 @@ def _eccentric_share(gear: SteeringGear) -> float:
     return own / abs(stored)
 
 
-def _encoder(level: LevelEstimate) -> Iterator[str]:
+def _encoder(level: LevelEstimate, teeth: int) -> Iterator[str]:
     waves = level.tooth_waves
     own = waves.get(1.0)
     if own is None:
@@ -188,6 +194,6 @@ def _encoder(level: LevelEstimate) -> Iterator[str]:
     wrong = not own.is_seen if ratio > 1 else others[ratio].size > 1.5 * own.size
     if wrong:
         yield (
-            f"the teeth show {ratio:.3g} times per turn of the angle, unlike the given pinion: the encoder "
-            f"may have a ratio, or the pinion another number of teeth"
+            f"the teeth show {ratio * teeth:.3g} times per turn of the angle, the given pinion has {teeth}: "
+            "the encoder may have a ratio, or the pinion another number of teeth"
         )

@@ -17,7 +17,13 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.inference.fitting.bench_tests import MeasuredPass, Measurement, read_measurement
+from rps_exudyn.inference.fitting.bench_tests import (
+    BenchTest,
+    MeasuredPass,
+    Measurement,
+    measurement_of,
+    read_measurement,
+)
 from rps_exudyn.inference.fitting.fitted import Ended, Fit, outcome_of, runout_in
 from rps_exudyn.inference.fitting.level import levels_of
 from rps_exudyn.inference.fitting.level_fit import AGREED, LevelFit, LevelModel, fitted_levels, stepped
@@ -42,10 +48,12 @@ from rps_exudyn.inference.fitting.unknowns import (
     unknowns_of,
 )
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.scenes.checks.before_run import largest_angle
 from rps_exudyn.simulate.cases.run_cases import CaseRunner
 
 LEAST_TURN = 0.8  # of a turn, that a curve must cover to show the runout
+LEAST_SWING = np.radians(10.0)  # of a reversal beyond its turns
 OTHER_LAW = {"line": "teeth", "teeth": "line", "area": "line"}
 
 
@@ -122,10 +130,16 @@ def _tellable(measurement: Measurement, gear: SteeringGear, free: list[str]) -> 
     turning = [each for each in measurement.passes if each.test.of_kind.by_angle]
     pitch = TURN / gear.pinion.teeth
     for each in turning:
-        if np.ptp(each.angle) < 0.98 * pitch:
+        swings = each.test.of_kind.turns_about
+        if np.ptp(each.angle) < (LEAST_SWING if swings else 0.98 * pitch):
+            needed = (
+                f"a reversal needs {np.degrees(LEAST_SWING):.3g} deg beyond its turns"
+                if swings
+                else f"a level needs a tooth pitch, {np.degrees(pitch):.3g} deg, at least"
+            )
             raise InputError(
-                f"{measurement.names[each.run]} covers {np.degrees(np.ptp(each.angle)):.3g} deg in a pass; a "
-                f"level needs a tooth pitch, {np.degrees(pitch):.3g} deg, at least."
+                f"{measurement.names[each.run]} covers {np.degrees(np.ptp(each.angle)):.3g} deg in a pass; "
+                f"{needed}: check the unit of its angle, or turn further."
             )
     longest = max((float(np.ptp(each.angle)) for each in turning), default=0.0)
     warnings = []
@@ -298,12 +312,25 @@ def check_sizes(measurement: Measurement, gear: SteeringGear) -> None:
     Raises:
         InputError: one sentence for each file that holds such.
     """
+    if problems := _wrong_sizes(measurement, gear):
+        raise InputError(problems)
+
+
+def doubts(curve: MeasuredTorque, gear: SteeringGear) -> list[str]:
+    """Return what speaks against a free torque as it was read: wrong units, a channel that is late."""
+    try:
+        measurement = measurement_of([(BenchTest("free"), curve)])
+    except InputError as error:
+        return [problem.removesuffix(".") for problem in error.problems]
+    return [*(problem.removesuffix(".") for problem in _wrong_sizes(measurement, gear)), *measurement.late]
+
+
+def _wrong_sizes(measurement: Measurement, gear: SteeringGear) -> list[str]:
     problems = []
     for run, name in enumerate(measurement.names):
         passes = [each for each in measurement.passes if each.run == run]
         problems += [f"{name} {why}." for why in (*_sizes(passes, gear), *_travels(passes, gear))]
-    if problems:
-        raise InputError(problems)
+    return problems
 
 
 def _sizes(passes: list[MeasuredPass], gear: SteeringGear) -> Iterator[str]:

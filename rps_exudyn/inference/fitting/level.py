@@ -33,7 +33,7 @@ REPEATABILITY = 0.02  # of a run's level, declared: known to 35 % ...
 DECLARED = 4.0  # ... which is as good as from so many degrees of freedom (GUM G.4.2)
 CALIBRATION = 0.005  # of the level
 ZERO = 0.03  # of the level: standard deviation of a sensor's zero
-UNSEEN = 0.05  # of the level: waves of a turn that a shorter pass does not show
+UNSEEN = 0.05  # of the level: waves of a turn, or of a tooth pitch, that a shorter pass does not show
 FOUND_WAVE = 2.45  # standard deviations: chi squared of two components, 95 %
 SEVERAL_PARTS = 1.3  # by which correlated noise widens a wave: one turn does not show how long it lasts
 LEAST_CORRELATED = 0.25  # probability that is counted whatever the curve shows
@@ -252,11 +252,17 @@ def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: fl
     if not both:
         zero = _students(DECLARED) * ZERO * abs(value)
         rows.append(BudgetRow("zero, one way only", zero, True, f"{100 * ZERO:.2g} % declared"))
-    if not covers(span, 1):
-        leak = abs(np.sin(span / 2) / (span / 2)) * UNSEEN * abs(value) / np.sqrt(2)
-        rows.append(BudgetRow("waves of a turn", NORMAL * leak, True, "the passes are shorter than one"))
+    for order, name in ((1, "waves of a turn"), (teeth, "ripple of the teeth")):
+        if not covers(span, order):
+            leak = abs(np.sinc(order * span / (2 * np.pi))) * UNSEEN * abs(value) / np.sqrt(2)
+            rows.append(BudgetRow(name, NORMAL * leak, True, "the passes are shorter than one"))
     waves_of_sum = _tooth_waves(groups, law, both, teeth)
-    asked = f"{test.title} holds one value only: state the smallest step of its sensor"
+    asks = [
+        f"{count} points of {test.title} are at {each:.4g}: check the end of its sensor's range"
+        for each, count in sorted(_at_an_end(passes).items())
+    ]
+    if all(run.constant for run in runs):
+        asks.append(f"{test.title} holds one value only: state the smallest step of its sensor")
     return LevelEstimate(
         test=test,
         value=value,
@@ -274,8 +280,25 @@ def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: fl
         tooth_waves=waves_of_sum,
         correlated=law.correlated,
         spikes=sum(run.spikes for run in runs),
-        asks=(asked,) if all(run.constant for run in runs) else (),
+        asks=tuple(asks),
     )
+
+
+LEVELS, AT_END, LEAST_AT_END = 8, 5, 5  # of values; times as often as its neighbours; points
+
+
+def _at_an_end(passes: Sequence[MeasuredPass]) -> dict[float, int]:
+    """Largest and smallest value that passes have again and again beside what they have near it -> how often:
+    that of a sensor whose range ends there."""
+    values, counts = np.unique(np.concatenate([each.raw_value for each in passes]), return_counts=True)
+    if values.size < LEVELS:
+        return {}
+    ends = ((values[-1], counts[-1], counts[-4:-1]), (values[0], counts[0], counts[1:4]))
+    return {
+        float(value): int(count)
+        for value, count, beside in ends
+        if count >= LEAST_AT_END and count > AT_END * beside.max()
+    }
 
 
 def _step_words(test: BenchTest, step: float) -> str:
@@ -385,26 +408,39 @@ def _bend(law: AveragedLaw, runs: int) -> tuple[float, float]:
     return float(vectors[:, 1].mean()), float(np.sqrt(variance / runs))
 
 
-TOOTH_ORDERS = (0.25, 1 / 3, 0.5, 1.0, 2.0, 3.0, 4.0)  # times the number of teeth
+LOWEST_ORDER, HIGHEST_RATIO = 2.5, 4.0  # of waves: of a turn; times the number of teeth
+NEAR_ORDER, RAYLEIGH = (
+    1.0,
+    1.1774,
+)  # waves that a large one touches; median of a wave's size over its deviation
 
 
 def _tooth_waves(
     groups: Sequence[Sequence[Parts]], law: AveragedLaw, both: bool, teeth: int
 ) -> dict[float, Wave]:
-    """Waves of the half sum, or of the only direction, near the teeth's order, for an encoder's ratio.
+    """Waves of the half sum, or of the only direction, by their order over the number of teeth, for an
+    encoder's ratio.
 
-    What is left of slow waves is noise of all of them, as far as their scatter shows it.
+    What is left of slow waves is noise of all of them; where it is correlated, at least the waves of half to
+    twice the order.
     """
     parts = groups[0][0]
+    if not covers(parts.span, 1):
+        return {}
     value = np.mean([each.values[1 if both else 0] for group in groups[:1] for each in group], axis=0)
     slow = np.column_stack([np.ones_like(parts.place), parts.place, waves(parts.angle, parts.span, (1, 2))])
     left = value - slow @ np.linalg.lstsq(slow, value, rcond=None)[0]
+    orders = np.arange(LOWEST_ORDER, HIGHEST_RATIO * teeth + 0.25, 0.5)
+    orders = orders[parts.angle.size > 2.5 * orders * parts.span / (2 * np.pi)]
+    columns = [waves(parts.angle, parts.span, (order,)) for order in orders]
+    vectors = [np.linalg.lstsq(each, left, rcond=None)[0] for each in columns]
+    sizes = np.hypot(*np.array(vectors).T) if vectors else np.zeros(0)
+    white = float(np.std(left) * np.sqrt(2 / left.size))
     found = {}
-    for ratio in TOOTH_ORDERS:
-        columns = waves(parts.angle, parts.span, (ratio * teeth,))
-        if ratio * teeth > 2 and columns.shape[1] and covers(parts.span, 1):
-            vector, *_ = np.linalg.lstsq(columns, left, rcond=None)
-            found[ratio] = Wave(vector, float(np.std(left) * np.sqrt(2 / left.size)))
+    for order, vector in zip(orders, vectors, strict=True):
+        beside = (orders > order / 2) & (orders < 2 * order) & (np.abs(orders - order) > NEAR_ORDER)
+        local = float(np.median(sizes[beside])) / RAYLEIGH if beside.any() else 0.0
+        found[float(order / teeth)] = Wave(vector, max(white, local))
     return found
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.inference.fitting.bench_tests import BenchTest, measurement_of
+from rps_exudyn.inference.fitting.fit import check_sizes
 from rps_exudyn.inference.fitting.identifiability import logarithmic_slopes
 from rps_exudyn.inference.fitting.level import CALIBRATION, Runout, levels_of, runout_of
 from rps_exudyn.inference.fitting.noise import NORMAL
@@ -150,8 +151,9 @@ def measured_gear(path: Path, gear: SteeringGear) -> MeasuredGear:
         InputError: the file holds no such curve.
     """
     gain = float(GearPair.of(gear).gain)
-    curve = read_curve(path, TORQUE, None, gain)
-    (level,) = levels_of(measurement_of([(FREE, curve)]).passes, gear.pinion.teeth, gain)
+    measurement = measurement_of([(FREE, read_curve(path, TORQUE, None, gain))])
+    check_sizes(measurement, gear)
+    (level,) = levels_of(measurement.passes, gear.pinion.teeth, gain)
     runout = runout_of(level, gear.yoke.preload, LEVEL["yoke.preload"].sd)
     return MeasuredGear(path.stem, abs(level.value), level.data_sd, runout)
 

@@ -117,7 +117,10 @@ def channels_of(path: str | Path, content: bytes) -> Channels | None:
         raise InputError(refused)
     found = tuple(each for each in found if each.values.size > 1)
     if not found:
-        raise InputError(f"{path} is a file of {what} without a channel of numbers.")
+        raise InputError(
+            f"{path} is a file of {what} without a channel of numbers; save angle and torque as a vector "
+            "each, with its unit: as a property of the channel, or in its name (torque_Nm)."
+        )
     return Channels(f"channels of {what}", _with_own_names(found))
 
 

@@ -11,7 +11,8 @@ moves along +X.
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -41,7 +42,15 @@ from rps_exudyn.inference.measured.numbers import (
     is_placeholder,
     one_of_each,
 )
-from rps_exudyn.inference.measured.turning import angle_by_speed, counted_on, directions, recorded
+from rps_exudyn.inference.measured.turning import (
+    angle_by_speed,
+    counted_on,
+    directions,
+    in_motion,
+    is_interleaved,
+    recorded,
+    spread_evenly,
+)
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import MeasuredTorque
 
@@ -122,14 +131,32 @@ def read_curve(
     if wanted[0] in TORQUE and not instead:
         table[0], turns = counted_on(table[0])
         notes += [f"the angle restarts {turns} times and is continued from turn to turn"] if turns else []
-    signals = dict(zip(wanted, table, strict=True))
     if not np.ptp(table[0]) > 0 or not passes({"pinion_angle": table[0]}):
         raise InputError(
             f"{path} holds one {wanted[0].replace('_', ' ')} only; a curve covers a range of them."
         )
-    _check_directions(path, source.layout, signals[wanted[0]])
+    if is_interleaved(table[1]):
+        raise InputError(
+            f"{path} has both directions of the motion in rows that alternate; write all rows of one way, "
+            f"then those back, with a falling {wanted[0].replace('_', ' ')}."
+        )
+    _check_directions(path, source.layout, table[0])
+    moves = in_motion(table[0], beside.get("clock"))
+    if not moves.all():
+        resting = np.array(lines)[~moves].tolist()
+        left_out += (
+            f"{are(len(resting), 'row')} left out, {lines_in_words(resting)}, where the angle rests",
+        )
+        notes.append(left_out[-1])
+    table, beside = table[:, moves], {name: values[moves] for name, values in beside.items()}
+    table[0], rows_of_step = spread_evenly(*table)
+    if rows_of_step > 1:
+        notes.append(
+            f"{rows_of_step:.2g} rows of one {wanted[0].replace('_', ' ')} are spread evenly to the next"
+        )
+    signals = dict(zip(wanted, table, strict=True))
     taken = [_taken(column) for column in picked]
-    beside["line"] = np.array(lines, dtype=float)
+    beside["line"] = np.array(lines, dtype=float)[moves]
     return MeasuredTorque(Path(path).stem, signals, (first, *taken, *notes), beside, left_out)
 
 
@@ -299,11 +326,18 @@ def _format(path: str | Path, layout: Layout, columns: list[MeasuredColumn]) -> 
     try:
         return format_of(each for each in one_of_each(cells) if each.tail in units)
     except AmbiguousNumbersError as either:
+        with suppress(AmbiguousNumbersError):  # the numbers beside the curve may show it
+            return format_of(each for each in one_of_each(_cells_beside(layout)) if not each.tail)
         example = str(either)
         raise InputError(
             f"{path} has commas that may be decimal or divide thousands: {example} may be "
             f"{example.replace(',', '.')} or {example.replace(',', '')}; write decimal points."
         ) from None
+
+
+def _cells_beside(layout: Layout) -> Iterator[str]:
+    """All cells of the rows but dates and times, whose points divide no numbers."""
+    return (cell for _, row in layout.rows for cell in row if cell.count(".") < 2)
 
 
 def _values(

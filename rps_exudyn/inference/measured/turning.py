@@ -1,10 +1,12 @@
-"""The angle of an encoder that counts one turn only, and records whose angle does not show the direction."""
+"""The motion in a record: turns that an encoder does not count, rows at rest, rows of one angle, and records
+whose angle does not show the direction."""
 
 import re
 from collections.abc import Callable
 
 import numpy as np
 
+from rps_exudyn.analysis.passes import passes
 from rps_exudyn.inference.measured.layout import Layout
 from rps_exudyn.inference.measured.numbers import is_missing
 
@@ -30,6 +32,82 @@ def counted_on(angle: np.ndarray) -> tuple[np.ndarray, int]:
         return angle, 0
     turns = np.concatenate([[0.0], np.cumsum(np.where(joins, whole, 0.0))])
     return angle - turns * TURN, int(joins.sum())
+
+
+SLOW, WINDOW = 0.2, 5  # of a pass' usual speed, over so many steps: below it the motion begins or ends
+FEWEST_ROWS = 12  # of a pass, from which on its speed is judged
+
+
+def in_motion(driven: np.ndarray, clock: np.ndarray | None) -> np.ndarray:
+    """Return which rows are no rest before, between and after the passes, shape (n,), bool.
+
+    Where no clock [s] is recorded, rows follow each other in even times.
+    """
+    number = np.arange(float(driven.size))
+    moves = np.ones(driven.size, dtype=bool)
+    last = -1  # row of the pass before
+    turned = passes({"pinion_angle": driven, "row": number})
+    for each in turned:
+        rows = each.signals["row"].astype(int)
+        first, end = _moving(each.angle, number[rows] if clock is None else clock[rows])
+        if first:
+            moves[last + 1 : rows[first]] = False
+        elif rows[0] > last + 2:  # one row of the same angle is a turn, no rest
+            moves[last + 1 : rows[0]] = False
+        last = int(rows[end])
+    if turned:
+        moves[last + 1 :] = False
+    return moves
+
+
+def _moving(angle: np.ndarray, instants: np.ndarray) -> tuple[int, int]:
+    """First and last row of a pass between which it moves at its usual speed, more or less."""
+    apart = np.diff(instants)
+    if angle.size < FEWEST_ROWS or not (apart > 0).all():
+        return 0, angle.size - 1
+    speed = np.abs(np.diff(angle)) / apart
+    slowest = SLOW * float(np.median(speed))
+    held = np.lib.stride_tricks.sliding_window_view(speed, WINDOW)
+    steady = np.median(held, axis=1) >= slowest
+    begins = np.flatnonzero((speed[: steady.size] >= slowest) & steady)
+    ends = np.flatnonzero((speed[WINDOW - 1 :] >= slowest) & steady)
+    if not begins.size or not ends.size:
+        return 0, angle.size - 1
+    return int(begins[0]), int(ends[-1]) + WINDOW
+
+
+def spread_evenly(driven: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, float]:
+    """Return angles or travels (n,) whose rows of one value go on evenly to the next value, and how many rows
+    an encoder's step has on average: 1.0 where it is finer than the rows, or rows are repeated as a whole."""
+    stays = np.diff(driven) == 0
+    begins = np.flatnonzero(np.append(True, ~stays))
+    each_step = driven.size / begins.size
+    if each_step < ROWS_OF_A_STEP or np.mean(np.diff(value)[stays] != 0) < NEW_VALUES:
+        return driven, 1.0
+    rows = np.append(begins, driven.size)
+    values = np.append(driven[begins], driven[-1])
+    return np.interp(np.arange(driven.size), rows, values), each_step
+
+
+ROWS_OF_A_STEP = 1.5  # on average, from which on an encoder's steps are coarser than the rows
+NEW_VALUES = 0.5  # of the rows of one angle, whose torque is another than the row's before
+ALTERNATE, LEAST_FLIPS = 0.2, 5  # of the rows, after which torques of two directions change their sign
+BETWEEN, FEW_BETWEEN = 0.3, 0.05  # of the usual size: values of two directions leave it empty but for a part
+APART = 3.0  # times the difference to the next row but one, that the difference to the next row is
+
+
+def is_interleaved(value: np.ndarray) -> bool:
+    """Return whether torques or forces (n,) of both directions alternate from row to row."""
+    if value.size < FEWEST_ROWS:
+        return False
+    next_one, next_but_one = (float(np.median(np.abs(value[k:] - value[:-k]))) for k in (1, 2))
+    if next_one > APART * next_but_one:
+        return True
+    usual = float(np.median(np.abs(value)))
+    flips = int((np.diff(np.sign(value)) != 0).sum())
+    if flips < max(LEAST_FLIPS, ALTERNATE * value.size):
+        return False
+    return float((np.abs(value) < BETWEEN * usual).mean()) < FEW_BETWEEN
 
 
 def directions(layout: Layout) -> list[str]:

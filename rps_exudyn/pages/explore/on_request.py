@@ -13,7 +13,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import Progress, passed_on
 from rps_exudyn.inference.fitting import findings
 from rps_exudyn.inference.fitting.bench_tests import with_signs
-from rps_exudyn.inference.fitting.fit import fit
+from rps_exudyn.inference.fitting.fit import doubts, fit
 from rps_exudyn.inference.measured.reading import read_measured_torque
 from rps_exudyn.inference.uncertainty.band import band_of_runs
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
@@ -111,19 +111,22 @@ def _pattern(gear: SteeringGear, wish: Wish) -> Answer:
     return {"image": f"data:image/svg+xml;base64,{base64.b64encode(drawn).decode('ascii')}"}
 
 
-def _read(wish: Wish, folder: str) -> tuple[Path, MeasuredTorque]:
+def _read(wish: Wish, folder: str, gear: SteeringGear) -> tuple[Path, MeasuredTorque]:
     file = Path(folder) / "measured.csv"
-    file.write_text(wish.measured, encoding="utf-8", errors="replace")
     try:
-        return file, with_signs(read_measured_torque(file))
+        file.write_bytes(base64.b64decode(wish.measured, validate=True))
+        return file, with_signs(read_measured_torque(file, gear=gear))
     except InputError as error:
         raise InputError([text.replace(f"{file}", "the file") for text in error.problems]) from None
+    except ValueError:
+        raise InputError("a measured file must come as base64.") from None
 
 
 def _measured(gear: SteeringGear, wish: Wish) -> Answer:
     """The curves of a measured file, each against its motion."""
+    chosen = Wish(wish.state).gear(gear)
     with TemporaryDirectory() as folder:
-        _, measured = _read(wish, folder)
+        _, measured = _read(wish, folder, chosen)
     found = [
         {
             "direction": each.direction,
@@ -132,17 +135,17 @@ def _measured(gear: SteeringGear, wish: Wish) -> Answer:
         }
         for each in passes(measured.signals)
     ]
-    return {"measured": found, "assumed": list(measured.assumed)}
+    return {"measured": found, "assumed": [*measured.assumed, *doubts(measured, chosen)]}
 
 
 def _fit(gear: SteeringGear, wish: Wish) -> Answer:
     """A fit to the measured file: values of sliders, and sentences."""
     chosen = Wish(wish.state).gear(gear)
     with TemporaryDirectory() as folder:
-        file, _ = _read(wish, folder)
+        file, _ = _read(wish, folder, chosen)
         found = fit([file], chosen, other_law=False)
     state = {each.path: BY_PATH[each.path].of(found.gear) for each in found.estimates if each.path in BY_PATH}
-    sentences = [findings.level_sentence(found), *findings.open_sentences(found)]
+    sentences = [findings.level_sentence(found), *findings.open_sentences(found), *found.warnings]
     return {
         "state": {
             path: min(max(value, BY_PATH[path].low), BY_PATH[path].high) for path, value in state.items()

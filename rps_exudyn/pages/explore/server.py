@@ -19,7 +19,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 LARGEST_REQUEST = 20_000  # [bytes]
-LARGEST_FILE = 4_000_000  # of a request with a measured file [bytes]
+LARGEST_FILE = 16_000_000  # of a request with a measured file [bytes]
 MOST_WAITING = 1024  # connections that wait to be accepted
 FILES = {
     "/": ("page.html", "text/html; charset=utf-8"),
@@ -106,7 +106,11 @@ class _Handler(BaseHTTPRequestHandler):
         try:
             length = int(self.headers.get("Content-Length", ""))
             largest = LARGEST_FILE if self.path in ("/measured", "/fit") else LARGEST_REQUEST
-            if not 0 < length <= largest:
+            if length > largest:
+                why = f"a request of {length} bytes is too large (limit {largest}); use rps-exudyn fit"
+                self._refuse(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, why)
+                return
+            if length <= 0:
                 raise ValueError
             asked = Request.from_page(json.loads(self.rfile.read(length)))
         except (InputError, ValueError, RecursionError):

@@ -125,7 +125,7 @@ class Wish:
         state: path -> number in the slider's unit.
         scene: name of a scene.
         is_both_ways: whether the rig turns there and back.
-        measured: text of a measured file.
+        measured: bytes of a measured file, as base64.
     """
 
     state: Any

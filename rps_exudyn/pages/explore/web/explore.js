@@ -361,14 +361,24 @@ print(result.summary)
 
 async function take(chosen) {
   if (!chosen) return;
-  const text = await chosen.text();
+  const content = await asBase64(chosen);
   await click("measured", null, (found) => {
-    file = { name: chosen.name, text };
+    file = { name: chosen.name, content };
     measured = found.measured;
     by("fit").hidden = by("forget").hidden = false;
     said([`${chosen.name}: ${found.assumed.join("; ")}.`]);
     if (latest) chart();
-  }, { measured: text });
+  }, { measured: content });
+}
+
+// The bytes of a file: the server finds its encoding, and reads binary ones
+function asBase64(chosen) {
+  return new Promise((resolve, reject) => {
+    const reader = new FileReader();
+    reader.onload = () => resolve(reader.result.slice(reader.result.indexOf(",") + 1));
+    reader.onerror = () => reject(reader.error);
+    reader.readAsDataURL(chosen);
+  });
 }
 
 function set(values) {
@@ -418,7 +428,7 @@ async function begin() {
     set(answer.state);
     said(answer.sentences);
     changed();
-  }, { measured: file?.text }));
+  }, { measured: file?.content }));
   by("forget").addEventListener("click", () => {
     file = measured = null;
     by("fit").hidden = by("forget").hidden = true;
