@@ -8,10 +8,7 @@ twice its stations.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from time import process_time
 from typing import Any
-
-import numpy as np
 
 import rps_exudyn as rps
 from benchmarks.topic import Topic, digits, load_data, markdown, save_data
@@ -38,7 +35,6 @@ METRICS = {
 }
 """Column of the table -> scene and metric."""
 SLOW = 1.0  # CPU time of a run [s] that is not repeated
-TOGETHER = 64  # gears of the row of many gears
 
 
 @dataclass(frozen=True)
@@ -48,7 +44,6 @@ class Rung:
     leaves_out: str
     preset: str
     choices: Mapping[str, object] = field(default_factory=dict)
-    together: bool = False  # whether its gears are computed together
 
     @property
     def fidelity(self) -> Fidelity:
@@ -63,12 +58,8 @@ RUNGS = {
     ),
     "`flank`": Rung("segments: the bush is condensed into its stiffness", "flank"),
     "`quasi-static`": Rung("inertia: equilibria at each angle", "quasi-static"),
-    "the same, 5 deg": Rung("four of five angles", "quasi-static", {"step_angle": "5 deg"}),
-    "the same, many gears": Rung(
-        "single runs: gears of a table together", "quasi-static", {"step_angle": "5 deg"}, together=True
-    ),
     "`quasi-static --rack guided`": Rung(
-        "rolling, yawing and pitching of the rack", "quasi-static", {"rack": "guided", "step_angle": "5 deg"}
+        "rolling, yawing and pitching of the rack", "quasi-static", {"rack": "guided"}
     ),
     "`closed-form`": Rung("the angle: means over the field of contact", "closed-form"),
 }
@@ -84,8 +75,7 @@ def run(folder: Path, rungs: Sequence[str] = tuple(RUNGS), scenes: Sequence[str]
     reference = {scene: metrics(measured(scene, REFERENCE)) for scene in scenes}
     for name in rungs:
         print(name, flush=True)
-        measure = in_batch if RUNGS[name].together else single_run
-        rows[name] = {scene: measure(scene, RUNGS[name]) for scene in scenes}
+        rows[name] = {scene: single_run(scene, RUNGS[name]) for scene in scenes}
         save_data(
             file, {"reference": reference, "rows": {each: rows[each] for each in RUNGS if each in rows}}
         )
@@ -113,24 +103,6 @@ def single_run(scene: str, rung: Rung) -> dict[str, Any]:
     return {"why": runs[-1].message, "summary": metrics(runs[-1]), "cpu_s": cpu}
 
 
-def in_batch(scene: str, rung: Rung) -> dict[str, Any]:
-    """The default gear among gears that differ in preload and friction, and the CPU time of each [s]."""
-    if scene not in ("free-pinion-torque", "load-test"):
-        return {"why": "gears are computed together in steady scenes", "summary": {}, "cpu_s": None}
-    gear = SteeringGear().replace(LAW | SCENES[scene])
-    spread = np.linspace(0.9, 1.1, TOGETHER - 1)
-    columns = {
-        "yoke.preload": [*(gear.yoke.preload * spread), gear.yoke.preload],
-        "mesh.friction": [*(gear.mesh.friction * spread[::-1]), gear.mesh.friction],
-    }
-    cpu = np.inf
-    for _ in range(2):
-        before = process_time()
-        found = rps.batch(scene, gear, columns, fidelity=rung.fidelity, keep="torque")
-        cpu = min(cpu, (process_time() - before) / TOGETHER)
-    return {"why": "", "summary": {name: float(v[-1]) for name, v in found.summary.items()}, "cpu_s": cpu}
-
-
 def ladder_table(folder: Path) -> str:
     """Model -> what it leaves out, CPU time of a turn, and by how many per cent it changes each metric."""
     data = load_data(folder / DATA)
@@ -147,7 +119,7 @@ def _change(reference: Mapping[str, Any], row: Mapping[str, Any], scene: str, me
         return "-"
     right = reference[scene][metric]
     change = 100 * (row[scene]["summary"][metric] / right - 1)
-    return f"{change:+.2g}" if abs(change) >= 0.005 else "0"
+    return "0" if abs(change) < 0.005 else f"{change:+.0f}" if abs(change) >= 99.5 else f"{change:+.2g}"
 
 
 def times_table(folder: Path) -> str:
