@@ -59,7 +59,9 @@ RUNGS = {
     "`flank`": Rung("segments: the bush is condensed into its stiffness", "flank"),
     "`quasi-static`": Rung("inertia: equilibria at each angle", "quasi-static"),
     "`quasi-static --rack guided`": Rung(
-        "rolling, yawing and pitching of the rack", "quasi-static", {"rack": "guided"}
+        "roll, yaw and pitch of the rack; four of five angles",
+        "quasi-static",
+        {"rack": "guided", "step_angle": "5 deg"},
     ),
     "`closed-form`": Rung("the angle: means over the field of contact", "closed-form"),
 }
