@@ -52,7 +52,7 @@ class Rung:
 
 
 RUNGS = {
-    "`full`": Rung("the paper's model: spheres on triangles, 25 segments", "full"),
+    "`full`": Rung("nothing: spheres on triangles, bush of 25 segments", "full"),
     "`flank --bush chain`": Rung(
         "spheres: the contact is integrated along lines", "flank", {"bush": "chain"}
     ),
