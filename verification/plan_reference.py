@@ -12,9 +12,9 @@ plan's are, and halved until halves of them say the same. Where a plan has inert
 classical Runge-Kutta goes on from there; slow motion is that without inertia.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import ceil, floor, nan
+from typing import Any
 
 import numpy as np
 
@@ -24,8 +24,8 @@ from rps_exudyn.forces.force_element import PLUNGER
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS
 from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import SPREADS
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.yoke_impact import shaken
 from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.balance import eigenvalues
@@ -42,8 +42,9 @@ from verification.approach_paths import (
     pitches_before,
     room_before,
 )
-from verification.refined_steps import NotFiniteError, NotFoundError, confirmed
+from verification.refined_steps import Confirmed, NotFiniteError, NotFoundError, confirmed
 from verification.runge_kutta import FreeMotion, runge_kutta
+from verification.runs import STEPS_AS_GIVEN
 from verification.seat_cells import by_cells
 from verification.stability import ScenePlan
 
@@ -51,11 +52,14 @@ RUN_IN = 0.5  # pitches by Runge-Kutta before the record
 PER_CYCLE = 600  # equilibria of a swing
 CYCLES, ALIKE = (2, 5, 15, 45), 1e-3  # after which its last two cycles may take works that are the same
 CURVE_FINER, CURVE_PER_CYCLE = 2, 1600  # of a curve's steps, and of those of a swing
-STATIONS = {"mesh": "flank", "strip_stations": 12, "strip_points": 6}
+STATIONS: dict[str, Any] = {"mesh": "flank", "strip_stations": 12, "strip_points": 6}
 PER_FASTEST = 2.0  # Runge-Kutta's step over the time constant of the fastest mode; stable to 2.8
 MOST_EXPLICIT = 3000  # steps; motion that needs more is slow ...
 HALVED = (1, 2)  # times that the steps of finer runs are halved, ...
-LARGEST_STEP, LARGEST_TOLERANCE = np.deg2rad(2.0), 1e-5  # ... whose steps and tolerance are at most these
+STEPS_OF_FINER = np.deg2rad((0.4, 2.0))  # ... which are the plan's within these bounds [rad], ...
+STATIONS_OF_FINER = 6, 12  # ... twice the plan's stations of a strip within these ...
+LARGEST_TOLERANCE = 1e-5  # ... and whose tolerance is at most this
+NARROW_ZONE = 0.002  # of friction where motion stops: reversal_angle is then within 3 %
 MOST_REFINED = 12000  # ... and parts of them
 INSTANTS, GROWN = 24, 0.5  # at which slow motion is linearised; powers of e by which a vibration may grow
 
@@ -68,6 +72,7 @@ class Expected:
         figure: the scene's number: torque [N m], force [N], or work of the last cycle [J].
         ripple: largest less smallest value of the signal over a course, the larger of both; nan where the
             scene has none.
+        figure_doubt, ripple_doubt: by how much half the steps change them.
         cause: why there are none; "" if there are.
         method: "equilibria" or "Runge-Kutta".
     """
@@ -76,6 +81,19 @@ class Expected:
     ripple: float = nan
     cause: str = ""
     method: str = ""
+    figure_doubt: float = 0.0
+    ripple_doubt: float = 0.0
+
+    @classmethod
+    def of(cls, found: Confirmed, method: str) -> "Expected":
+        """Return what a method found."""
+        return cls(
+            found.figure,
+            found.ripple,
+            method=method,
+            figure_doubt=found.figure_doubt,
+            ripple_doubt=found.ripple_doubt,
+        )
 
 
 def expected(plan: ScenePlan) -> Expected:
@@ -95,36 +113,57 @@ def finer_metrics(plan: ScenePlan) -> dict[str, tuple[float, float]]:
     """Return each metric of the scene by finer quadrature and steps, and how much half these steps change it.
 
     They are those of dynamics where these end well, for equilibria leave out what inertia does; else those of
-    equilibria.
+    equilibria. Equilibria of steady motion have no vibration, of which their user reads: how far their
+    signals vary is judged by finer equilibria.
 
     Raises:
         NotFoundError: neither ends well in both lengths of its steps.
     """
-    causes = []
-    for fidelity in _finer_models(plan):
-        coarse, fine = (
-            run_unchecked(plan.scene, plan.gear, fidelity, RunOptions(halvings=times)) for times in HALVED
-        )
-        if coarse.status is Status.OK and fine.status is Status.OK:
-            right, other = fine.summary, coarse.summary
-            return {
-                name: (right[name], abs(right[name] - other[name])) for name in right.keys() & other.keys()
-            }
-        causes.append(fine.message if coarse.status is Status.OK else coarse.message)
-    raise NotFoundError("; ".join(causes))
+    scene, own = scene_named(plan.scene), plan.fidelity.solver
+    solvers = ["equilibrium"] if scene.at_rest else ["generalized-alpha", "equilibrium"]
+    if scene.needs_inertia:
+        solvers = ["generalized-alpha"]
+    still, causes = scene.steady and own == "equilibrium", []
+    right: dict[str, tuple[float, float]] = {}
+    for solver in solvers:
+        if right and not still:
+            break
+        found, cause = _by_solver(plan, solver)
+        causes.append(cause)
+        if still and solver == "generalized-alpha":
+            found = {name: each for name, each in found.items() if name not in SPREADS}
+        right = found | right
+    if not right:
+        raise NotFoundError("; ".join(causes))
+    return right
 
 
-def _finer_models(plan: ScenePlan) -> Iterator[Fidelity]:
-    scene, model = scene_named(plan.scene), plan.fidelity
-    finer = STATIONS | {
-        "step_angle": min(model.step_angle, LARGEST_STEP),
+def _by_solver(plan: ScenePlan, solver: str) -> tuple[dict[str, tuple[float, float]], str]:
+    """Return metrics in the shorter of two lengths of steps, and their changes; {} and why there are none."""
+    fidelity = _finer_model(plan.fidelity, solver)
+    runs = []
+    for times in HALVED:
+        options = replace(STEPS_AS_GIVEN, halvings=times)
+        runs.append(run_unchecked(plan.scene, plan.gear, fidelity, options))
+        if runs[-1].status is not Status.OK:
+            return {}, runs[-1].message
+    coarse, fine = (run.summary for run in runs)
+    return {name: (fine[name], abs(fine[name] - coarse[name])) for name in fine.keys() & coarse.keys()}, ""
+
+
+def _finer_model(model: Fidelity, solver: str) -> Fidelity:
+    finer = {
+        "mesh": "flank",
+        "zone_ratio": min(model.zone_ratio, NARROW_ZONE),
+        "strip_stations": int(np.clip(2 * model.strip_stations, *STATIONS_OF_FINER)),
+        "strip_points": min(model.strip_points + 2, STATIONS["strip_points"]),
+        "step_angle": float(np.clip(model.step_angle, *STEPS_OF_FINER)),
         "tolerance": min(model.tolerance, LARGEST_TOLERANCE),
         "torque_tolerance": 0.0,
         "bush": "rigid" if model.bush == "rigid" else "condensed",
+        "solver": solver,
     }
-    solvers = ("equilibrium",) if scene.at_rest else ("generalized-alpha", "equilibrium")
-    for solver in solvers[:1] if scene.needs_inertia else solvers:
-        yield model.replace(finer | {"solver": solver})
+    return model.replace(finer)
 
 
 def _has_state(plan: ScenePlan) -> bool:
@@ -148,9 +187,11 @@ def _turned(plan: ScenePlan) -> Expected:
     found = [_along(plan, forces, course) for course in courses]
     senses = [course.sense if plan.scene == "rack-push" else 1 for course in courses]
     figure = float(np.mean([each.figure * sense for each, sense in zip(found, senses, strict=True)]))
+    largest = max(found, key=lambda each: each.ripple)
+    mean = replace(largest, figure=figure, figure_doubt=max(each.figure_doubt for each in found))
     if plan.scene == "load-test":
-        return Expected(figure * test.direction, method=found[0].method)
-    return Expected(figure, max(each.ripple for each in found), method=found[0].method)
+        return replace(mean, figure=figure * test.direction, ripple=nan)
+    return mean
 
 
 def _along(plan: ScenePlan, forces: GearForces, course: Pass) -> Expected:
@@ -172,7 +213,7 @@ def _along(plan: ScenePlan, forces: GearForces, course: Pass) -> Expected:
                 record = shifted.recorded(time[kept], places[kept], rates[kept])
                 return _figures(plan, drive.place(time[kept] - run_in), record.drive)
 
-            return Expected(*confirmed(moved), method="Runge-Kutta")
+            return Expected.of(confirmed(moved), "Runge-Kutta")
         _check_steady(motion, followed(gear, forces, course, pitches, 1)[1], duration)
 
     def rested(parts: int) -> tuple[float, float]:
@@ -180,7 +221,7 @@ def _along(plan: ScenePlan, forces: GearForces, course: Pass) -> Expected:
         force = -drive.sign * path.forces[-along.size :, drive.coordinate]
         return _figures(plan, drive.place(along), force)
 
-    return Expected(*confirmed(rested), method="equilibria")
+    return Expected.of(confirmed(rested), "equilibria")
 
 
 def _figures(plan: ScenePlan, place: np.ndarray, force: np.ndarray) -> tuple[float, float]:
@@ -292,6 +333,7 @@ def _swing(plan: ScenePlan) -> Swing:
 
 def _swung(plan: ScenePlan) -> Expected:
     """The work of a cycle like the one before it."""
+    plan = replace(plan, fidelity=_with_narrow_zone(plan.fidelity))
     drive, forces = _swing(plan), reference_forces(plan)
     before, _ = _settled_cycles(plan, forces, drive, PER_CYCLE)
     motion = _motion(plan, forces, drive, before)
@@ -307,8 +349,12 @@ def _swung(plan: ScenePlan) -> Expected:
         return _settled_cycles(plan, forces, drive, PER_CYCLE * parts)[1], nan
 
     if steps <= MOST_EXPLICIT and not _has_state(plan):
-        return Expected(*confirmed(moved), method="Runge-Kutta")
-    return Expected(*confirmed(rested), method="equilibria")
+        return Expected.of(confirmed(moved), "Runge-Kutta")
+    return Expected.of(confirmed(rested), "equilibria")
+
+
+def _with_narrow_zone(model: Fidelity) -> Fidelity:
+    return model.replace({"zone_ratio": min(model.zone_ratio, NARROW_ZONE)})
 
 
 def _settled_cycles(
@@ -348,4 +394,4 @@ def _shaken(plan: ScenePlan) -> Expected:
         depth = explicit(motion, step, steps, parts)[1][:, PLUNGER] - plan.gear.yoke.clearance
         return float(plan.gear.yoke.nut_stiffness * max(depth.max(), 0.0)), nan
 
-    return Expected(*confirmed(moved), method="Runge-Kutta")
+    return Expected.of(confirmed(moved), "Runge-Kutta")

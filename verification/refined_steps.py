@@ -1,9 +1,10 @@
 """Figures of a reference in steps that are halved until halves of them say the same.
 
-figure, ripple = confirmed(found)       found(parts) -> figure and ripple, each step made in parts
+confirmed(found).figure       found(parts) -> figure and ripple, each step made in parts
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from math import nan
 
 REFINED = (1, 2, 4, 8)  # parts of each step, until two in a row say the same ...
@@ -18,8 +19,18 @@ class NotFiniteError(NotFoundError):
     """The reference's motion does not stay finite, as in steps that are too long for it."""
 
 
-def confirmed(found: Callable[[int], tuple[float, float]]) -> tuple[float, float]:
-    """Return figure and ripple, the latter nan where there is none, once half the steps say the same.
+@dataclass(frozen=True)
+class Confirmed:
+    """Figure and ripple, the latter nan where there is none, and how much half the steps change them."""
+
+    figure: float
+    ripple: float
+    figure_doubt: float
+    ripple_doubt: float
+
+
+def confirmed(found: Callable[[int], tuple[float, float]]) -> Confirmed:
+    """Return figure and ripple, once half the steps say about the same.
 
     Raises:
         NotFoundError: they go on changing as steps are halved, or there are none.
@@ -29,7 +40,7 @@ def confirmed(found: Callable[[int], tuple[float, float]]) -> tuple[float, float
         before, (figure, ripple) = (figure, ripple), _tried(found, parts)
         moved, grown = abs(figure - before[0]), abs(ripple - before[1])
         if moved <= SAME * abs(figure) and not grown > SAME_RIPPLE * abs(figure):  # nan: there is none
-            return figure, ripple
+            return Confirmed(figure, ripple, moved, grown)
     if figure != figure:
         raise NotFiniteError("the motion does not stay finite")
     raise NotFoundError(

@@ -188,13 +188,13 @@ def usual_plan(rng: np.random.Generator) -> ScenePlan:
     """Return a random gear and test as its user would run it: in a preset that its scene has.
 
     Formulas are those of three scenes; general contact, which costs much, turns a part of a pitch, and has
-    Coulomb's friction.
+    Coulomb's friction and law `line`.
     """
     preset = str(rng.choice(list(PRESET_WEIGHTS), p=list(PRESET_WEIGHTS.values())))
     if preset == "full":
         gear = random_gear(rng, "free-pinion-torque")
         part = {"test.path": "one-way", "test.turns": PART_OF_PITCH / gear.pinion.teeth}
-        plain = {f"{name}.friction_law": PLAIN_LAW for name in RUBBING_PARTS}
+        plain = {f"{name}.friction_law": PLAIN_LAW for name in RUBBING_PARTS} | {"mesh.law": "line"}
         return ScenePlan("free-pinion-torque", gear.replace(part | plain), Fidelity.preset(preset))
     scene = random_scene(rng)
     while preset == "closed-form" and scene not in BY_FORMULA:

@@ -3,8 +3,7 @@
 Of four plans one is a random gear in a preset, as a user would run it; the others have random models and
 steps too. Each has its own seed and hard time limits. The scene's figure is judged by `plan_reference` and
 `behind_column` of verification, every other metric by finer runs, where half their steps confirm it. A plan
-that a check before the run refuses is run all the same, to see whether the refusal was a false alarm. In each
-hundred, those that need the same kernels are run one after the other, for kernels compile for a minute. A run
+that a check before the run refuses is run all the same, to see whether the refusal was a false alarm. A run
 that is stopped goes on where it was.
 
     text_of(plan_of(792))       the settings of a plan
@@ -16,7 +15,7 @@ import multiprocessing
 import multiprocessing.connection
 import os
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import replace
 from hashlib import sha256
 from math import isfinite, nan
@@ -40,12 +39,13 @@ from verification.behind_column import settled_figures
 from verification.plan_reference import expected, finer_metrics
 from verification.refined_steps import NotFoundError
 from verification.sampler import random_plan, usual_plan
-from verification.stability import ScenePlan
+from verification.stability import ScenePlan, cpu_time_limit
 
 SEED = 20261124
 PLANS = 1000
 EVERY_PRESET = 4  # of so many plans one has a preset
-TIME_LIMIT = 30.0  # [s] of CPU time of one plan, and of all its references
+TIME_LIMIT = 30.0  # [s] of CPU time of one plan ...
+REFERENCE_LIMIT = 10.0  # ... and of each of its references
 COMPILING = 300.0  # [s] more where kernels are compiled; such a plan is done again
 WRONG = 0.02  # error of the scene's figure that must not be called ok ...
 WRONG_METRIC = 0.05  # ... and of every other metric
@@ -57,7 +57,6 @@ BEHIND_COLUMN = ("steering-feel", "stick-slip")
 RIPPLES = ("torque_peak_to_peak", "push_force_peak_to_peak")
 OWN_UNITS = ("N*m", "N", "J", "W")
 NOT_JUDGED = ("energy_residual",)  # a check of the run itself
-BLOCK = 100
 DATA = "random_plans.csv"
 COLUMNS = (
     "number", "scene", "friction", "model", "verdict", "status", "error", "metric", "metric_error", "judged",
@@ -101,7 +100,7 @@ def mark_of(plan: ScenePlan) -> str:
 def outcome_of(number: int, done: Callable[[dict[str, Any]], None] = lambda found: None) -> dict[str, Any]:
     """Outcome of a plan, and its errors; one that failed and says so needs no reference.
 
-    `done` gets the outcome before the references are made.
+    `done` gets the outcome before the references are made, and after each.
     """
     plan = plan_of(number)
     start = process_time()
@@ -121,43 +120,63 @@ def outcome_of(number: int, done: Callable[[dict[str, Any]], None] = lambda foun
     found: dict[str, Any] = {"refused": refusal, "status": result.status.value}
     found |= {"message": result.message, "codes": result.codes}
     found["seconds"] = process_time() - start
-    if result.status not in (Status.OK, Status.INVALID) or plan.fidelity.solver == "closed-form":
+    failed = result.status not in (Status.OK, Status.INVALID) or Code.BEYOND_LAW in result.codes
+    if failed or plan.fidelity.solver == "closed-form":
         return found
     done(found)
-    start = process_time()
-    right, found["reference"] = references(tested)
-    found["reference_seconds"] = process_time() - start
-    return found | errors(plan, result.summary, right)
+    start, said = process_time(), []
+    right: Values = {}
+    for name, values in references(tested, result.summary.keys()):
+        said.append(name)
+        right = values | right  # those of other methods come first
+        found |= {"reference": "; ".join(said), "reference_seconds": process_time() - start}
+        found |= errors(plan, result.summary, right)
+        done(found)
+    return found
 
 
-def references(plan: ScenePlan) -> tuple[dict[str, tuple[float, float]], str]:
-    """Return the right value and its doubt of each metric that references know, and what they are."""
-    figure, right, said = scene_named(plan.scene).figure, {}, []
-    try:
-        right = finer_metrics(plan)
-        said.append("finer runs")
-    except NotFoundError as error:
-        said.append(str(error))
+Values = dict[str, tuple[float, float]]
+"""Metric -> its right value, and how far that can be doubted."""
+
+
+def references(plan: ScenePlan, printed: Collection[str]) -> Iterator[tuple[str, Values]]:
+    """Yield what each reference is, or why there is none, and the right values of printed metrics by it."""
     if plan.scene in BY_EQUATIONS:
-        expectation = expected(plan)
-        said.append(expectation.cause or expectation.method)
-        if isfinite(expectation.figure):
-            right[figure] = expectation.figure, 0.0
-            ripple = next((name for name in RIPPLES if name in right), "")
-            alike = plan.fidelity.solver == "equilibrium" or expectation.method == "Runge-Kutta"
-            if ripple and alike and isfinite(expectation.ripple):  # else vibration adds to the ripple
-                right[ripple] = expectation.ripple, 0.0
+        yield by_equations(plan, printed)
     if plan.scene in BEHIND_COLUMN:
-        try:
-            behind, finer = settled_figures(plan, TIME_LIMIT)
-        except (NotFoundError, TimeoutError, np.linalg.LinAlgError) as error:
-            said.append(str(error))
-        else:
-            said.append(f"implicit Runge-Kutta, {finer}")
-            right[figure] = behind.figure, 0.0
-            if plan.scene == "stick-slip":
-                right["breakaway_torque"] = behind.peak, 0.0
-    return right, "; ".join(said)
+        yield behind_column(plan)
+    try:
+        yield "finer runs", finer_metrics(plan)
+    except NotFoundError as error:
+        yield str(error), {}
+
+
+def by_equations(plan: ScenePlan, printed: Collection[str]) -> tuple[str, Values]:
+    """Return the scene's figure and ripple by other methods than the package's."""
+    try:
+        with cpu_time_limit(REFERENCE_LIMIT):
+            right = expected(plan)
+    except TimeoutError as error:
+        return str(error), {}
+    if not isfinite(right.figure):
+        return right.cause or right.method, {}
+    values = {scene_named(plan.scene).figure: (right.figure, right.figure_doubt)}
+    still = plan.fidelity.solver == "equilibrium" and right.method == "equilibria"
+    if still and isfinite(right.ripple):  # vibration adds to that of dynamics, by what the start excites
+        values |= {name: (right.ripple, right.ripple_doubt) for name in RIPPLES if name in printed}
+    return right.cause or right.method, values
+
+
+def behind_column(plan: ScenePlan) -> tuple[str, Values]:
+    """Return the scene's figure behind a column, integrated by a method of its own."""
+    try:
+        right, finer = settled_figures(plan, REFERENCE_LIMIT / 2)
+    except (NotFoundError, TimeoutError, np.linalg.LinAlgError) as error:
+        return str(error), {}
+    values = {scene_named(plan.scene).figure: (right.figure, 0.0)}
+    if plan.scene == "stick-slip":
+        values["breakaway_torque"] = right.peak, 0.0
+    return f"implicit Runge-Kutta, {finer}", values
 
 
 def errors(
@@ -264,15 +283,17 @@ class Child:
                 if isinstance(received := self.pipe.recv(), dict):
                     return received
                 if isinstance(received, tuple):
-                    ran = received[1]
+                    ran, limit = received[1], REFERENCE_LIMIT
                 end = self._used() + limit + (COMPILING if received == "compiling" else 0.0)
-            status, message = "timeout", f"more than {limit:g} s of CPU time"
+            status, message = Status.TIMEOUT.value, f"more than {limit:g} s of CPU time"
         except EOFError:
             status, message = "crashed", "its process ended"
         self.process.kill()
         self.process.join()
         self._start()
-        return ran | {"reference": message} if ran else {"status": status, "message": message}
+        if ran:
+            return ran | {"reference": "; ".join(filter(None, (ran.get("reference"), message)))}
+        return {"status": status, "message": message}
 
 
 def verdict(row: dict[str, Any]) -> str:
@@ -305,34 +326,19 @@ def run(folder: Path, plans: int = PLANS) -> None:
     """
     rows: dict[int, dict[str, Any]] = {int(row["number"]): row for row in read(folder / DATA)}
     worker = Child()
-    for first in range(0, plans, BLOCK):
-        drawn = {number: plan_of(number) for number in range(first, min(first + BLOCK, plans))}
-        for number in by_kernels(drawn):
-            plan, mark = drawn[number], mark_of(drawn[number])
-            if rows.get(number, {}).get("plan") == mark:
-                continue
-            row: dict[str, Any] = {"number": number, "scene": plan.scene, "friction": friction_of(plan)}
-            row |= {"model": model_of(plan), "plan": mark}
-            row |= worker.do(number, TIME_LIMIT)
-            row["verdict"] = verdict(row)
-            if row["verdict"] in WRONGLY_OK:
-                print({name: row.get(name) for name in COLUMNS}, flush=True)
-            rows[number] = row  # anew where it was drawn from other declarations
-            write([rows[known] for known in sorted(rows)], folder / DATA)
-
-
-def by_kernels(drawn: Mapping[int, ScenePlan]) -> list[int]:
-    """Numbers of plans, those first whose kernels most of them share: a new combination compiles for a
-    minute."""
-    shared = Counter(map(kernels_of, drawn.values()))
-    return sorted(drawn, key=lambda number: -shared[kernels_of(drawn[number])])
-
-
-def kernels_of(plan: ScenePlan) -> tuple[str | bool, ...]:
-    """What decides which kernels a plan needs."""
-    model, gear = plan.fidelity, plan.gear
-    bent = model.rack == "flexible" or gear.rack.bow != 0 or plan.scene == "yoke-impact"
-    return model.solver, model.mesh, gear.mesh.contact_law, model.bush == "chain", bent
+    for number in range(plans):
+        plan = plan_of(number)
+        mark = mark_of(plan)
+        if rows.get(number, {}).get("plan") == mark:
+            continue
+        row: dict[str, Any] = {"number": number, "scene": plan.scene, "friction": friction_of(plan)}
+        row |= {"model": model_of(plan), "plan": mark}
+        row |= worker.do(number, TIME_LIMIT)
+        row["verdict"] = verdict(row)
+        if row["verdict"] in WRONGLY_OK:
+            print({name: row.get(name) for name in COLUMNS}, flush=True)
+        rows[number] = row  # anew where it was drawn from other declarations
+        write([rows[known] for known in sorted(rows)], folder / DATA)
 
 
 def read(path: Path) -> list[dict[str, Any]]:

@@ -74,7 +74,10 @@ def called(made: Any, *arguments: Any) -> Any:
     if made.signatures:
         return made(*arguments)
     with compiling(made):
-        return made(*arguments)
+        returned = made(*arguments)
+    if made.stats.cache_misses:  # at once: a process that is killed stamps nothing at its end
+        kernel_cache.stamp()
+    return returned
 
 
 def record_type(fields: list[tuple[Any, ...]]) -> np.dtype:

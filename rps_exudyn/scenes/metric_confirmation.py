@@ -38,6 +38,7 @@ MOST_FINER = {"equilibrium": 2, "generalized-alpha": 1}
 """Solver -> times that the steps of a motion are halved for its metrics; formulas have none."""
 LEAST_ROLL = 1e-6  # range of a rack that does not roll [rad]
 LATE = 0.1  # half a step of the rack's rolling, over its range: ranges that friction shifts move by as much
+NARROW_ZONE = 0.002  # of friction, over the smallest sliding speed: it moves no metric of a swing by 3 %
 AGREED = 0.4  # of a metric's tolerance: where curves have kinks, as much again or more is left
 SLOW = 2 * np.pi * 20 / 60  # speed of the pinion up to which teeth that enter hardly shake the gear [rad/s]
 
@@ -59,11 +60,13 @@ def run_and_confirm(
         InputError: the fidelity's solver cannot make them.
     """
 
+    steady = maneuvers[0].is_steady
+
     def made(halvings: int) -> SceneRun:
         finer = [each.halved(halvings) for each in maneuvers]
-        return run_maneuver(gear, fidelity, finer, options)
+        model = fidelity if steady else with_narrower_zone(fidelity, halvings)
+        return run_maneuver(gear, model, finer, options)
 
-    steady = maneuvers[0].is_steady
     run = first or run_maneuver(gear, fidelity, maneuvers, options)
     if fidelity.solver == "equilibrium":
         always = always or (steady and bool(run.signals) and bool(rolls_late(run.signals) > LATE))
@@ -77,6 +80,13 @@ def run_and_confirm(
     place = "pinion_angle" if drive.body == "pinion" else "rack_displacement"
     unseen = unresolved_peaks(fidelity, run, drive.signal, place)
     return run.noting(unseen).without(SPREADS if unseen else ())
+
+
+def with_narrower_zone(fidelity: Fidelity, halvings: int) -> Fidelity:
+    """Return the model of a motion that stops in finer steps: a zone of friction in which what should rest
+    creeps is halved with them, for what it changes."""
+    zone = max(fidelity.zone_ratio / 2**halvings, min(fidelity.zone_ratio, NARROW_ZONE))
+    return fidelity if zone == fidelity.zone_ratio else fidelity.replace({"zone_ratio": zone})
 
 
 def most_finer(fidelity: Fidelity, options: RunOptions) -> int:
@@ -327,7 +337,8 @@ def run_swing(
 
     def made(halvings: int) -> SceneRun:
         earlier = settled.begun_earlier(1) if halvings else settled
-        return run_maneuver(gear, fidelity, earlier.halved(halvings), options=options)
+        model = with_narrower_zone(fidelity, halvings)
+        return run_maneuver(gear, model, earlier.halved(halvings), options=options)
 
     return confirmed(run, metrics, made, figure, most=most_finer(fidelity, options), always=True)
 

@@ -126,6 +126,31 @@ print(made(1.0), made.stats.cache_path)
         assert bool(list(folder.glob("*.nbi"))) == holds
 
 
+def test_a_process_that_is_killed_leaves_its_kernels_to_the_next(tmp_path: Path) -> None:
+    """What has no stamp is removed, so that each is stamped once it is compiled, not at the end."""
+    script = """
+import os
+import sys
+from pathlib import Path
+from rps_exudyn.base import kernel_cache
+from rps_exudyn.base.compiled import called
+kernel_cache.PACKAGE = Path(sys.argv[1])
+exec(compile("def twice(x):\\n    return 2 * x\\n", sys.argv[1] + "/base/roots.py", "exec"))
+made = kernel_cache.compiled(twice)
+called(made, 1.0)
+print(sum(made.stats.cache_hits.values()), flush=True)
+os._exit(0)
+"""
+    source = tmp_path / "base" / "roots.py"
+    source.parent.mkdir()
+    source.write_text("", encoding="utf-8")
+    runs = (
+        subprocess.run([sys.executable, "-c", script, tmp_path], check=True, capture_output=True, text=True)
+        for _ in range(2)
+    )
+    assert [run.stdout.strip() for run in runs] == ["0", "1"]
+
+
 class Force(NamedTuple):
     """The force of a steering column, of a process that starts anew, and how often its kernel was compiled
     and loaded."""

@@ -16,6 +16,7 @@ from rps_exudyn.multibody.solve import SolverPlan, solve
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import SPREADS
 from rps_exudyn.results.result import Result
 from rps_exudyn.simulate.run import run
 from rps_exudyn.solvers.closed_form import closed_form, torque_per_preload
@@ -218,6 +219,13 @@ def test_chain_and_condensed_bush_give_the_same_torque(pitch: Result, condensed_
     no work over a pitch."""
     condensed = condensed_pitch.summary["torque_mean"]
     assert pitch.summary["torque_mean"] == pytest.approx(condensed, rel=1e-3)
+
+
+def test_spheres_show_means_and_no_ripple(pitch: Result) -> None:
+    """On the preset's grid the default gear's ripple is 23 % too large over a pitch."""
+    assert "torque_mean" in pitch.summary
+    assert not SPREADS & pitch.summary.keys()
+    assert "fidelity.mesh = flank" in pitch.message
 
 
 def test_torque_is_nearly_even_in_the_sense_of_rotation(condensed_pitch: Result) -> None:

@@ -90,6 +90,9 @@ def test_spikes_are_left_out_and_edges_of_teeth_are_not() -> None:
     spiked = sharp.copy()
     spiked[[40, 200, 201, 300]] += [0.1, -0.1, 0.1, 0.08]
     assert np.flatnonzero(~is_regular(spiked, 0.0)).tolist() == [40, 200, 201, 300]
+    first = sharp.copy()
+    first[0] = 9.0
+    assert np.flatnonzero(~is_regular(first, 0.0)).tolist() == [0]
 
 
 @pytest.mark.parametrize(

@@ -91,7 +91,7 @@ def test_figures_stand_once_half_the_steps_say_the_same() -> None:
             raise NotFiniteError("too long")
         return 1 + 0.03 / parts, float("nan")
 
-    assert confirmed(in_proportion)[0] == pytest.approx(1.00375)
+    assert confirmed(in_proportion).figure == pytest.approx(1.00375)
     with pytest.raises(NotFoundError, match=r"still moves by 1\.98%"):
         confirmed(lambda parts: (1 + 0.01 * (-1) ** parts.bit_length(), 0.0))
     with pytest.raises(NotFoundError, match="ripple by 10"):

@@ -7,9 +7,10 @@ from bad_cases import bad_cases
 from rps_exudyn.analysis.curve import lag
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.maneuver import swing_maneuver
-from rps_exudyn.scenes.metric_confirmation import unclosed
+from rps_exudyn.scenes.metric_confirmation import changes, unclosed
 from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.closed_form import closed_form
 from verification.stability import ScenePlan
@@ -50,6 +51,21 @@ def test_an_ordinary_swing_is_made_once_in_the_steps_asked_for() -> None:
     assert "halvings" not in result.findings
     assert unclosed(result.signals, maneuver) < 0.5
     assert len(result.signals["time"]) == 1 + sum(maneuver.divided[maneuver.lead :])
+
+
+@pytest.mark.parametrize("ratio", [0.02, 0.1, 0.3])
+def test_no_metric_of_a_swing_depends_on_the_zone_of_friction(ratio: float) -> None:
+    """Half the zone confirms them, or they are left out, as the angle of a reversal is, which a zone of 0.1
+    of the slowest sliding moves by 11 %. What halves change by a tolerance, narrower ones change by half of
+    it more."""
+    gear = SteeringGear()
+    right = made(ScenePlan("reversal", gear, STILL))
+    wide = made(ScenePlan("reversal", gear, STILL.replace({"zone_ratio": ratio})))
+    assert wide.status is Status.OK
+    change = changes(wide.summary, right.summary, right.signals)
+    assert max(change[name] for name in wide.summary if name in change) <= 1.5
+    assert "reversal_angle" not in wide.summary
+    assert "hysteresis_area" in wide.summary
 
 
 def test_cycles_before_the_record_keep_its_steps() -> None:

@@ -222,7 +222,18 @@ def test_page_asks_for_nothing(made_up_result: Result, tmp_path: Path, command: 
     assert len(ids) == len(set(ids))
 
 
-@pytest.mark.parametrize("scene", [*SCENE_NAMES, "a scene of tomorrow"])
+EVERY_DAY = ("free-pinion-torque", "reversal", "rattle")
+"""Scenes of which pages are made every day; pictures of all are in test_scene_pictures.py."""
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        *EVERY_DAY,
+        *(pytest.param(name, marks=pytest.mark.long) for name in SCENE_NAMES if name not in EVERY_DAY),
+        "a scene of tomorrow",
+    ],
+)
 def test_result_of_any_scene(scene: str, made_up_result: Result, tmp_path: Path, command: Command) -> None:
     """Also of one that did not keep all signals of the scene's own picture."""
     result = dataclasses.replace(

@@ -13,10 +13,11 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.fit import parse_priors
 from rps_exudyn.cli.run import read_measured
 from rps_exudyn.inference.fitting.bench_tests import mixed_speeds, named_test, read_measurement
-from rps_exudyn.inference.fitting.fit import check_sizes, fit
+from rps_exudyn.inference.fitting.fit import check_sizes, doubts, fit
 from rps_exudyn.inference.fitting.level import levels_of
 from rps_exudyn.inference.fitting.production import measured_gear
 from rps_exudyn.inference.fitting.series import read_series
+from rps_exudyn.inference.measured.reading import read_measured_torque
 from rps_exudyn.parameters.gear import SteeringGear
 from shell import Command
 
@@ -301,3 +302,14 @@ def test_run_says_what_speaks_against_a_measured_file(
     path = turned(tmp_path / "a.csv", 6.6, -6.6)
     read_measured(path, (), "free-pinion-torque", SteeringGear())
     assert "Check the file: a has a mean torque of 6.6 N m" in capsys.readouterr().err
+
+
+def test_angles_beyond_the_teeth_are_said(tmp_path: Path) -> None:
+    """The default rack has teeth for 4.3 turns."""
+    path = turned(tmp_path / "a.csv", 0.6, -0.6, reach=1800.0)
+    words = (
+        "a covers 10 turns of the pinion where the gear given has teeth for 4.31: check the unit of its angle"
+    )
+    curve = read_measured_torque(path)
+    assert any(words in each for each in doubts(curve, SteeringGear()))
+    assert doubts(read_measured_torque(turned(tmp_path / "b.csv", 0.6, -0.6)), SteeringGear()) == []

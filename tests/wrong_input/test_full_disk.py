@@ -113,6 +113,7 @@ def test_studies_are_left_as_they_are(subcommand: str, made_up_result: Result, t
     before = sorted(path.name for path in folder.rglob("*"))
     answer = limited([subcommand, "s"], tmp_path, 3000)
     assert answer.returncode == 2
-    assert answer.stderr.count("\n") == 1
-    assert "cannot be written: File too large" in answer.stderr
+    said = [line for line in answer.stderr.splitlines() if "force laws" not in line and "drawing" not in line]
+    assert len(said) == 1  # besides progress, where a kernel is not compiled yet
+    assert "cannot be written: File too large" in said[0]
     assert sorted(path.name for path in folder.rglob("*")) == before

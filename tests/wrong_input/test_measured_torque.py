@@ -534,3 +534,11 @@ def test_commas_beside_the_curve_show_that_they_are_decimal(tmp_path: Path) -> N
     path = written(tmp_path, f"Winkel [°];Moment [Ncm];Temperatur [°C]\n{rows}")
     measured = read_measured_torque(path)
     assert measured.signals["pinion_torque"][0] == pytest.approx(0.60111)
+
+
+@pytest.mark.parametrize("written_as", ["({:.4f})", "{:.4f}-"])
+def test_signs_of_bookkeepers_are_refused_where_the_motion_goes_back(written_as: str, tmp_path: Path) -> None:
+    forth = "".join(f"{a},0.6123\n" for a in FORTH)
+    back = "".join(f"{a},{written_as.format(0.5987)}\n" for a in FORTH[::-1])
+    with pytest.raises(InputError, match=r"line 363: .*0\.5987.* is no number"):
+        read_measured_torque(written(tmp_path, HEADER + forth + back))

@@ -99,6 +99,7 @@ def fit(
     measurement = files if isinstance(files, Measurement) else read_measurement(files, columns, gear)
     check_sizes(measurement, gear)
     free, warnings = _tellable(measurement, gear, list(free))
+    warnings += _beyond_the_teeth(measurement, gear)
     problem = _problem(measurement, gear, free, priors or {})
     before = like.series if isinstance(like, Fit) else like
     if before is not None and (why := before.misfit(problem, gear.mesh.contact_law)):
@@ -304,6 +305,7 @@ def _by_other_law(ended: Ended, gear: SteeringGear) -> tuple[np.ndarray, list[st
 
 WRONG_UNIT = 6.0  # times what is expected, more or less: a wrong unit or factor shows, another gear does not
 MOST_TRAVELS = 3.0  # times the angle over which the expected rack has teeth: rad for deg shows
+ALL_TEETH = 1.02  # times the same: an encoder's ratio shows
 
 
 def check_sizes(measurement: Measurement, gear: SteeringGear) -> None:
@@ -322,7 +324,8 @@ def doubts(curve: MeasuredTorque, gear: SteeringGear) -> list[str]:
         measurement = measurement_of([(BenchTest("free"), curve)])
     except InputError as error:
         return [problem.removesuffix(".") for problem in error.problems]
-    return [*(problem.removesuffix(".") for problem in _wrong_sizes(measurement, gear)), *measurement.late]
+    wrong = [problem.removesuffix(".") for problem in _wrong_sizes(measurement, gear)]
+    return [*wrong, *([] if wrong else _beyond_the_teeth(measurement, gear)), *measurement.late]
 
 
 def _wrong_sizes(measurement: Measurement, gear: SteeringGear) -> list[str]:
@@ -345,11 +348,22 @@ def _sizes(passes: list[MeasuredPass], gear: SteeringGear) -> Iterator[str]:
         )
 
 
-def _travels(passes: list[MeasuredPass], gear: SteeringGear) -> Iterator[str]:
+def _travels(passes: list[MeasuredPass], gear: SteeringGear, most: float = MOST_TRAVELS) -> Iterator[str]:
     turned = max(float(np.ptp(each.angle)) for each in passes)
     whole = 2 * largest_angle(gear)
-    if passes[0].test.of_kind.by_angle and turned > MOST_TRAVELS * whole:
+    if passes[0].test.of_kind.by_angle and turned > most * whole:
         yield (
             f"covers {turned / TURN:.3g} turns of the pinion where the gear given has teeth for "
             f"{whole / TURN:.3g}: check the unit of its angle"
         )
+
+
+def _beyond_the_teeth(measurement: Measurement, gear: SteeringGear) -> list[str]:
+    """What is to be said of files whose angles the given gear cannot turn, though another could."""
+    said = []
+    for run, name in enumerate(measurement.names):
+        own = [each for each in measurement.passes if each.run == run]
+        said += [
+            f"{name} {why}, and whether its encoder has a ratio" for why in _travels(own, gear, ALL_TEETH)
+        ]
+    return said

@@ -74,7 +74,7 @@ def is_regular(values: np.ndarray, resolution: float) -> np.ndarray:
     """Return which values (n,) are no spikes, seen from their running median: shape (n,), bool."""
     if values.size < WINDOW:
         return np.ones(values.size, dtype=bool)
-    held = np.pad(values, WINDOW // 2, mode="edge")
+    held = np.pad(values, WINDOW // 2, mode="reflect")  # an outlier may be the first row
     smooth = np.median(np.lib.stride_tricks.sliding_window_view(held, WINDOW), axis=1)
     away = np.abs(values - smooth)
     scale = max(

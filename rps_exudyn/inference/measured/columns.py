@@ -20,6 +20,7 @@ NAMES = {
 """Quantity -> words that name it in the header of a file, as a regular expression."""
 
 GERMAN = re.compile(r"winkel|moment\b|drehung|weg\b|hub\b|kraft|verschiebung", re.I)
+_DRIVEN = ("pinion_angle", "rack_displacement")
 EXAMPLES = {
     "pinion_angle": "[deg]",
     "pinion_torque": "[N m]",
@@ -149,9 +150,10 @@ def _found(where: str, titles: list[_Title], quantity: str) -> _Title:
             f"{EXAMPLES[quantity]}, or choose one: {choice.format('TITLE')}."
         )
     if len(fitting) > 1:
+        below = "" if quantity in _DRIVEN else "; if they are two directions, write one below the other"
         raise InputError(
             f"{where} has {len(fitting)} columns that may be {quantity}: {_shown(fitting, ' and ')}; choose "
-            f"one: {choice.format(fitting[0].name or fitting[0].index + 1)}."
+            f"one: {choice.format(fitting[0].name or fitting[0].index + 1)}{below}."
         )
     return fitting[0]
 

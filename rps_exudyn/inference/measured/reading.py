@@ -57,6 +57,7 @@ from rps_exudyn.results.result import MeasuredTorque
 TORQUE = ("pinion_angle", "pinion_torque")
 PUSH = ("rack_displacement", "rack_force")
 _ENCODINGS = {"utf-8": "", "utf-8-sig": "", "cp1252": "Windows-1252"}
+_LIKE_NUMBER = re.compile(r"\(\d+([.,]\d*)?\)|\d+([.,]\d*)?[-+]")  # of bookkeepers: (0.6), 0.6-
 FAR = 20.0  # times the usual size of a value: a number of nines beyond stands for none
 
 
@@ -406,7 +407,7 @@ def _check_text(
             "in a file of its own."
         )
     wrong = [cell for cell, is_known in zip(cells, known, strict=True) if not is_known]
-    numeric = all(as_number(cell) is not None for cell in cells)
+    numeric = all(as_number(cell) is not None or _LIKE_NUMBER.fullmatch(cell.strip()) for cell in cells)
     if not _is_label(row) and (numeric or (within and len(wrong) < len(cells))):
         raise InputError(f"{path}, line {row[0]}: {short(wrong[0])!r} is no number.")
 

@@ -22,6 +22,7 @@ from rps_exudyn.gears.pitch_errors import rack_errors
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.tooth_contact.mean_depth import mean_depth
 from rps_exudyn.tooth_contact.spheres import sphere_radius
 
@@ -30,7 +31,8 @@ REPAIRED_STEPS_PER_PITCH = 20
 DEEPEST = 1.5  # deepest contact over the mean one, measured on the paper's gear
 LEAST_STATIONS = {"area": 2, "line": 2, "teeth": 3}  # 3.5 % of the hysteresis by two teeth that bend
 LEAST_ROWS = 8  # of spheres along the face width
-WIDEST_ZONE = 0.2  # 1.3 % of the work of a swing; as its square, 8 % at 0.9
+NARROW_ZONE = 0.1  # which takes 0.8 % of the work of any friction law
+LOST_IN_ZONE = 0.013  # of the friction's work in a swing, predicted; runs lose about as much
 SPACING = 2.5  # of spheres along the profile, over the width of the strip that touches: 1 % of the torque
 
 
@@ -60,7 +62,7 @@ def breaches(gear: SteeringGear, fidelity: Fidelity, *, steady: bool) -> Iterato
     if steady:
         yield from _tooth_pitch_resolved(gear, fidelity)
     else:
-        yield from _zone_narrow(fidelity)
+        yield from _zone_narrow(gear, fidelity)
     yield from _straight_where_rigid(gear, fidelity)
     yield from _contact_integrated(gear, fidelity)
     yield from _spheres_deep_enough(gear, fidelity)
@@ -84,13 +86,41 @@ def _tooth_pitch_resolved(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Br
         )
 
 
-def _zone_narrow(fidelity: Fidelity) -> Iterator[Breach]:
+def _zone_narrow(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:
     """Full friction over most of a motion that stops and turns."""
-    if fidelity.zone_ratio > WIDEST_ZONE:
-        why = "a motion that stops, where friction is too small within the zone,"
-        yield Breach(
-            "fidelity.zone_ratio", fidelity.zone_ratio, WIDEST_ZONE, why, {"zone_ratio": WIDEST_ZONE}
+    if fidelity.zone_ratio > NARROW_ZONE and work_in_zone(gear, fidelity.zone_ratio) > LOST_IN_ZONE:
+        from scipy.optimize import brentq  # loads in a third of a second
+
+        widest = float(
+            brentq(lambda ratio: work_in_zone(gear, ratio) - LOST_IN_ZONE, 0.0, fidelity.zone_ratio)
         )
+        why = "a motion that stops, where friction is too small within the zone,"
+        repair = {"zone_ratio": 0.99 * widest}
+        yield Breach("fidelity.zone_ratio", fidelity.zone_ratio, widest, why, repair)
+
+
+def work_in_zone(gear: SteeringGear, ratio: float) -> float:
+    """Return the share of the friction's work in a sinusoidal swing that a zone takes away.
+
+    Friction is mu N v / zone below it. Of a part whose zone is r times its largest speed of sliding v,
+    integrals of v^2 / r instead of v lose 1 - sqrt(1 - r^2) / 2 - arcsin(r) / (2 r), about r^2 / 6. Bristles
+    have no zone; Stribeck's friction is larger there than in motion.
+    """
+    pair, mean = GearPair.of(gear), closed_form(gear)
+    slowest, losses = float(pair.least_sliding), mean.forward
+    parts = {  # zone over largest speed, for a ratio of 1; loss
+        "mesh": (slowest / mean.friction_lever, losses.mesh_loss),
+        "yoke": (slowest / mean.rack_gain, losses.plunger_loss),
+        "bush": (slowest / mean.rack_gain, losses.bush_loss),
+        "bearing": (1.0, losses.bearing_loss),
+    }
+    lost = 0.0
+    for part, (relative, loss) in parts.items():
+        law, r = getattr(gear, part), min(relative * ratio, 1.0)
+        if r > 0 and not law.facts.has_state:
+            share = 1 - np.sqrt(1 - r**2) / 2 - np.arcsin(r) / (2 * r)
+            lost += loss * share * (1 + law.surplus)
+    return float(lost / losses.losses) if losses.losses > 0 else 0.0
 
 
 def _straight_where_rigid(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:
