@@ -222,7 +222,7 @@ def _found(path: str, cell: Mapping[str, Any]) -> str:
 
 TOPIC = Topic(
     "intervals of level, runout and preload against 18 kinds of noise and rig of an independent model",
-    "20 min",
+    "12 min",
     "fit",
     run,
     {"seeds": 2, "sets": 1, "kinds": ("white 2 %", "steps of 0.05 N m"), "again": 0},

@@ -17,6 +17,7 @@ from rps_exudyn.base.progress import duration
 
 EVERY = 0.25  # [s] between counts
 LOADING = 1.0  # [s] that kernels take at most where a cache holds them
+USUAL_BYTES, USUAL_SECONDS = 1.5e5, 20.0  # of code: what a gear with law "line" needs, in double
 OWN_SHARE = 0.5  # of the time, for the kernel itself behind those that it calls: all of them are in its code
 
 
@@ -64,6 +65,12 @@ def called(kernel: Any) -> dict[str, Any]:
     return found
 
 
+def time_left(ahead: float, ready: float, seconds: float) -> float:
+    """Time [s] for bytes of code that are ahead, where some are ready after so many seconds; until much is
+    ready, the usual rate counts more."""
+    return ahead * (USUAL_SECONDS + seconds) / (USUAL_BYTES + ready)
+
+
 class _Count:
     """Kernels that this process compiles."""
 
@@ -83,10 +90,10 @@ class _Count:
         def step() -> CompileStep:
             seconds = perf_counter() - begun
             done = sum(bool(each.signatures) for each in self._needed.values())
-            share = sum(weight for name, weight in weights.items() if new[name].signatures) / whole
-            share = max((1 - OWN_SHARE) * share, 0.02) if not kernel.signatures else 1.0
+            ready = sum(weight for name, weight in weights.items() if new[name].signatures)
+            ahead = 0.0 if kernel.signatures else whole / (1 - OWN_SHARE) - ready
             return CompileStep(
-                done, len(self._needed), self._seconds + seconds, seconds * (1 - share) / share
+                done, len(self._needed), self._seconds + seconds, time_left(ahead, ready, seconds)
             )
 
         def count() -> None:

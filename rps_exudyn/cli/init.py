@@ -13,6 +13,7 @@ from rps_exudyn.cli.output import DONE
 if TYPE_CHECKING:
     from importlib.resources.abc import Traversable
 
+MOST_NAMED = 4  # files of a folder
 SUFFIXES = (".toml", ".py", ".ipynb", ".csv", ".md")
 
 
@@ -28,6 +29,7 @@ def init(folder: Path = Path(), /) -> int:
 
     made = {Path(f"{kind}.schema.json"): json.dumps(make(), indent=1) for kind, make in SCHEMAS.items()}
     shipped = {name: _text(source, name) for source, name in _templates(files("rps_exudyn") / "templates")}
+    written: list[Path] = []
     for name, text in (made | shipped).items():
         target = folder / name
         if target.exists():
@@ -38,7 +40,12 @@ def init(folder: Path = Path(), /) -> int:
             raise InputError(f"{target.parent} cannot be written: {error.strerror}.") from None
         with replacing(target) as partial:
             partial.write_text(text, "utf-8")
-        print(f"written: {target}")
+        written.append(name)
+    print(f"{len(written)} files written in {folder}, {len(made | shipped) - len(written)} were there:")
+    for place in dict.fromkeys(name.parent for name in written):
+        names = [name.name for name in written if name.parent == place]
+        shown = ", ".join(names if len(names) <= MOST_NAMED else [*names[:MOST_NAMED], "..."])
+        print(f"  {place}: {shown}" if place.parts else f"  {shown}")
     return DONE
 
 

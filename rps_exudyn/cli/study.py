@@ -11,7 +11,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import duration
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import Flag, Json
-from rps_exudyn.cli.output import DONE, FAILED, say
+from rps_exudyn.cli.output import DONE, FAILED, put, say
 
 if TYPE_CHECKING:
     from rps_exudyn.simulate.cases.run_cases import Executor
@@ -24,7 +24,7 @@ MANY_CASES = 5000
 _NOT_TOGETHER = "  no cases computed together: {}"
 
 SHOWN_SKIPPED = 5
-SHOWN_GROUPS = 5
+SHOWN_GROUPS, SHOWN_RANGES = 2, 2
 
 
 def study(
@@ -193,7 +193,20 @@ def _print_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:
     )
     if tally.single_run_reason and tally.through_batch:
         print(_NOT_TOGETHER.format(tally.single_run_reason))
+    _print_ranges(work)
     print_said(tally.said)
+    put(f"one page of it: rps-exudyn report {folder}")
+
+
+def _print_ranges(work: "StudyWork") -> None:
+    """Print the ranges of the study's leading numbers."""
+    from rps_exudyn.pages.report.study_rows import range_rows
+    from rps_exudyn.study.table import CaseTable
+
+    rows = list(range_rows(CaseTable.of(work.store)))[:SHOWN_RANGES]
+    width = max((len(row.value) for row in rows), default=0)
+    for row in rows:
+        put(f"  {row.value:{width}}  {row.words}")
 
 
 def print_said(said: "Sequence[Group]") -> None:

@@ -151,7 +151,7 @@ def test_layout_lists_the_folders_from_the_ground_up() -> None:
 )
 def test_costs_and_errors_are_those_of_the_table(model: str, row: str, stated: int) -> None:
     """Of a revolution: times to a third, as machines differ, and errors to the digit that is stated."""
-    about = README[README.index("## Speed against accuracy") : README.index("**How exact it is.**")]
+    about = README[README.index("## Speed against accuracy") : README.index("## From Python")]
     time, unit = re.findall(r"needs ([\d.]+) (ms|s)\b", about[about.index(f"`{model}`") :])[0]
     error = re.findall(r"([\d.]+) %", about)[stated]
     table = (ROOT / "results" / "accuracy_speed" / "README.md").read_text(encoding="utf-8")

@@ -20,7 +20,8 @@ from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.solids import gear_solids
 from rps_exudyn.pages.animation import film
 from rps_exudyn.pages.animation.animation_page import page
-from rps_exudyn.pages.animation.camera import Camera, in_front
+from rps_exudyn.pages.animation.camera import VIEWS, Camera, in_front
+from rps_exudyn.pages.animation.camera import view as camera_of
 from rps_exudyn.pages.animation.drawn import FILL, SUN, paint
 from rps_exudyn.pages.animation.motion import MOST_FRAMES, Factors, Motion
 from rps_exudyn.pages.animation.overlays import ContactLines, contact_lines
@@ -199,3 +200,41 @@ def test_triangles_behind_the_eye_are_cut_off() -> None:
     assert (corners[..., 2] < 1).all()
     np.testing.assert_allclose(corners[..., 1], -1, atol=1e-12)
     np.testing.assert_allclose(weights.sum(axis=2), 1)
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_camera_frames_what_it_names(view: str, pitch: Result) -> None:
+    """Whole bodies are within the picture, and as large as it allows; nothing stands before the mesh."""
+    width, height = film.SIZE
+    camera = camera_of(view, pitch.gear)
+    motion, parts = Motion.of(pitch), {part.name: part for part in picture_parts(pitch.gear)}
+    poses = motion.poses(0)
+    named = {"gear": ("plunger", "yokenut", "spring"), "whole-rack": ("rack", "bush")}
+    if view in named:
+        points = [parts[each].vertices @ poses[each][0].T + poses[each][1] for each in named[view]]
+        seen = camera.seen(np.concatenate(points), width, height)[:, :2] / film.SIZE
+        assert ((seen > 0) & (seen < 1)).all()
+        assert np.ptp(seen, axis=0).max() > 0.4
+        return
+    pair = GearPair.of(pitch.gear)
+    half = pitch.gear.pinion.face_width / 2
+    turn = 2 * np.pi * np.arange(24)[:, None] / 24
+    across, up, along = pair.pinion_frame.T
+    circle = pair.pinion_origin + pair.tip_radius * (np.cos(turn) * across + np.sin(turn) * up)
+    teeth = np.concatenate([circle - half * along, circle + half * along])
+    seen = camera.seen(teeth, width, height)[:, :2] / film.SIZE
+    assert ((seen > 0) & (seen < 1)).all()
+    assert np.ptp(seen, axis=0).max() > 0.35
+    if view == "along-the-pinion":
+        assert camera.shaft_cut < 1.2 * half
+
+
+def test_still_is_not_cut_and_not_empty(pitch: Result) -> None:
+    """Of each view: bodies of several colours, and ground at both upper corners or above the rack."""
+    motion, parts = Motion.of(pitch), picture_parts(pitch.gear)
+    for view in VIEWS:
+        pixels = np.asarray(film.still(motion, parts, None, film.SIZE, view)).astype(int)
+        spread = pixels.max(axis=2) - pixels.min(axis=2)
+        orange = (pixels[..., 0] > pixels[..., 2] + 60).mean()
+        assert orange > (0.001 if view == "whole-rack" else 0.02)
+        assert 0.002 < (spread > 40).mean() < 0.9

@@ -67,16 +67,16 @@ def test_half_finished_study(made_up_result: Result, tmp_path: Path, command: Co
     assert list(page.sections) == [
         "",
         "Effects on mean torque",
-        "What was run",
-        "Outcome",
         "Main effects and response surfaces",
-        "Best and worst cases",
         "Failed cases",
+        "Best and worst cases",
+        "Outcome",
+        "What was run",
         "All cases",
         "Provenance",
     ]
     assert "mean torque over 3 cases" in page.sections[""]
-    assert "2 of 6 cases are still to run" in page.sections["What was run"]
+    assert "2 of 6 cases are still to run" in page.sections[""]
     assert "100 N, 200 N, 400 N" in page.sections["What was run"]
     assert "mesh.friction, yoke.friction" in page.sections["What was run"]
     assert "60 N/mm" in page.sections["What was run"]

@@ -81,7 +81,7 @@ def test_failed_and_simple_results_are_drawn_too(
 def test_both_directions_are_drawn_against_their_motion(there_and_back: Result) -> None:
     torque = torque_figure(there_and_back).axes[0]
     assert torque.get_ylabel() == "torque against the motion [N m]"
-    assert [text.get_text() for text in torque.get_legend().get_texts()] == ["towards +X", "towards -X"]
+    assert style.names_of(torque) == ["towards +X", "towards -X"]
     for line, level in zip(torque.lines, (0.6, 0.58), strict=True):
         assert np.mean(line.get_ydata()) == pytest.approx(level, abs=1e-3)
 
@@ -94,7 +94,7 @@ def test_measured_curve_of_a_load_test_has_the_sense_of_the_simulated(
     there_and_back: Result, measured: MeasuredTorque
 ) -> None:
     (torque,) = load_test_figure(there_and_back, measured).axes
-    assert "measured: bench" in [text.get_text() for text in torque.get_legend().get_texts()]
+    assert "measured: bench" in style.names_of(torque)
     levels = [np.mean(line.get_ydata()) for line in measured_lines(torque)]
     assert levels == pytest.approx([0.61, -0.61])
 
@@ -114,7 +114,7 @@ def test_both_directions_of_a_measured_torque_have_a_panel_each(
         assert 0.5 < low < high < 0.7
         (line,) = measured_lines(axes)
         assert np.mean(line.get_ydata()) == pytest.approx(0.61)
-        labels = [text.get_text() for text in axes.get_legend().get_texts()]
+        labels = style.names_of(axes)
         assert "measured: bench" in labels
         assert ("simulated" if direction in recorded else NOT_SIMULATED) in labels
 
@@ -219,7 +219,7 @@ def test_losses_are_stacked_to_the_torque(there_and_back: Result) -> None:
 
 def test_several_results_are_distinguished(there_and_back: Result) -> None:
     (axes,) = torques_figure({"one": there_and_back, "two": there_and_back}, "Both").axes
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["one", "two"]
+    assert style.names_of(axes) == ["one", "two"]
     assert len({line.get_color() for line in axes.lines}) == 2
 
 

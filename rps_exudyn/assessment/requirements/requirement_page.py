@@ -16,8 +16,8 @@ from rps_exudyn.pages.report.html import (
     parameter_grid,
     provenance_facts,
 )
-from rps_exudyn.pages.report.judged import ORDER, judgement, listed, mark_of
-from rps_exudyn.pages.report.sheet import Row, rounded
+from rps_exudyn.pages.report.judged import ORDER, judgement, mark_of
+from rps_exudyn.pages.report.sheet import Row, listed, rounded
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.provenance import provenance
 

@@ -24,9 +24,9 @@ from rps_exudyn.pages.report.html import (
     Text,
     provenance_facts,
 )
-from rps_exudyn.pages.report.judged import ORDER, judgement, limits_of, listed, mark_of
+from rps_exudyn.pages.report.judged import ORDER, judgement, limits_of, mark_of
 from rps_exudyn.pages.report.pictures import picture
-from rps_exudyn.pages.report.sheet import Row, rounded
+from rps_exudyn.pages.report.sheet import Row, listed, rounded
 from rps_exudyn.results.judged_row import ON_COMPARISONS, Verdict
 from rps_exudyn.results.provenance import provenance
 
@@ -182,5 +182,5 @@ def validation_figure(comparisons: Sequence[ComparedRow]) -> Figure:
     )
     for verdict, colour in COLOURS.items():
         axes.plot([], [], "o", color=colour, label=verdict.value)
-    style.legend_above(axes)
+    style.name_curves(axes)
     return figure

@@ -11,6 +11,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 
 VIEWS = ("gear", "mesh", "along-the-pinion", "whole-rack")
 FIELD = 0.5  # vertical field of view [rad]
+UNCUT = 1e3  # [m]
 NEAR = 5e-3  # nothing nearer to the eye is drawn [m]
 
 
@@ -22,6 +23,7 @@ class Camera:
     azimuth: float
     elevation: float
     distance: float  # [m]
+    shaft_cut: float = UNCUT  # largest Z at which the pinion is drawn [m]
 
     @property
     def towards_eye(self) -> np.ndarray:
@@ -56,7 +58,8 @@ def view(name: str, gear: SteeringGear, explode: float = 0.0) -> Camera:
     if name == "mesh":
         return Camera(pitch_point, -0.8, -0.12, 7.5 * pair.tip_radius)
     if name == "along-the-pinion":
-        return Camera(pitch_point, 0.26, 0.0, gear.pinion.shaft_length / 2 + 6 * pair.tip_radius)
+        teeth = 0.51 * gear.pinion.face_width  # the shaft before them hides them
+        return Camera(pitch_point, 0.2, -0.06, 9 * pair.tip_radius, teeth)
     if name == "whole-rack":
         middle = np.array([(bar.x_min + bar.x_max) / 2, pair.bar_axis_height, 0.0])
         return Camera(middle, -0.3, 0.25, _distance(0.68 * gear.rack.length))

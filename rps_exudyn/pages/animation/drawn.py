@@ -10,14 +10,13 @@ from matplotlib.colors import to_rgb
 
 from rps_exudyn.base.compiled import called, kernel
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.pages.animation.camera import Camera, in_front
+from rps_exudyn.pages.animation.camera import UNCUT, Camera, in_front
 from rps_exudyn.pages.animation.motion import Motion, Pose, exploded
 from rps_exudyn.pages.animation.overlays import Arrow, ContactLines, arrows
 from rps_exudyn.pages.animation.page_data import SECTIONED
 from rps_exudyn.pages.animation.parts import COLOURS, PicturePart
 
 LONGEST = 2.6  # arrow of the strongest force, over the pinion's tip radius
-NO_CUT = 1e3
 RIBBON = 0.005  # width of a line of contact over the eye's distance
 
 
@@ -42,7 +41,9 @@ class Drawing:
     def draw_bodies(self, image: np.ndarray, depth: np.ndarray, camera: Camera, frame: int = 0) -> None:
         """Draw the bodies of one instant where `depth` (height, width) is larger than theirs; change both."""
         poses, away = self._places(frame)
-        bodies = [self._body(part, poses[part.name], away[part.name]) for part in self.parts]
+        bodies = [
+            self._body(part, poses[part.name], away[part.name], camera.shaft_cut) for part in self.parts
+        ]
         _paint(image, depth, camera, *(np.concatenate(each) for each in zip(*bodies, strict=True)))
 
     def _places(self, frame: int) -> tuple[dict[str, Pose], dict[str, np.ndarray]]:
@@ -60,13 +61,16 @@ class Drawing:
         """The largest force of the record [N]."""
         return max(float(np.abs(self.motion.signals[each.signal]).max()) for each in self.arrows)
 
-    def _body(self, part: PicturePart, pose: Pose, away: np.ndarray) -> tuple[np.ndarray, ...]:
+    def _body(
+        self, part: PicturePart, pose: Pose, away: np.ndarray, shaft_cut: float
+    ) -> tuple[np.ndarray, ...]:
         turn, origin = pose
         world = part.vertices @ turn.T + origin + away
         normals = part.normals @ turn.T
         count = len(part.faces)
         colours = np.broadcast_to(COLOURS[part.name], (count, 3))
-        cuts = np.full(count, 0.0 if part.name in SECTIONED else NO_CUT)
+        cut = shaft_cut if part.name == "pinion" else 0.0 if part.name in SECTIONED else UNCUT
+        cuts = np.full(count, cut)
         return world[part.faces], normals[part.faces], colours, cuts
 
     def _arrow(self, arrow: Arrow, frame: int) -> list[tuple[np.ndarray, ...]]:
@@ -119,7 +123,7 @@ class Drawing:
         middle = (share_of_load[:, 1:] + share_of_load[:, :-1]) / 2
         colours = np.repeat(mpl.colormaps["inferno"](0.18 + 0.8 * middle.ravel())[:, :3], 2, axis=0)
         count = len(triangles)
-        return triangles, np.zeros((count, 3, 3)), colours, np.full(count, NO_CUT)
+        return triangles, np.zeros((count, 3, 3)), colours, np.full(count, UNCUT)
 
 
 def _paint(
@@ -160,7 +164,7 @@ def _cone(
         [np.stack([m, n, m], 1), np.stack([m, n, n], 1), np.stack([flat, flat, flat], 1)]
     )
     count = len(world)
-    return world, normals, np.broadcast_to(colour, (count, 3)), np.full(count, NO_CUT)
+    return world, normals, np.broadcast_to(colour, (count, 3)), np.full(count, UNCUT)
 
 
 # --- A depth buffer in compiled form: which triangle each pixel sees, and the light on it
@@ -169,7 +173,7 @@ def _cone(
 
 SUN = np.array([-0.35, 0.75, 0.6]) / np.sqrt(0.35**2 + 0.75**2 + 0.6**2)
 FILL = np.array([0.8, -0.35, 0.5]) / np.sqrt(0.8**2 + 0.35**2 + 0.5**2)
-HATCH = 1.6e-3  # [m]
+HATCHES = 45.0  # of a section, down a picture: flat on the picture, however deep the face lies
 
 
 @kernel
@@ -223,7 +227,7 @@ def paint(image, depth, seen, world, normals, colours, cuts, eye, sun, fill):  #
                 if size < 0.1:
                     light = 1.0
                 elif not front:
-                    light = 0.82 + 0.12 * ((((wx + wy) / HATCH) % 1.0) > 0.5)
+                    light = 0.84 + 0.12 * (((column + row) * HATCHES / height) % 1.0 > 0.5)
                 else:
                     nx, ny, nz = nx / size, ny / size, nz / size
                     ex, ey, ez = eye[0] - wx, eye[1] - wy, eye[2] - wz

@@ -47,7 +47,7 @@ def _all(motion: Motion) -> Iterator[Arrow]:
     nut = np.array([0.0, plunger_ends(gear)[1], 0.0])
     yield Arrow("yokenut_force", "yokenut on the plunger", "plunger", nut, -up, "#0B5F94")
     to_flank = np.array([0.0, -gear.rack.reference_height, 0.0])
-    for side, name, colour in ((-1, "drive", PART_COLOURS["mesh"]), (1, "coast", "#8A5F00")):
+    for side, name, colour in ((-1, "drive", "#5C3F00"), (1, "coast", "#8A5F00")):
         push = -pair.rack_flank_normal(side)  # of the pinion on the rack
         label = f"pinion on the rack, {name} flanks"
         yield Arrow(f"mesh_normal_force_{name}", label, "mesh", to_flank, push, colour)

@@ -80,6 +80,7 @@ def _view(camera: Camera) -> dict[str, Any]:
         "elevation": camera.elevation,
         "distance": float(camera.distance),
         "target": camera.target.tolist(),
+        "shaftCut": float(camera.shaft_cut),
     }
 
 

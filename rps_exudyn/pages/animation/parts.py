@@ -68,9 +68,10 @@ def bearing_rings(gear: SteeringGear) -> PicturePart:
     segments = arc_segments(RING * radius, 2 * np.pi, CHORD_ERROR)
     rings = Manifold()
     for place in (gear.bearing.lower_position, gear.bearing.upper_position):
-        ends = [np.array([0, 0, place + side * RING_WIDTH * radius]) for side in (-1, 1)]
-        beyond = [place_of + (place_of - np.array([0, 0, place])) for place_of in ends]
-        rings += cylinder(RING * radius, *ends, segments) - cylinder(radius, *beyond, segments)
+        half = np.array([0, 0, RING_WIDTH * radius])
+        middle = np.array([0, 0, place])
+        bore = cylinder(radius, middle - 2 * half, middle + 2 * half, segments)
+        rings += cylinder(RING * radius, middle - half, middle + half, segments) - bore
     return PicturePart("bearings", *with_normals(*from_manifold(rings)))
 
 

@@ -47,7 +47,7 @@ def torques_figure(
     if measured is not None:
         first = next(iter(results.values()))
         add_measured(axes, measured, first.signals, against_motion=True)
-    style.legend_above(axes)
+    style.name_curves(axes)
     style.angle_axis(axes)
     style.title(figure, headline)
     return figure
@@ -76,7 +76,7 @@ def comparison_figure(comparison: ResultComparison, names: tuple[str, str]) -> F
     style.line(both, angle, torque.second, SIGNALS["pinion_torque"], "pinion torque", "other", names[1])
     both.lines[1].set_linestyle((0, (5, 2)))  # the first shows through where they agree
     style.widen(both, 0.05)
-    style.legend_above(both)
+    style.name_curves(both)
     if torque.mean:
         apart.plot(angle, 100 * torque.difference / abs(torque.mean), color=style.COLOURS["failure"])
         apart.set_ylabel("difference [% of mean]")
@@ -122,7 +122,7 @@ def spectrum_figure(results: dict[str, Result]) -> Figure:
     axes.set_xlabel("order [1/revolution]")
     teeth = next(iter(results.values())).gear.pinion.teeth
     axes.set_xticks([1, *range(teeth, HIGHEST_ORDER + 1, teeth)])
-    style.legend_above(axes)
+    style.name_curves(axes)
     head(figure, next(iter(results.values())), "Orders of the pinion torque", {})
     return figure
 
@@ -208,7 +208,7 @@ def _forces(axes: Axes, loads: LoadDistribution, side: int) -> None:
     axes.plot(angle, whole, color="black", linewidth=0.8, linestyle="--", label="all")
     axes.set_ylabel(f"{FLANK_NAMES[side]} [N]")
     axes.set_ylim(0, None)
-    style.legend_above(axes)
+    style.name_curves(axes)
 
 
 def _densest(axes: Axes, loads: LoadDistribution) -> None:
@@ -220,7 +220,7 @@ def _densest(axes: Axes, loads: LoadDistribution) -> None:
         axes.plot(angle, NEWTON_PER_MILLIMETRE * largest, color=colour, label=FLANK_NAMES[side])
     axes.set_ylabel("largest load\n[N/mm]")
     axes.set_ylim(0, None)
-    style.legend_above(axes)
+    style.name_curves(axes)
 
 
 def _stiffness(axes: Axes, gear: SteeringGear, signals: Signals) -> None:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -88,13 +89,11 @@ def panels_over_angle(
 
 
 def draw_residuals(axes: Axes, label: str, pieces: Sequence[Pass], against_motion: bool) -> None:
-    """Draw pieces of the measured less the simulated torque, those of two directions in their colours."""
+    """Draw pieces of the measured less the simulated torque, those of two directions in their marks."""
     for piece in pieces:
         angle = SIGNALS["pinion_angle"].displayed(piece.angle)
         torque = (piece.direction if against_motion else 1) * piece.signals["pinion_torque"]
-        colour = style.COLOURS[DIRECTIONS[piece.direction][1] if against_motion else "measured"]
-        shown = SIGNALS["pinion_torque"].displayed(torque)
-        axes.plot(angle, shown, **{**style.MEASURED_LINE, "color": colour})
+        draw_dots(axes, angle, SIGNALS["pinion_torque"].displayed(torque), piece.direction)
     axes.axhline(0, **style.REFERENCE_LINE)
     axes.set_ylabel(SIGNALS["pinion_torque"].axis_label(label.replace(" - ", "\n\u2212 ")))
 
@@ -120,7 +119,7 @@ def torque_one_way(axes: Axes, signals: Signals, measured: MeasuredTorque | None
     if measured is not None:
         add_measured(axes, measured, signals, against_motion=True, only=way)
     if label != "_":
-        axes.plot([], [], " ", label=NOT_SIMULATED)
+        axes.plot([], [], " ", color=style.COLOURS["reference"], label=NOT_SIMULATED)
 
 
 def torque_against_motion(axes: Axes, signals: Signals) -> None:
@@ -141,7 +140,7 @@ def add_measured(
     against_motion: bool = False,
     only: int = 0,
 ) -> None:
-    """Draw a measured torque below the others, in thin lines because it may have many points.
+    """Draw the points of a measured torque below the others.
 
     Args:
         axes: where.
@@ -155,11 +154,56 @@ def add_measured(
         if only in (0, turned.direction):
             angle = SIGNALS["pinion_angle"].displayed(turned.angle)
             torque = (turned.direction if against_motion else 1) * turned.signals["pinion_torque"]
-            axes.plot(
-                angle,
-                SIGNALS["pinion_torque"].displayed(torque),
-                linestyle="-" if only or turned.direction > 0 else (0, (4, 1.5)),
-                label=label,
-                **style.MEASURED_LINE,
-            )
+            draw_dots(axes, angle, SIGNALS["pinion_torque"].displayed(torque), turned.direction, label)
             label = None
+
+
+FOLDED, BINS = 121, 24  # points of a simulated pitch, and classes of a measured one
+
+
+def ripple_figure(result: Result) -> Figure | None:
+    """The torque of the first pass less its mean over one tooth pitch, the mean of all its teeth, and the
+    measured one likewise, whose runout is left out with that; None where the record covers no revolution."""
+    if not {"pinion_angle", "pinion_torque"} <= result.signals.keys():
+        return None
+    turned = passes(result.signals)
+    if not turned or np.ptp(turned[0].angle) < 2 * np.pi * (1 - 1e-6):
+        return None
+    first, pitch = turned[0], 2 * np.pi / result.gear.pinion.teeth
+    over = np.linspace(0, pitch, FOLDED)
+    low = first.angle.min()
+    every = low + over + pitch * np.arange(result.gear.pinion.teeth)[:, None]
+    torque = first.direction * first.over(every.ravel(), "pinion_torque").reshape(every.shape).mean(axis=0)
+    figure, (axes,) = style.panels([2.3], 5.2)
+    quantity, degrees = SIGNALS["pinion_torque"], SIGNALS["pinion_angle"].displayed
+    style.line(axes, degrees(over), torque - torque.mean(), quantity, "torque - mean", "torque", "simulated")
+    if result.measured is not None:
+        points = _folded(result.measured, first.direction, low, pitch)
+        draw_dots(axes, degrees(points[0]), quantity.displayed(points[1]), 1, "measured, mean of the teeth")
+    axes.axhline(0, **style.REFERENCE_LINE)
+    style.legend_above(axes)
+    style.angle_axis(axes)
+    return figure
+
+
+def _folded(measured: MeasuredTorque, direction: int, low: float, pitch: float) -> np.ndarray:
+    """Angles within a pitch and the mean measured torque less its mean there, shape (2, m)."""
+    pieces = [each for each in passes(measured.signals) if each.direction == direction]
+    if not pieces:
+        return np.empty((2, 0))
+    angle = np.concatenate([each.angle for each in pieces])
+    torque = direction * np.concatenate([each.signals["pinion_torque"] for each in pieces])
+    number = ((angle - low) % pitch / pitch * BINS).astype(int) % BINS
+    count = np.bincount(number, minlength=BINS)
+    known = count > 0
+    mean = np.bincount(number, torque, minlength=BINS)[known] / count[known]
+    return np.stack([(np.flatnonzero(known) + 0.5) / BINS * pitch, mean - mean.mean()])
+
+
+def draw_dots(axes: Axes, x: np.ndarray, y: np.ndarray, direction: int, label: str | None = None) -> None:
+    """Draw measured points by the marks of their direction; the axes hold also those that are left out."""
+    if x.size:
+        axes.update_datalim([(x.min(), y.min()), (x.max(), y.max())])
+    some = slice(None, None, max(1, -(-x.size // style.MOST_DOTS)))
+    look = style.MEASURED_DOTS | (style.OTHER_DOTS if direction < 0 else {})
+    axes.plot(x[some], y[some], label=label, **look)

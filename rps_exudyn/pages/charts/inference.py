@@ -19,7 +19,7 @@ from rps_exudyn.inference.fitting.unknowns import LEVEL
 from rps_exudyn.inference.uncertainty.band import Band
 from rps_exudyn.inference.uncertainty.statistics import LEVELS, Contributions
 from rps_exudyn.pages.charts import style
-from rps_exudyn.pages.charts.curves import AGAINST_MOTION, DIRECTIONS
+from rps_exudyn.pages.charts.curves import AGAINST_MOTION, DIRECTIONS, draw_dots
 from rps_exudyn.pages.charts.style import scene_of
 from rps_exudyn.results.judged_row import Verdict
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
@@ -86,7 +86,7 @@ def _draw_curves(axes: Axes, band: Band) -> None:
         label = None if part.start else "inputs at their medians"
         axes.plot(x[part], nominal[part], color=style.COLOURS["torque"], linewidth=1.2, label=label)
     axes.set_ylabel(quantity.axis_label(name.replace("_", " ")))
-    style.legend_above(axes)
+    style.name_curves(axes)
     if turns:
         style.angle_axis(axes)
     else:
@@ -146,8 +146,8 @@ def drift_figure(batch: Production, limits: Limits | None) -> Figure:
         beyond, colour = drift.alarms, style.COLOURS["failure"]
         average.plot(place[beyond], drift.average[beyond], "o", markersize=4, color=colour, label="beyond")
     average.set_ylabel("moving average\n[N m]")
-    style.legend_above(levels)
-    style.legend_above(average)
+    style.name_curves(levels)
+    style.name_curves(average)
     average.set_xlabel("gear, in the order of the files")
     average.set_xlim(0, len(batch.gears) + 1)
     state = f"drift from {batch.gears[drift.alarms[0]].name} on" if drift.alarms.size else "no drift"
@@ -164,12 +164,12 @@ FARTHEST = 6.0  # standard deviations of the noise that the ordinate of what is 
 NAMED = 4  # factors of a combination that its bar names
 
 
-def curves_figure(fit: Fit) -> Figure | None:
+def curves_figure(fit: Fit, width: float = 8.0) -> Figure | None:
     """Measured and fitted torque against the motion, and what is left; None without free turning."""
     turned = [each for each in fit.passes if each.by_angle]
     if not turned:
         return None
-    figure, (torque, left) = style.panels([3.4, 2.0])
+    figure, (torque, left) = style.panels([3.4, 2.0], width)
     noise = float(np.median([each.noise for each in turned]))
     for each in turned:
         _draw_pass(torque, left, each, FARTHEST * noise)
@@ -180,28 +180,28 @@ def curves_figure(fit: Fit) -> Figure | None:
     beyond = sum(_draw_beyond(left, each, FARTHEST * noise) for each in turned)
     if beyond:
         left.plot([], [], "k^", markersize=4, label=f"{beyond} points beyond the axis, at its ends")
-        style.legend_above(left)
+        style.name_curves(left)
     left.set_ylim(-1.05 * FARTHEST * noise, 1.05 * FARTHEST * noise)
     style.angle_axis(left)
-    handles, labels = torque.get_legend_handles_labels()
-    shown = dict(zip(labels, handles, strict=True))
-    torque.legend(
-        shown.values(), shown, loc="lower right", bbox_to_anchor=(1, 1), ncols=2, borderpad=0, frameon=False
-    )
+    labels = set[str]()
+    for line in torque.lines:  # each name once
+        line.set_label(f"_{label}" if (label := str(line.get_label())) in labels else label)
+        labels.add(label)
+    style.name_curves(torque)
     return figure
 
 
 def _draw_pass(torque: Axes, left: Axes, each: FittedPass, farthest: float) -> None:
     name, colour = DIRECTIONS[each.direction]
     angle, sense = np.degrees(each.angle), each.direction
-    points: Any = {"s": 5, "alpha": 0.5, "linewidths": 0, "zorder": 3, "color": style.COLOURS[colour]}
-    torque.scatter(angle, sense * each.value, label=f"measured {name}", **points)
+    draw_dots(torque, angle, sense * each.value, sense, f"measured {name}")
     low, high = (sense * (each.model + sign * each.half_band) for sign in (-1, 1))
-    torque.fill_between(angle, low, high, color=style.COLOURS[colour], alpha=0.3, linewidth=0)
-    torque.plot(angle, sense * each.model, color=style.COLOURS[colour], label=f"fitted {name}, 95 % band")
+    torque.fill_between(angle, low, high, **{**style.BAND, "zorder": 1})
+    look: Any = {"color": style.COLOURS[colour], "linestyle": style.DASHES.get(colour, "-"), "linewidth": 1.6}
+    torque.plot(angle, sense * each.model, label=f"fitted {name}, 95 % band", **look)
     deviation = each.value - each.model
     inside = np.abs(deviation) <= farthest
-    left.scatter(angle[inside], deviation[inside], **points)
+    draw_dots(left, angle[inside], deviation[inside], sense)
 
 
 def _draw_beyond(left: Axes, each: FittedPass, farthest: float) -> int:

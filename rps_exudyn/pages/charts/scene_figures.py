@@ -100,7 +100,7 @@ def torque_figure(result: Result, measured: MeasuredTorque | None = None) -> Fig
         if not both_ways:
             for mean in means:
                 panel.axes.axhline(_TORQUE.displayed(mean), **style.REFERENCE_LINE, label="mean")
-        style.legend_above(panel.axes)
+        style.name_curves(panel.axes)
     head(figure, result, scene_of(result), _BOTH_WAYS if both_ways else _ONE_WAY)
     return figure
 
@@ -182,7 +182,7 @@ def load_test_figure(result: Result, measured: MeasuredTorque | None = None) -> 
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, 0), high)
     axes.axhline(0, color="black", linewidth=0.8)
-    style.legend_above(axes)
+    style.name_curves(axes)
     style.angle_axis(axes)
     locking = result.summary.get("torque_reverse", 0.0) < 0
     shown = {
@@ -219,7 +219,7 @@ def reversal_figure(result: Result, measured: MeasuredTorque | None = None) -> F
     style.line(axes[1], angle, lead, _LEAD, "rack's lead", "lift")
     if measured is not None:
         add_measured(axes[0], measured, result.signals)
-    style.legend_above(axes[0])
+    style.name_curves(axes[0])
     style.angle_axis(axes[-1])
     head(figure, result, scene_of(result), _REVERSAL_METRICS)
     return figure
@@ -255,7 +255,7 @@ def steering_feel_figure(result: Result, measured: MeasuredTorque | None = None)
     style.line(axes[1], angle, over - result["pinion_angle"], _BEHIND, "pinion behind", "lift")
     if measured is not None:
         add_measured(axes[0], measured, result.signals)
-    style.legend_above(axes[0])
+    style.name_curves(axes[0])
     style.angle_axis(axes[-1])
     axes[-1].set_xlabel(SIGNALS["wheel_angle"].axis_label("wheel angle"))
     head(figure, result, scene_of(result), _FEEL_METRICS)
@@ -283,7 +283,7 @@ def lift_figure(result: Result, measured: MeasuredTorque | None = None) -> Figur
             style.line(axes, torque, moved, SIGNALS["rack_y"], "displacement from rest", colour, label)
     clearance = SIGNALS["rack_y"].displayed(clearance_of(result))
     axes.axhline(clearance, **style.REFERENCE_LINE, label="yoke clearance")
-    style.legend_above(axes)
+    style.name_curves(axes)
     style.abscissa(axes, SIGNALS["pinion_torque"].axis_label("torque on the pinion"))
     head(figure, result, scene_of(result), _LIFT_METRICS)
     return figure
@@ -308,7 +308,7 @@ def play_figure(result: Result, measured: MeasuredTorque | None = None) -> Figur
                 moved = (place - place[0])[pressed]
                 quantity = SIGNALS["rack_y"]
                 style.line(panel, force[pressed], moved, quantity, _PLAY_AXES[axis], colour, label)
-    style.legend_above(axes[0])
+    style.name_curves(axes[0])
     style.abscissa(axes[-1], "force across the rack's end [N]")
     head(figure, result, scene_of(result), _PLAY_METRICS)
     return figure
@@ -404,7 +404,7 @@ def _draw_plunger(axes: Axes, time: np.ndarray, result: Result) -> None:
     if "rack_y" in result.signals:
         style.line(axes, time, result["rack_y"], SIGNALS["rack_y"], "displacement", "roll", "rack lift")
     axes.axhline(quantity.displayed(clearance_of(result)), **style.REFERENCE_LINE, label="yokenut")
-    style.legend_above(axes)
+    style.name_curves(axes)
 
 
 def _look_closer(axes: list[Axes], window: tuple[float, float]) -> None:
@@ -445,7 +445,7 @@ def rattle_figure(result: Result, measured: MeasuredTorque | None = None) -> Fig
             style.line(axes[2], time, signals[name], SIGNALS["rack_y"], "displacement", colour, label)
     clearance = SIGNALS["plunger_displacement"].displayed(clearance_of(result))
     axes[2].axhline(clearance, **style.REFERENCE_LINE, label="yokenut")
-    style.legend_above(axes[2])
+    style.name_curves(axes[2])
     style.abscissa(axes[-1], "time [ms]")
     head(figure, result, scene_of(result), _RATTLE_METRICS)
     return figure
@@ -474,7 +474,7 @@ def stick_slip_figure(result: Result, measured: MeasuredTorque | None = None) ->
     style.line(axes[1], time, speed, _PINION_SPEED, "pinion's speed", "lift")
     wheel = result.gear.test.direction * result.gear.test.speed
     axes[1].axhline(wheel, **style.REFERENCE_LINE, label="wheel")
-    style.legend_above(axes[1])
+    style.name_curves(axes[1])
     style.abscissa(axes[-1], "time [ms]")
     head(figure, result, scene_of(result), _STICK_SLIP_METRICS)
     return figure

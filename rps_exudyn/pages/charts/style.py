@@ -9,6 +9,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from PIL import Image
@@ -40,7 +41,7 @@ COLOURS = {
     "reference": "#747D88",
     "failure": "#B84A00",
     "forward": "#1B1F24",
-    "backward": "#0072B2",
+    "backward": "#454D57",
     "measured": "#59616B",
     **PART_COLOURS,
 }
@@ -62,13 +63,32 @@ _LOOK: Any = {
     "lines.linewidth": 1.4,
 }
 
-MEASURED_LINE: Any = {"color": COLOURS["measured"], "linewidth": 0.7, "alpha": 0.6, "zorder": 1.8}
+TEXT_COLOURS = {"#E69F00": "#8A5F00", "#0072B2": "#00629A", "#009E73": "#00744F", "#CC79A7": "#9C3F73"}
+"""Colour of a curve -> the darker one of its name."""
+
+MEASURED_DOTS: Any = {
+    "linestyle": "none",
+    "color": COLOURS["measured"],
+    "marker": "o",
+    "markersize": 3,
+    "markeredgewidth": 0.6,
+    "markerfacecolor": "none",
+    "zorder": 1.8,
+}
+"""Measured points are hollow; those of the other direction are small and filled."""
+
+OTHER_DOTS: Any = {"markersize": 2, "markeredgewidth": 0, "markerfacecolor": COLOURS["measured"]}
+
+MOST_DOTS = 250  # of a measured curve, evenly chosen; more hide each other
 
 REFERENCE_LINE: Any = {"color": COLOURS["reference"], "linewidth": 1, "linestyle": "--", "zorder": 1}
 
 LETTERS = 12.5  # of a headline in an inch
 LINE_HEIGHT = 0.2  # of a sentence over the axes [in]
 POINTS = 72  # to an inch
+NAME, NAME_SIZE, NAME_LETTERS = "name", 9, 20  # mark and size of a curve's name, letters of its lines
+NAME_LINE, NAME_GAP = 0.16, 0.35  # height of a line of it [in], and its distance to the next in lines
+NAMES_FROM = 6.0  # narrower pictures have no room for names beside curves [in]
 LETTER, LEGEND_MARK = 0.075, 0.6  # width of a letter, and of a line with its gaps, in legends [in]
 
 ROOM_FOR_NOTE = 0.1  # below the data, of the ordinate
@@ -113,9 +133,94 @@ def line(
     axes.set_ylabel(quantity.axis_label(name))
 
 
+def name_curves(axes: Axes) -> None:
+    """Write the name of each curve and band beside its right end; above the axes where they are too many or
+    the picture is narrow."""
+    figure = axes.figure.get_figure(root=True)
+    _remove_names(axes)
+    handles, labels = axes.get_legend_handles_labels()
+    named = [textwrap.wrap(label, NAME_LETTERS, break_on_hyphens=False) for label in labels]
+    line = NAME_LINE / (axes.get_position().height * figure.bbox_inches.height)  # of the axes' height
+    heights = np.array([line * (len(lines) + NAME_GAP) for lines in named])
+    if not labels or figure.bbox_inches.width < NAMES_FROM or heights.sum() > 1:
+        legend_above(axes)
+        return
+    ends = np.array([_end_of(axes, handle) for handle in handles])
+    order = np.argsort(-ends, kind="stable")
+    for k, place in zip(order, _spread(ends[order], heights[order]), strict=True):
+        colour = to_hex(_colour_of(handles[k])).upper()
+        text = axes.annotate(
+            "\n".join(named[k]),
+            (1, place),
+            xycoords="axes fraction",
+            xytext=(6, 0),
+            textcoords="offset points",
+            va="center",
+            color=TEXT_COLOURS.get(colour, colour),
+            fontsize=NAME_SIZE,
+            annotation_clip=False,
+        )
+        text.set_gid(NAME)
+        text.set_parse_math(False)
+
+
+def _remove_names(axes: Axes) -> None:
+    """Take the names and the legend of axes away."""
+    for text in [each for each in axes.texts if each.get_gid() == NAME]:
+        text.remove()
+    if (legend := axes.get_legend()) is not None:
+        legend.remove()
+
+
+def names_of(axes: Axes) -> list[str]:
+    """The names beside the curves, from above, each in one line."""
+    found = [each for each in axes.texts if each.get_gid() == NAME]
+    found.sort(key=lambda each: -float(each.xy[1]))  # type: ignore[attr-defined]
+    return [each.get_text().replace("\n", " ") for each in found]
+
+
+def _end_of(axes: Axes, handle: Any) -> float:
+    """Height of a curve's or band's right end, over the axes' height."""
+    if hasattr(handle, "get_xydata"):
+        points = handle.get_transform().transform(handle.get_xydata())
+    elif hasattr(handle, "get_offsets") and len(handle.get_offsets()) > 1:
+        points = axes.transData.transform(np.asarray(handle.get_offsets()))
+    elif hasattr(handle, "get_paths") and handle.get_paths():
+        points = handle.get_transform().transform(handle.get_paths()[0].vertices)
+    elif hasattr(handle, "get_path"):
+        points = handle.get_transform().transform(handle.get_path().vertices)
+    else:
+        points = np.empty((0, 2))
+    points = points[np.isfinite(points).all(axis=1)] if len(points) else points
+    if not len(points):
+        return 0.0
+    last = points[points[:, 0] > points[:, 0].max() - 1.0]
+    middle = (0.0, (last[:, 1].min() + last[:, 1].max()) / 2)
+    return float(np.clip(axes.transAxes.inverted().transform(middle)[1], 0.0, 1.0))
+
+
+def _colour_of(handle: Any) -> Any:
+    return handle.get_color() if hasattr(handle, "get_color") else COLOURS["reference"]
+
+
+def _spread(places: np.ndarray, heights: np.ndarray) -> np.ndarray:
+    """Middles of texts of these heights that do not overlap, near falling places, all from 0 to 1."""
+    found = places.copy()
+    top = 1.0
+    for k, half in enumerate(heights / 2):
+        found[k] = min(found[k], top - half)
+        top = found[k] - half
+    bottom = 0.0
+    for k, half in reversed(list(enumerate(heights / 2))):
+        found[k] = max(found[k], bottom + half)
+        bottom = found[k] + half
+    return found
+
+
 def legend_above(axes: Axes) -> None:
     """Put the legend over the axes, where it hides no curve, in as many columns as have room; none without
     labels."""
+    _remove_names(axes)
     if labels := axes.get_legend_handles_labels()[1]:
         width = axes.figure.get_figure(root=True).bbox_inches.width
         longest = max(len(label) for label in labels)
@@ -143,7 +248,7 @@ def name_directions(axes: Axes, named: dict[str, str]) -> None:
         curves = [curve for curve in axes.lines if curve.get_color() == COLOURS[colour]]
         if curves:
             curves[0].set_label(name)
-    legend_above(axes)
+    name_curves(axes)
 
 
 def abscissa(axes: Axes, label: str) -> None:

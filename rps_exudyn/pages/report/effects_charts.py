@@ -116,7 +116,7 @@ def distribution_figure(numbers: np.ndarray, name: str, quantity: Quantity) -> F
     )
     axes.set_xlabel(quantity.axis_label(words(name)))
     axes.set_ylabel("cases")
-    style.legend_above(axes)
+    style.name_curves(axes)
     return figure
 
 

@@ -2,18 +2,16 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
-from math import exp, inf
+from math import exp, floor, inf, log10
 from pathlib import Path
 
 from rps_exudyn.base.errors import as_sentence
 from rps_exudyn.base.files import write_json
-from rps_exudyn.base.units import words
 from rps_exudyn.inference.fitting import findings
 from rps_exudyn.inference.fitting.fitted import Estimate, Fit, shape_claims
 from rps_exudyn.inference.fitting.unknowns import LEVEL
-from rps_exudyn.pages.charts.inference import beliefs_figure, curves_figure
+from rps_exudyn.pages.charts.inference import curves_figure
 from rps_exudyn.pages.report.html import (
-    GEAR_FACTS,
     Article,
     CodeText,
     Fold,
@@ -22,25 +20,28 @@ from rps_exudyn.pages.report.html import (
     Judgement,
     Mark,
     PageBlock,
+    Picture,
     Pictures,
     Section,
     Text,
     Warning,
     parameter_grid,
+    part_of,
     provenance_facts,
 )
-from rps_exudyn.pages.report.judged import judgement, listed
-from rps_exudyn.pages.report.pictures import picture
-from rps_exudyn.pages.report.sheet import Row, rounded
+from rps_exudyn.pages.report.judged import judgement
+from rps_exudyn.pages.report.pictures import WIDTHS, picture
+from rps_exudyn.pages.report.sheet import Row, interval, listed, rounded
 from rps_exudyn.pages.report.sheet_file import KEY, sheet_as_dict, with_gear
 from rps_exudyn.pages.report.write_report import write_pages
+from rps_exudyn.parameters.names import named
 from rps_exudyn.results.judged_row import Verdict
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.results.quantities import SUMMARY
 
 COLUMNS = ("parameter", "value", "95 % interval", "prior", "verdict")
 HEADS = ("parameter", "bar: 95 % interval; grey: prior", "estimate", "verdict")
-DIGITS = 3
+SMALL = 0.1  # [mm], below which a length is shown in micrometres
 WIDE = 1.96  # deviations of a 95 % interval
 CAUTION = (
     "A good fit proves nothing about single parameters: crowning, tip relief or a friction that depends on "
@@ -91,12 +92,12 @@ def _rows(fit: Fit) -> Iterable[Row]:
         half = fit.level.interval[1] - fit.level.value
         value = rounded(SUMMARY["torque_mean"], fit.level.value, half)
         yield Row(value, "mean free torque (\u00b1: 95 % of the gear)")
-    known = [f"{name_of(each.path)} {findings.interval_shown(each)}" for each in fit.estimates
+    known = [f"{named(each.path)} {_range(each)}" for each in fit.estimates
              if each.verdict in (Verdict.FOUND, Verdict.NOT_ZERO)]  # fmt: skip
-    known += [f"{each.words} to {100 * WIDE * each.sd:.2g} %" for each in fit.combinations]
+    known += [f"{named(each.words)} to {100 * WIDE * each.sd:.2g} %" for each in fit.combinations]
     if known:
         yield Row("known", listed(known))
-    if left := [name_of(each.path) for each in fit.estimates if each.verdict is Verdict.OPEN]:
+    if left := [named(each.path) for each in fit.estimates if each.verdict is Verdict.OPEN]:
         yield Row("not separable", listed(left))
     if fit.advice and fit.advice.tests:
         yield Row("next test", listed([findings.test_words(test) for test in fit.advice.tests]))
@@ -104,9 +105,19 @@ def _rows(fit: Fit) -> Iterable[Row]:
         yield Row("no estimate", "the fit did not converge: these values are its last iteration")
 
 
-def name_of(path: str) -> str:
-    """The name of a parameter for readers."""
-    return GEAR_FACTS.get(path, words(path.replace(".", " ")))
+def _range(each: Estimate) -> str:
+    """The 95 % interval with two digits, in a unit that needs no zeros."""
+    return interval(*(_two_digits(each.path, end) for end in each.interval))
+
+
+def _two_digits(path: str, value: float) -> str:
+    number, _, unit = findings.shown(path, value).partition(" ")
+    size = float(number)
+    if unit == "mm" and abs(size) < SMALL:
+        size, unit = 1e3 * size, "\u00b5m"
+    digits = 3 if abs(size) >= 100 else 2
+    places = max(0, digits - 1 - floor(log10(abs(size)))) if size else 0
+    return f"{float(f'{size:.{digits}g}'):.{places}f} {unit}".strip()
 
 
 def _found(fit: Fit) -> Iterable[PageBlock]:
@@ -114,14 +125,14 @@ def _found(fit: Fit) -> Iterable[PageBlock]:
         yield Warning("The fit did not converge: these values are its last iteration, not estimates.")
     verdicts = {path: verdict for path, *_, verdict in findings.rows(fit)}
     yield Judged(HEADS, [_judged(each, verdicts[each.path]) for each in fit.estimates])
-    for sentence in filter(None, (findings.level_sentence(fit), *findings.open_sentences(fit))):
-        yield Text(as_sentence(sentence))
+    said = [findings.level_sentence(fit), *findings.open_sentences(fit)]
+    if sentences := [Text(as_sentence(each)) for each in said if each]:
+        yield Fold("What the tests determine, and which would determine more", sentences)
 
 
 def _judged(each: Estimate, verdict: str) -> Judgement:
     def show(value: float) -> str:
-        number, _, unit = findings.shown(each.path, value).partition(" ")
-        return f"{float(number):.{DIGITS}g} {unit}".strip()
+        return _two_digits(each.path, value)
 
     if each.path.partition(" ")[0] in LEVEL:
         ends = tuple(each.prior * exp(sign * WIDE * each.prior_sd) for sign in (-1, 1))
@@ -129,16 +140,20 @@ def _judged(each: Estimate, verdict: str) -> Judgement:
         ends = (-inf, inf)
     else:
         ends = tuple(each.prior + sign * WIDE * each.prior_sd for sign in (-1, 1))
-    placed = judgement(each, name_of(each.path), each.path, show, (ends[0], ends[1]), verdict, "", True)
+    placed = judgement(each, named(each.path), each.path, show, (ends[0], ends[1]), verdict, "", True)
     known = each.verdict in findings.KNOWN
-    return replace(placed, mark=Mark.KEPT if known else Mark.OPEN, limits=(), remark="")
+    return replace(
+        placed, mark=Mark.KEPT if known else Mark.OPEN, limits=(), remark="", part=part_of([each.path])
+    )
 
 
 def _pictures(fit: Fit) -> Iterable[PageBlock]:
-    figures = {CURVES: curves_figure(fit), "Parameters before (grey) and after the fit": beliefs_figure(fit)}
-    for caption, figure in figures.items():
-        if figure is not None:
-            yield Pictures([picture(figure, caption)])
+    drawn: list[Picture] = []
+    for place, width in WIDTHS.items():
+        if (figure := curves_figure(fit, width)) is not None:
+            drawn.append(replace(picture(figure, CURVES), place=place))
+    if drawn:
+        yield Pictures(drawn)
 
 
 def _basis(fit: Fit) -> Iterable[PageBlock]:

@@ -14,6 +14,7 @@ from rps_exudyn.pages.animation.animation_page import admitted, hash_of
 from rps_exudyn.pages.charts.style import PART_COLOURS
 from rps_exudyn.pages.report.sheet import Row, Sheet
 from rps_exudyn.parameters.gear import Setup
+from rps_exudyn.parameters.names import GEAR_FACTS
 
 
 @dataclass(frozen=True)
@@ -95,6 +96,7 @@ class Judgement:
     interval: str
     verdict: str
     remark: str
+    part: str = ""  # key of the colour of its band
     at: float | None = None  # of the value
     band: tuple[float, float] | None = None
     limits: Sequence[float] = ()
@@ -189,10 +191,18 @@ class Fold(PageBlock):
 
 @dataclass(frozen=True)
 class Section:
-    """A heading with blocks; without a title the blocks alone."""
+    """A heading with blocks, folded or not; without a title the blocks alone."""
 
     title: str
     blocks: Sequence[PageBlock]
+    is_folded: bool = False
+
+
+@dataclass(frozen=True)
+class Columns(PageBlock):
+    """Sections side by side as far as there is room."""
+
+    sections: Sequence[Section]
 
 
 @dataclass(frozen=True)
@@ -255,24 +265,6 @@ PROVENANCE_NAMES = {
 }
 
 
-GEAR_FACTS = {
-    "pinion.teeth": "teeth",
-    "pinion.normal_module": "normal module",
-    "pinion.pressure_angle": "pressure angle",
-    "pinion.helix_angle": "helix angle",
-    "pinion.profile_shift": "profile shift",
-    "rack.tooth_angle": "angle of the rack teeth",
-    "rack.bar_diameter": "bar diameter",
-    "yoke.preload": "yoke preload",
-    "yoke.clearance": "yoke clearance",
-    "mesh.friction": "friction of the teeth",
-    "yoke.friction": "friction of the plunger",
-    "pinion.runout": "runout",
-    "test.speed": "test speed",
-}
-"""Parameters that distinguish one gear from another -> their names."""
-
-
 def provenance_facts(provenance: Mapping[str, Any]) -> Facts:
     """Versions, commit, date, machine; other entries under their own names."""
     items = [(PROVENANCE_NAMES.get(name, words(name)), as_text(value)) for name, value in provenance.items()]
@@ -323,3 +315,13 @@ def fidelity_facts(fidelity: Mapping[str, Any]) -> Fold:
         f"fidelity.{name}": value for name, value in fidelity.items() if name not in ("name", "based_on")
     }
     return Fold(f"Model: fidelity {fidelity.get('name', '')}", [parameter_grid(choices)])
+
+
+PART_OF_TABLE = {"mesh": "mesh", "pinion": "mesh", "yoke": "seat", "bush": "bush", "bearing": "bearing"}
+"""Table of parameters -> its part, by the key of its colour."""
+
+
+def part_of(paths: Iterable[str]) -> str:
+    """The part to which parameters belong, "" if several."""
+    parts = {PART_OF_TABLE.get(path.partition(".")[0], "") for path in paths}
+    return parts.pop() if len(parts) == 1 else ""

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from math import inf, isfinite
 
 from rps_exudyn.pages.report.html import Judgement, Mark
+from rps_exudyn.pages.report.sheet import interval
 from rps_exudyn.results.judged_row import JudgedRow, Verdict
 
 MARKS = {
@@ -17,7 +18,6 @@ MARKS = {
 ORDER = (Mark.NOT_KEPT, Mark.OPEN, Mark.KEPT)
 PAD = 0.12  # beyond the outermost number, of the scale
 FAR_FROM_ZERO = 0.7  # smallest over largest number
-LINE = 66  # letters of a line of the terminal beside its heading
 
 
 def mark_of(row: JudgedRow) -> Mark:
@@ -70,12 +70,6 @@ def judgement(
     )
 
 
-def interval(low: str, high: str) -> str:
-    """Two numbers with their unit once, where it is the same: "0.5 to 0.7 N m"."""
-    unit = high.lstrip("−.0123456789")
-    return f"{low.removesuffix(unit)} to {high}" if low.endswith(unit) else f"{low} to {high}"
-
-
 def _scale(known: Sequence[float], is_close_up: bool) -> tuple[float, float]:
     """Ends of a scale that holds all numbers; from 0 on, unless a close-up is far from it."""
     low, high = min(known, default=0.0), max(known, default=1.0)
@@ -90,16 +84,3 @@ def limits_of(side: int, value: float, ends: tuple[float, float] | None) -> tupl
     if ends is not None:
         return ends
     return {1: (-inf, value), -1: (value, inf)}.get(side, (value, value))
-
-
-def listed(names: Sequence[str]) -> str:
-    """Names in a line of the terminal; those without room as a number."""
-    shown = list(names)
-    while len(shown) > 1 and len(_joined(shown, len(names))) > LINE:
-        shown.pop()
-    return _joined(shown, len(names))
-
-
-def _joined(shown: Sequence[str], count: int) -> str:
-    more = f" and {count - len(shown)} more" if len(shown) < count else ""
-    return ", ".join(shown) + more

@@ -24,6 +24,7 @@ from rps_exudyn.pages.report.html import Picture
 _NO_METADATA = {"Creator": None, "Date": None, "Format": None, "Type": None}
 POINTS_PER_INCH = 72  # units of matplotlib's SVG
 CURVE = "curve-"
+WIDTHS = {"wide-only": 9.5, "narrow": 5.2}  # of curves on wide and narrow screens [in]
 
 
 def picture(figure: Figure, caption: str, links: Mapping[str, tuple[str, str]] | None = None) -> Picture:

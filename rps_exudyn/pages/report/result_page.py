@@ -11,18 +11,19 @@ from matplotlib.figure import Figure
 from rps_exudyn.analysis.measured import NOTHING_TO_COMPARE, AgainstMeasured, compare_with_measured
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base.errors import InputError, as_sentence
-from rps_exudyn.base.units import words
+from rps_exudyn.base.units import short, words
 from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.inference.uncertainty.band import Band
 from rps_exudyn.pages.charts import style
+from rps_exudyn.pages.charts.curves import ripple_figure
 from rps_exudyn.pages.charts.inference import band_curves
 from rps_exudyn.pages.charts.scene_figures import scene_figure
 from rps_exudyn.pages.charts.signals import signals_figure
 from rps_exudyn.pages.charts.style import about, scene_of
 from rps_exudyn.pages.report.html import (
-    GEAR_FACTS,
     Article,
     CodeText,
+    Columns,
     Facts,
     Fold,
     Grid,
@@ -37,11 +38,13 @@ from rps_exudyn.pages.report.html import (
     fidelity_facts,
     gear_facts,
     parameter_grid,
+    part_of,
     provenance_facts,
 )
-from rps_exudyn.pages.report.pictures import picture
+from rps_exudyn.pages.report.pictures import WIDTHS, picture
 from rps_exudyn.pages.report.sheet import REMARK, WORK_LOST, Row, loss_shares, rounded, sheet_of
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.names import GEAR_FACTS, named
 from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status, sentences
 from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, LABELS, PARTS, SUMMARY, Quantity
@@ -75,8 +78,8 @@ def result_article(
         rows=[row for row in sheet.rows if row.value not in (REMARK, WORK_LOST)],
         sections=[
             *([Section("Outcome", notices)] if (notices := list(_notices(result))) else []),
-            Section("Curves", list(_curves(result, band))),
-            *_losses(result),
+            Section(_heading(result), list(_curves(result, band))),
+            *_beside(result),
             *([] if band is None else _scatter(band)),
             *more,
             Section("Details", list(_details(result, compared, path))),
@@ -141,7 +144,7 @@ def side_by_side(results: Mapping[Path, Result]) -> Article:
 Compared = Sequence[AgainstMeasured] | None
 HEAD_SIZES = ("total_contact_ratio", "travel_per_turn", "tip_diameter", "crest_width", "toothed_length")
 MOST_SHARES = 6  # inputs that make the band, by name
-WIDTHS = {"wide-only": 9.5, "narrow": 5.2}  # of the curve, on wide and narrow screens [in]
+DEFLECTIONS = ("rack_y", "rack_roll")
 
 
 def _notices(result: Result) -> Iterable[PageBlock]:
@@ -153,6 +156,36 @@ def _notices(result: Result) -> Iterable[PageBlock]:
         )
     elif result.message:
         yield Grid(("remarks",), [[sentence] for sentence in sentences(result.message)])
+
+
+def _heading(result: Result) -> str:
+    """What the curve shows."""
+    if not result.signals or not is_scene(result.scene):
+        return "Curves"
+    signal = words(scene_named(result.scene).signal).capitalize()
+    return f"{signal} over the pinion's angle" if result.scene == FREE_TURNING_SCENE.name else signal
+
+
+def _beside(result: Result) -> Iterable[Section]:
+    """Losses and ripple, side by side."""
+    sections = [*_losses(result), *_ripple(result)]
+    if len(sections) > 1:
+        yield Section("", [Columns(sections)])
+    else:
+        yield from sections
+
+
+def _ripple(result: Result) -> Iterable[Section]:
+    if result.scene != FREE_TURNING_SCENE.name or result.status is not Status.OK:
+        return
+    if (figure := ripple_figure(result)) is not None:
+        law = law_error(result.gear, result.fidelity)
+        caption = f"Mean of {result.gear.pinion.teeth} teeth."
+        if law is not None:
+            said = law.ripple.replace("its ripple", f"the ripple by law {law.law}")
+            said = said.replace("theirs", "that by finite elements")
+            caption += f" {as_sentence(said)}"
+        yield Section("Ripple over one tooth", [Pictures([picture(figure, caption)])])
 
 
 def _losses(result: Result) -> Iterable[Section]:
@@ -198,7 +231,10 @@ def _scatter(band: Band) -> Iterable[Section]:
     blocks: list[PageBlock] = []
     if (shares := band.contributions.get(name)) is not None:
         parts = {**dict(list(shares.fractions.items())[:MOST_SHARES]), "acting together": shares.together}
-        bars = [Share("", path, 100 * part, f"{100 * part:.0f} %") for path, part in parts.items()]
+        bars = [
+            Share(part_of(path.split(" with ")), named(path), 100 * share, f"{100 * share:.0f} %")
+            for path, share in parts.items()
+        ]
         blocks += [Text(f"Shares of the variance of the {LABELS.get(name, name)}"), Shares(bars, apart=True)]
     causes = [f"{count} of the gears failed: {cause}" for cause, count in band.drawn.failures.items()]
     rows = [
@@ -217,11 +253,24 @@ def _curves(result: Result, band: Band | None) -> Iterable[PageBlock]:
         return
     drawn = {place: _scene_figure(result, width, band) for place, width in WIDTHS.items()}
     pictures = [
-        replace(picture(figure, scene_of(result)), place=place)
+        replace(picture(figure, _caption(result, band)), place=place)
         for place, figure in drawn.items()
         if figure is not None
     ]
     yield Pictures(pictures) if pictures else Text("No curve to draw.")
+
+
+def _caption(result: Result, band: Band | None) -> str:
+    """What the marks are."""
+    parts = ["Line: this gear"]
+    if band is not None:
+        parts.append(f"grey: {len(band.drawn.samples)} gears of a series")
+    elif law_error(result.gear, result.fidelity) and result.scene == FREE_TURNING_SCENE.name:
+        parts.append("grey: error of the contact law around the mean")
+    if result.measured is not None:
+        dots = f"dots: {short(result.measured.name, 40)}, filled towards −X"
+        parts += [dots, "below, measured − simulated"]
+    return as_sentence("; ".join(parts))
 
 
 def _measured_fold(result: Result, compared: Compared) -> Iterable[PageBlock]:
@@ -240,6 +289,9 @@ def _scene_figure(result: Result, width: float, band: Band | None) -> Figure | N
     missing."""
     if result.status is not Status.OK or not is_scene(result.scene):
         return None
+    if result.scene == FREE_TURNING_SCENE.name:  # deflections are among all signals
+        signals = {name: each for name, each in result.signals.items() if name not in DEFLECTIONS}
+        result = replace(result, signals=signals)
     try:
         figure = scene_figure(result) if band is None else band_curves(band)
     except (KeyError, IndexError):  # signals that were not kept
@@ -247,8 +299,8 @@ def _scene_figure(result: Result, width: float, band: Band | None) -> Figure | N
     figure.suptitle("")
     figure.set_size_inches(width, figure.get_size_inches()[1])
     for axes in figure.axes:
-        if axes.get_legend() is not None:
-            style.legend_above(axes)  # in fewer columns
+        if axes.get_legend_handles_labels()[1]:
+            style.name_curves(axes)  # for this width
     return figure
 
 

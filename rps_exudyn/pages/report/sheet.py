@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from rps_exudyn.base.units import pretty, short
 from rps_exudyn.parameters.gear import BY_SCENE
+from rps_exudyn.parameters.names import named
 from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status, sentences
 from rps_exudyn.results.quantities import LABELS, PARTS, SUMMARY, Quantity
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from rps_exudyn.analysis.measured import AgainstMeasured
     from rps_exudyn.inference.uncertainty.band import Band
 
+MANY_CHANGES = 3  # parameters that are not named
 MOST_METRICS = 3  # of a scene
 MOST_ROWS = 6  # with title and files a sheet has 8 lines
 MEANS = (
@@ -70,7 +72,10 @@ def sheet_of(
         band: of uncertain inputs, of which `result` is the nominal run.
     """
     title = scene_named(result.scene).title if is_scene(result.scene) else result.scene
-    shown = repr(result.gear.replace({"mesh.law": BY_SCENE})).strip("<>").removeprefix("SteeringGear: ")
+    gear = result.gear.replace({"mesh.law": BY_SCENE})
+    shown, _, differing = repr(gear).strip("<>").removeprefix("SteeringGear: ").partition("; ")
+    changed = len(gear.changes())
+    shown += f"; {differing if changed < MANY_CHANGES else f'{changed} parameters changed'}"
     law = law_error(result.gear, result.fidelity)
     model = f"{result.fidelity['name']}; law {law.law}" if law else result.fidelity["name"]
     state = "" if result.status is Status.OK else f" ({result.status})"
@@ -94,8 +99,7 @@ def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
             words += f" (±: error of contact law {law.law})" if band is None else ""
         if band is not None and name in band.figures:
             found = band.figures[name]
-            low, high = rounded(quantity, found.low), rounded(quantity, found.high)
-            words += f"; {low.removesuffix(_unit_of(high))} to {high} in 90 % of gears"
+            words += f"; {rounded_range(quantity, found.low, found.high)} in 90 % of gears"
         yield Row(rounded(quantity, value, error), words)
 
 
@@ -128,8 +132,8 @@ def _band(band: "Band | None") -> Iterable[Row]:
     count, failed = len(band.drawn.samples), band.drawn.failed
     name = scene_named(band.nominal.scene).figure
     if (shares := band.contributions.get(name)) is not None:
-        largest = [f"{path} {100 * share:.0f} %" for path, share in list(shares.fractions.items())[:3]]
-        yield Row("scatter", f"of the {LABELS.get(name, name)}: from {', '.join(largest)}")
+        largest = [f"{named(path)} {100 * share:.0f} %" for path, share in list(shares.fractions.items())[:2]]
+        yield Row("scatter", f"of the {LABELS.get(name, name)}: {', '.join(largest)}")
     state = f", {failed} failed" * (failed > 0) + ", interrupted" * band.interrupted
     yield Row("band", f"{count} gears{state}; {band.method}")
 
@@ -141,11 +145,7 @@ def _remark(result: Result) -> Iterable[Row]:
         yield Row(REMARK, first + f"; and {len(others)} more: --all" * bool(others))
 
 
-def _unit_of(text: str) -> str:
-    return text.lstrip("−.0123456789")
-
-
-def rounded(quantity: Quantity, value: float, error: float | None = None) -> str:
+def rounded(quantity: Quantity, value: float, error: float | None = None, like: float | None = None) -> str:
     """Return a value in its display unit with as many digits as its error deserves: one of the error's own;
     without one two, from 100 up three.
 
@@ -153,6 +153,7 @@ def rounded(quantity: Quantity, value: float, error: float | None = None) -> str
         quantity: of which it is a value.
         value: SI.
         error: either way, SI.
+        like: another value, SI, that is shown in the same unit.
     """
     if isinstance(value, int):
         return str(value)
@@ -166,10 +167,39 @@ def rounded(quantity: Quantity, value: float, error: float | None = None) -> str
         digits = -floor(log10(either))
         size, either, digits = round(size, digits), round(either, digits), max(digits, 0)
         return f"{size:.{digits}f} ± {either:.{digits}f} {pretty(unit)}".replace("-", "−").strip()
-    if 0 < abs(size) < 1e-2 and unit in SMALLER:
+    chosen = abs(size if like is None else float(quantity.displayed(like)))
+    if 0 < chosen < 1e-2 and unit in SMALLER:
         unit, size = SMALLER[unit][0], size * SMALLER[unit][1]
-    if abs(size) > MOST_SHOWN and unit in LARGER:
+    if chosen > MOST_SHOWN and unit in LARGER:
         unit, size = LARGER[unit][0], size * LARGER[unit][1]
     digits = 3 if abs(size) >= 100 else 2
     places = max(0, digits - 1 - floor(log10(abs(size)))) if size else 0
     return f"{float(f'{size:.{digits}g}'):.{places}f} {pretty(unit)}".replace("-", "−").strip()
+
+
+def rounded_range(quantity: Quantity, low: float, high: float) -> str:
+    """Two values with their unit once: "0.51 to 0.72 N m"."""
+    largest = max(low, high, key=abs)
+    return interval(rounded(quantity, low, like=largest), rounded(quantity, high, like=largest))
+
+
+def interval(low: str, high: str) -> str:
+    """Two numbers with their unit once, where it is the same: "0.5 to 0.7 N m"."""
+    unit = high.lstrip("−.0123456789")
+    return f"{low.removesuffix(unit)} to {high}" if low.endswith(unit) else f"{low} to {high}"
+
+
+LINE = 66  # letters of a line of the terminal beside its heading
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names in a line of the terminal; those without room as a number."""
+    shown = list(names)
+    while len(shown) > 1 and len(_joined(shown, len(names))) > LINE:
+        shown.pop()
+    return _joined(shown, len(names))
+
+
+def _joined(shown: Sequence[str], count: int) -> str:
+    more = f" and {count - len(shown)} more" if len(shown) < count else ""
+    return ", ".join(shown) + more

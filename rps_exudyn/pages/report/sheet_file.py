@@ -20,6 +20,7 @@ from rps_exudyn.pages.report.gear_picture import gear_picture
 from rps_exudyn.pages.report.html import (
     Article,
     CodeText,
+    Columns,
     Facts,
     Fold,
     Grid,
@@ -54,16 +55,21 @@ def sheet_as_dict(article: Article, gear: SteeringGear | None = None) -> dict[st
         "lead": article.lead,
         "rows": [asdict(row) for row in article.rows],
         "gear": gear.model_dump() if gear else None,
-        "sections": [
-            {"title": each.title, "blocks": _blocks_as_dicts(each.blocks)} for each in article.sections
-        ],
+        "sections": [_section_as_dict(each) for each in article.sections],
     }
+
+
+def _section_as_dict(section: Section) -> dict[str, Any]:
+    return {"title": section.title, "blocks": _blocks_as_dicts(section.blocks)}
 
 
 def _blocks_as_dicts(blocks: Sequence[PageBlock]) -> list[dict[str, Any]]:
     found = []
     for block in blocks:
-        if isinstance(block, Fold):
+        if isinstance(block, Columns):
+            sections = [_section_as_dict(each) for each in block.sections]
+            found.append({"kind": block.kind, "sections": sections})
+        elif isinstance(block, Fold):
             inner = _blocks_as_dicts(block.blocks)
             found.append({"kind": block.kind, "title": block.title, "blocks": inner})
         elif isinstance(block, Pictures):
@@ -86,9 +92,7 @@ def read_sheet(path: Path) -> Article:
             title=str(content["title"]),
             lead=str(content["lead"]),
             rows=_ROWS.validate_python(content["rows"]),
-            sections=[
-                Section(str(each["title"]), _blocks(each["blocks"], 0)) for each in content["sections"]
-            ],
+            sections=_sections(content["sections"], 0),
         )
     except (ValueError, KeyError, TypeError, RecursionError, ValidationError):
         raise InputError(
@@ -97,13 +101,19 @@ def read_sheet(path: Path) -> Article:
     return article if gear is None else with_gear(article, gear)
 
 
+def _sections(stored: Sequence[Mapping[str, Any]], depth: int) -> list[Section]:
+    return [Section(str(each["title"]), _blocks(each["blocks"], depth)) for each in stored]
+
+
 def _blocks(stored: Sequence[Mapping[str, Any]], depth: int) -> list[PageBlock]:
     if depth > DEEPEST:
         raise ValueError
     found: list[PageBlock] = []
     for each in stored:
         content = {name: value for name, value in each.items() if name != "kind"}
-        if each["kind"] == "fold":
+        if each["kind"] == "columns":
+            found.append(Columns(_sections(each["sections"], depth + 1)))
+        elif each["kind"] == "fold":
             found.append(Fold(str(each["title"]), _blocks(each["blocks"], depth + 1)))
         elif each["kind"] == "pictures":
             found.append(Pictures([_as_image(one) for one in _PICTURES.validate_python(each["pictures"])]))

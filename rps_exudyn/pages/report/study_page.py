@@ -19,7 +19,6 @@ from rps_exudyn.pages.report.effects_charts import (
 )
 from rps_exudyn.pages.report.gear_picture import gear_picture
 from rps_exudyn.pages.report.html import (
-    GEAR_FACTS,
     Article,
     Cell,
     CodeText,
@@ -40,17 +39,16 @@ from rps_exudyn.pages.report.html import (
     fidelity_facts,
     gear_facts,
     parameter_grid,
+    part_of,
     provenance_facts,
 )
-from rps_exudyn.pages.report.judged import interval, listed
 from rps_exudyn.pages.report.pictures import picture
-from rps_exudyn.pages.report.sheet import Row, rounded
+from rps_exudyn.pages.report.study_rows import count, ranked, study_rows
 from rps_exudyn.pages.report.study_sections import (
     MOST_ROWS,
     band_sections,
     case_id,
     case_link,
-    count,
     curve_id,
     curves_of_cases,
     failed_blocks,
@@ -58,6 +56,7 @@ from rps_exudyn.pages.report.study_sections import (
     settings,
 )
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.names import GEAR_FACTS, named
 from rps_exudyn.results.quantities import LABELS, SUMMARY
 from rps_exudyn.study import sensitivity
 from rps_exudyn.study.definition import GRID_DESIGN, Axis
@@ -65,53 +64,37 @@ from rps_exudyn.study.effects import MainEffect, grid_effect, sampled_effect, su
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import PENDING, CaseTable, axis_quantity, show_value
 
-LEADING = 3  # numbers whose folds are open, with their best and worst cases
+OPEN, LEADING = 2, 3  # numbers whose folds are open; with their best and worst cases
 WITH_PICTURES = 6  # numbers whose effects are drawn, too
 MOST_SURFACES = 3  # for each of them, over the axes with the largest effects
 MOST_BARS = 6
-PART_OF_TABLE = {"mesh": "mesh", "pinion": "mesh", "yoke": "seat", "bush": "bush", "bearing": "bearing"}
-"""Table of parameters -> its part, by the key of its colour."""
 MOST_VALUES = 8  # of an axis, written out
 
 
 def study_article(store: Store) -> Article:
     """Everything about the study in a folder."""
     table = CaseTable.of(store)
-    description = table.description
+    description, failed = table.description, len(list(table.failed()))
     return Article(
         title=description.title or description.name,
         lead=f"{description.scene} · fidelity {description.fidelity.get('name', '')} · {_progress(table)}",
-        rows=list(_rows(table)),
+        rows=list(study_rows(table)),
         gear=_gear_picture(table),
         sections=[
+            *_unfinished(table),
             *_largest_effects(table),
-            Section("What was run", list(_what(table))),
-            Section("Outcome", list(_outcome(table))),
-            *remarks_section(table),
             Section("Main effects and response surfaces", list(_effects(table))),
-            *band_sections(table, _ranked(table)),
+            *band_sections(table, ranked(table)),
             *_sensitivity(table),
-            Section("Best and worst cases", list(_extremes(table, store))),
-            Section("Failed cases", list(failed_blocks(table))),
-            Section("All cases", list(_all_cases(table, store))),
-            Section("Provenance", list(_provenance(table))),
+            *remarks_section(table),
+            Section("Failed cases", list(failed_blocks(table)), is_folded=not (failed or table.skipped)),
+            Section("Best and worst cases", list(_extremes(table, store)), is_folded=True),
+            Section("Outcome", list(_outcome(table)), is_folded=True),
+            Section("What was run", list(_what(table)), is_folded=True),
+            Section("All cases", list(_all_cases(table, store)), is_folded=True),
+            Section("Provenance", list(_provenance(table)), is_folded=True),
         ],
     )
-
-
-def _rows(table: CaseTable) -> Iterable[Row]:
-    """Ranges of the numbers that differ most, those of a sheet first; then how the cases ended."""
-    varying = table.varying()
-    names = [name for name in LABELS if name in varying] or _ranked(table)
-    for name in names[:LEADING]:
-        known = table.numbers[name][np.isfinite(table.numbers[name])]
-        low, high = (rounded(SUMMARY[name], float(end(known))) for end in (np.min, np.max))
-        yield Row(interval(low, high), f"{LABELS.get(name, words(name))} over {count(known.size, 'case')}")
-    yield Row("varied", listed([", ".join(axis.paths) for axis in table.description.axes]))
-    if remarked := len(list(table.remarked())):
-        yield Row("warnings", f"{count(remarked, 'case')} completed with a remark")
-    if failed := len(list(table.failed())):
-        yield Row("failed", count(failed, "case"))
 
 
 def _gear_picture(table: CaseTable) -> GearPicture | None:
@@ -128,9 +111,7 @@ def _largest_effects(table: CaseTable) -> Iterable[Section]:
     for name in names[:2]:
         effects = sorted(_all_effects(table, name), key=lambda pair: -pair[1].fraction)
         shares = [
-            Share(
-                _part_of(axis), axis.name, 100 * min(max(effect.fraction, 0.0), 1.0), f"{effect.fraction:.0%}"
-            )
+            _share(axis, effect.fraction)
             for axis, effect in effects[:MOST_BARS]
             if np.isfinite(effect.fraction)
         ]
@@ -139,10 +120,9 @@ def _largest_effects(table: CaseTable) -> Iterable[Section]:
             yield Section(f"Effects on {LABELS[name]}", [note, Shares(shares, apart=True)])
 
 
-def _part_of(axis: Axis) -> str:
-    """The part whose parameters an axis varies, "" if several."""
-    parts = {PART_OF_TABLE.get(path.partition(".")[0], "") for path in axis.paths}
-    return parts.pop() if len(parts) == 1 else ""
+def _share(axis: Axis, fraction: float) -> Share:
+    percent = 100 * min(max(fraction, 0.0), 1.0)
+    return Share(part_of(axis.paths), named(axis.name), percent, f"{fraction:.0%}")
 
 
 def _progress(table: CaseTable) -> str:
@@ -153,16 +133,24 @@ def _progress(table: CaseTable) -> str:
 # --- what was run ------------------------------------------------------------------------------
 
 
-def _what(table: CaseTable) -> Iterable[PageBlock]:
-    description = table.description
-    pending = int((table.status == PENDING).sum())
-    if pending:
-        yield Warning(
+def _unfinished(table: CaseTable) -> Iterable[Section]:
+    """What is missing, at the head of the page."""
+    warnings = []
+    if pending := int((table.status == PENDING).sum()):
+        warnings.append(
             f"Not finished: {pending} of {len(table.cases)} cases are still to run. The page shows the "
             "others; the same command continues where it stopped."
         )
     if table.skipped:
-        yield Warning(f"{len(table.skipped)} files could not be read and count as missing; see Failed cases.")
+        warnings.append(
+            f"{len(table.skipped)} files could not be read and count as missing; see Failed cases."
+        )
+    if warnings:
+        yield Section("", [Warning(text) for text in warnings])
+
+
+def _what(table: CaseTable) -> Iterable[PageBlock]:
+    description = table.description
     facts = [
         ("study", description.name),
         ("scene", description.scene),
@@ -239,16 +227,11 @@ def _outcome(table: CaseTable) -> Iterable[PageBlock]:
     )
 
 
-def _ranked(table: CaseTable) -> list[str]:
-    """Numbers that differ between the cases; efficiencies first, where a scene measures them."""
-    return sorted(table.varying(), key=lambda name: not name.startswith("efficiency"))
-
-
 # --- effects -----------------------------------------------------------------------------------
 
 
 def _effects(table: CaseTable) -> Iterable[PageBlock]:
-    names = _ranked(table)
+    names = ranked(table)
     if not names:
         yield Text("All completed cases have equal metrics.")
         return
@@ -260,15 +243,21 @@ def _effects(table: CaseTable) -> Iterable[PageBlock]:
     else:
         yield Text("Dots are cases; the line joins the means of classes of equal size.")
     yield Text("The fraction is the share of the variance explained by each factor.")
+    more: list[PageBlock] = []
     for place, name in enumerate(names):
-        blocks = list(_effects_on(table, name))
+        blocks: list[PageBlock] = [Text(f"{SUMMARY[name].long_name}.")]
         if place < WITH_PICTURES:
             blocks.append(Pictures([*_effect_pictures(table, name), *_surfaces(table, name)]))
-        yield Fold(words(name), blocks, is_open=place < LEADING)
+        blocks += _effects_on(table, name)
+        if place < OPEN:
+            yield Fold(LABELS.get(name, words(name)), blocks, is_open=True)
+        else:
+            more.append(Fold(words(name), blocks))
+    if more:
+        yield Fold(f"Effects on {count(len(more), 'other number')}", more)
 
 
 def _effects_on(table: CaseTable, name: str) -> Iterable[PageBlock]:
-    yield Text(f"{SUMMARY[name].long_name}.")
     rows = [_effect_row(axis, effect, name) for axis, effect in _all_effects(table, name)]
     yield Grid(("axis", "from", "to", "mean from", "mean to", "fraction"), rows)
 
@@ -333,7 +322,7 @@ def _sensitivity(table: CaseTable) -> list[Section]:
         return []
     kinds = sensitivity.KINDS[design]
     blocks: list[PageBlock] = [Facts(list(kinds.items()))]
-    for name in _ranked(table):
+    for name in ranked(table):
         try:
             blocks.append(_indices(table, name, list(kinds)))
         except InputError as error:
@@ -368,7 +357,7 @@ def _ends(name: str) -> dict[str, str]:
 
 
 def _extremes(table: CaseTable, store: Store) -> Iterable[PageBlock]:
-    names = _ranked(table)[:LEADING]
+    names = ranked(table)[:LEADING]
     if not names:
         yield Text("All completed cases have equal metrics.")
     for name in names:
@@ -398,7 +387,7 @@ def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[PageBloc
 
 
 def _all_cases(table: CaseTable, store: Store) -> Iterable[PageBlock]:
-    names = (_ranked(table) or list(table.numbers))[:LEADING]
+    names = (ranked(table) or list(table.numbers))[:LEADING]
     remarked, seen = {case.hash for case, _ in table.remarked()}, set[str]()
     curves, drawn = curves_of_cases(table, store, table.cases[:MOST_ROWS])
     rows: list[Sequence[Cell]] = []

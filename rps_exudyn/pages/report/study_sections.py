@@ -27,6 +27,7 @@ from rps_exudyn.pages.report.html import (
     Warning,
 )
 from rps_exudyn.pages.report.pictures import picture
+from rps_exudyn.pages.report.study_rows import count
 from rps_exudyn.parameters.gear import CORRELATION
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
@@ -57,11 +58,6 @@ def case_link(table: CaseTable, case: Case) -> Links:
 def settings(table: CaseTable, case: Case, digits: int = 6) -> list[str]:
     """The values of the axes as text."""
     return [show_value(axis, case.values[axis.name], digits) for axis in table.description.axes]
-
-
-def count(number: int, noun: str) -> str:
-    """The number with its noun: "1 case", "3 cases"."""
-    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def remarks_section(table: CaseTable) -> list[Section]:

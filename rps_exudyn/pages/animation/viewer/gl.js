@@ -26,8 +26,8 @@ const BODY = {
         float rim = pow(1.0 - max(dot(n, to), 0.0), 3.0);
         shown = colour * light + vec3(0.32 * gloss + 0.12 * rim);
       } else {
-        float stripe = step(0.5, fract((world.x + world.y) / 0.0016)); // hatching of the section
-        shown = colour * (0.82 + 0.12 * stripe);
+        float stripe = step(0.5, fract((gl_FragCoord.x - gl_FragCoord.y) / 12.0)); // hatching of the section
+        shown = colour * (0.84 + 0.12 * stripe);
       }
       pixel = vec4(pow(shown, vec3(0.85)) * alpha, alpha);
     }`,

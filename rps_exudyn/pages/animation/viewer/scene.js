@@ -33,7 +33,7 @@ function makeScene(canvas) {
     gl.uniform3fv(at.origin, plus(origin, away[item.name]));
     gl.uniform3fv(at.colour, item.colour);
     gl.uniform1f(at.alpha, alpha);
-    gl.uniform1f(at.cut, state.section && item.sectioned ? 0 : 1e3);
+    gl.uniform1f(at.cut, item.name === "pinion" ? state.camera.shaftCut : state.section && item.sectioned ? 0 : 1e3);
     gl.bindVertexArray(item.array);
     gl.drawElements(gl.TRIANGLES, item.count, item.wide, 0);
   }

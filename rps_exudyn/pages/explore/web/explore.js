@@ -66,7 +66,11 @@ function slider(item) {
 
 const asked = () => ({ state: state(), scene: by("scene").value, both_ways: by("both-ways").checked, tab: TAB });
 
-async function post(path, content) {
+// The frame of a notebook hands requests over; elsewhere the server takes them
+const FRAME = window.frameElement?.rpsPost ? window.frameElement : null;
+const post = (path, content) => (FRAME ? FRAME.rpsPost(path, content) : fetched(path, content));
+
+async function fetched(path, content) {
   const reply = await fetch(`/${path}`, {
     method: "POST",
     headers: { "Content-Type": "application/json" },
@@ -114,7 +118,7 @@ async function ask() {
 // When the sliders rest, address and picture follow
 function rest() {
   const { state: moved, scene, both_ways } = asked();
-  history.replaceState(null, "", `#${encodeURIComponent(JSON.stringify({ state: moved, scene, both_ways }))}`);
+  if (!FRAME) history.replaceState(null, "", `#${encodeURIComponent(JSON.stringify({ state: moved, scene, both_ways }))}`);
   click("picture", null, (found) => {
     if (turned) {
       turn(found.page);
@@ -412,6 +416,7 @@ async function begin() {
     click("simulation", target, (answer) => show({ ...answer, of }));
   });
   window.addEventListener("pagehide", () => {
+    if (FRAME) return;
     for (const kind of running) {
       const content = JSON.stringify({ state: {}, tab: TAB, of: kind });
       navigator.sendBeacon("/cancel", new Blob([content], { type: "application/json" }));
