@@ -64,23 +64,14 @@ def origins(results: Path) -> dict[str, dict[str, object]]:
 
 
 def origins_table(results: Path) -> str:
-    """One row a commit, the newest last: the topics that were run from it, with their CPU time."""
-    runs: dict[tuple[str, str], dict[str, float | None]] = {}
+    """One row per commit, the newest last: the topics that were run from it."""
+    runs: dict[tuple[str, str], set[str]] = {}
     for entry in origins(results).values():
         commit, _, dirty = str(entry["commit"]).partition("-")
         made = str(entry["date"])[:10], f"`{commit[:7]}`{' with edits' if dirty else ''}"
-        seconds = entry.get("cpu_time")
-        topic = str(entry["command"]).rpartition(" ")[2]
-        runs.setdefault(made, {})[topic] = float(str(seconds)) if seconds is not None else None
-    rows = [
-        (
-            date,
-            commit,
-            ", ".join(f"{topic} ({s:.0f} s)" if s else topic for topic, s in sorted(topics.items())),
-        )
-        for (date, commit), topics in sorted(runs.items())
-    ]
-    return markdown(["date", "commit", "topics (CPU time)"], rows)
+        runs.setdefault(made, set()).add(str(entry["command"]).rpartition(" ")[2])
+    rows = [(date, commit, ", ".join(sorted(topics))) for (date, commit), topics in sorted(runs.items())]
+    return markdown(["date", "commit", "topics"], rows)
 
 
 def _stamps(folder: Path) -> Stamps:

@@ -57,7 +57,10 @@ CHANGES = {
     "inertia: none (equilibria)": Change({"solver": "equilibrium"}),
     "inertia: pinion twice as heavy": Change(gear={"pinion.density": 2 * SteeringGear().pinion.density}),
     "teeth: bending together": Change(gear={"mesh.law": "teeth"}),
-    "teeth: half as stiff": Change(gear={"mesh.line_stiffness": line_stiffness(SteeringGear()) / 2}),
+    "teeth: load per length of line": Change(gear={"mesh.law": "line"}),
+    "teeth: half as stiff": Change(
+        gear={"mesh.law": "line", "mesh.line_stiffness": line_stiffness(SteeringGear()) / 2}
+    ),
     "teeth: contact damping 0.1 ms": Change(gear={"mesh.damping": "0.1 ms"}),
     "lead error 0.2 mrad": Change(gear={"pinion.lead_error": LEAD_ERROR}),
     "lead error -0.2 mrad": Change(gear={"pinion.lead_error": -LEAD_ERROR}),

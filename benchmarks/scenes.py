@@ -178,7 +178,7 @@ LAWS: dict[str, Callable[[str], float]] = {
 }
 
 
-METRICS = 4  # of a run, in the table
+METRICS = 2  # of a run, in the table
 
 
 # --- tables ------------------------------------------------------------------------------------------

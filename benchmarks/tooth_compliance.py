@@ -1,292 +1,401 @@
-"""What one tooth of the rack yields: the law "teeth" against finite elements and against the closed form.
+"""The laws "teeth" and "line" against finite elements of whole teeth, on named gears.
 
-Loads press on patches of one flank (`rack_tooth_elements`); the law's yield is averaged over the same
-patches (`rack_tooth_law`), and what elements give for an even load is freed of the flattening that the law
-counts apart.
+The reference replaces the compliance of the teeth by that of elements (`law_elements`), with more stations on
+a line, in the same runs: free torque with plain flanks and with tip relief and crowning, and a load. Beside
+them stand the yields along the lines of contact, of pinion and rack apart, and what finer elements change.
 """
 
-import csv
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from scipy.optimize import brentq
 
-from benchmarks.topic import Topic, markdown
-from rps_exudyn.base.files import replacing
+import rps_exudyn as rps
+from benchmarks.topic import Topic, load_data, markdown, save_data
+from rps_exudyn.analysis.rack_motion import rack_poses
+from rps_exudyn.base.compiled import called
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.pages.charts import style
+from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from verification.rack_tooth_elements import ROWS, Compliance, Section, rack_compliance
-from verification.rack_tooth_law import PER_MM, even_load, flattening, law_compliance, plane_strain
+from rps_exudyn.results.law_error import WITHIN, law_error, tip_truncation
+from rps_exudyn.results.result import Result
+from rps_exudyn.solvers.gear_forces import exchanged
+from rps_exudyn.tooth_contact.line_loads import loads_data
+from verification.law_elements import by_elements, line_yields, one_body, pool_of
+from verification.tooth_elements import Division
 
-DATA, CHART, SUPPORT = "rack_tooth.csv", "rack_tooth.png", "support.csv"
-REFINEMENTS = (1, 2, 3)
-NANO = 1e9
-COLUMNS = (
-    "load",  # even: on all patches of one height; middle, end: on the patch there
-    "flank",  # same, opposite, or next: same side of the next tooth
-    "height_mm",  # of load and yield above the reference line
-    "place_mm",  # of the yield
-    *(f"refined_{k}" for k in REFINEMENTS),  # nm/(N/mm) under an even load without flattening, else nm/N
-    "extrapolated",
-    "order",
-    "law",
-)
-Row = dict[str, str | float]
-SUPPORTS: dict[str, dict[str, float]] = {
-    "three teeth, clamped 3 modules below the root": {},
-    "clamped 2 modules below": {"depth": 2.0},
-    "clamped 4 modules below": {"depth": 4.0},
-    "five teeth": {"beside": 2},
-    "seven teeth": {"beside": 3},
+DATA, CHART = "elements.json", "yields.png"
+GEARS: Mapping[str, Sequence[float]] = {
+    "default": (6, 1.83, 25, 10, 1.0, 18.2, 14, 24, 8.5),
+    "A": (6, 1.83, 25, 10, 0.65, 17.6, 14, 24, 8.5),
+    "D": (5, 2.20, 20, 5, 0.85, 18.4, 16, 24, 8.5),
+    "E": (6, 1.75, 30, 8, 1.0, 18.2, 16, 24, 8.5),
+    "F": (7, 1.60, 27, 8, 0.6, 17.0, 18, 24, 8.5),
+    "P": (5, 2.10, 36, 0, 0.7, 19.6, 16, 24, 8.5),
+    "R": (7, 1.80, 15, 15, 0.6, 18.2, 18, 24, 8.5),
+    "S": (6, 2.00, 20, 0, 0.85, 19.2, 17, 26, 9.0),
+    "T": (8, 1.50, 32, 6, 0.5, 18.6, 15, 22, 7.6),
+    "U": (7, 1.90, 22, 4, 0.75, 20.6, 20, 28, 9.8),
+    "V": (5, 1.75, 33, 12, 1.0, 16.4, 13, 22, 7.8),
 }
-"""Model -> what differs in its section; the coarsest elements."""
+"""Name -> z, m_n [mm], beta_p, beta_r [deg], x, d_a, b, bar, reference line above its axis [mm]."""
+FORMS: Mapping[str, Mapping[str, object]] = {
+    "plain": {},
+    "relief 10 um over 1.5 mm, crowning 8 um": {
+        "pinion.tip_relief": "10 um",
+        "pinion.tip_relief_length": "1.5 mm",
+        "pinion.crowning": "8 um",
+    },
+}
+LOAD = 2000 / 9.80665  # of the load test [kg]
+COARSE, FINE = Division(flank=3, along=8, half_tooth=1, fillet=1, root=1, core=2), Division()
+ANGLES = 12  # over a pitch, at which yields are compared
+FLANKS = "same flank", "opposite flank"
+SHARES = 0.5, 0.95  # quantiles of the errors of yields
+PRESETS, REPEATS = ("quasi-static", "flank"), 4  # of the cost
+QUASI_STATIC = Fidelity.preset("quasi-static")
+REFERENCE, FINE_STATIONS = "elements", {"strip_stations": 8}
+
+
+def gear_of(name: str) -> SteeringGear:
+    """Return a named gear for one tooth pitch."""
+    z, m, helix, tooth, shift, tip, face, bar, line = GEARS[name]
+    return SteeringGear().replace(
+        {
+            "pinion.teeth": int(z),
+            "pinion.normal_module": 1e-3 * m,
+            "pinion.helix_angle": f"{helix} deg",
+            "rack.tooth_angle": f"{tooth} deg",
+            "pinion.profile_shift": shift,
+            "pinion.tip_diameter": 1e-3 * tip,
+            "pinion.face_width": 1e-3 * face,
+            "rack.bar_diameter": 1e-3 * bar,
+            "rack.reference_height": 1e-3 * line,
+            "bush.inner_diameter": 1e-3 * (bar + 1),
+            "test.turns": 1 / z,
+            "test.start_angle": 0.0,
+        }
+    )
 
 
 def run(
-    folder: Path, patches: int = 12, block_rows: int = 3, models: Sequence[str] = tuple(SUPPORTS)
+    folder: Path, gears: Sequence[str] = tuple(GEARS), coarse: Division = COARSE, fine: Division = FINE
 ) -> None:
-    """Compare the default gear's rack tooth, with so many patches along it and cells below its root."""
-    pair = GearPair.of(SteeringGear())
-    section = Section(pair, block_rows=block_rows)
-    found = [rack_compliance(section, patches, refinement) for refinement in REFINEMENTS]
-    write(folder / DATA, COLUMNS, compared(section, patches, found))
-    head = ("model", "height_mm", "even_same", "even_opposite", "even_next")
-    write(folder / SUPPORT, head, supports(pair, patches, models))
-    draw(read(folder), pair, folder / CHART)
+    """Compare the laws on these gears; what the file has already is kept."""
+    file, first = folder / DATA, gear_of(gears[0])
+    found = load_data(file) if file.exists() else {"gears": {}}
+    rows = {name: found["gears"].setdefault(name, {}) for name in gears}
+    work = [(row, case, make) for name, row in rows.items() for case, make in cases_of(gear_of(name), coarse)]
+    work.append((found, "cost", lambda: cost(first.replace({"test.turns": 1.0}))))
+    work.append((found, "finer", lambda: numbers(free(first, "guided", REFERENCE, fine))))
+    work.append((found, "course", lambda: yields(first, coarse)[1]))
+    for row, case, make in work:
+        if case not in row:
+            row[case] = make()
+            save_data(file, {key: value for key, value in found.items() if key != "origin"})
+    draw(found["course"], folder / CHART)
 
 
-def write(path: Path, head: Sequence[str], rows: Iterator[Sequence[str | float]]) -> None:
-    """Write a file of comma-separated values, numbers with six digits."""
-    cells = [[each if isinstance(each, str) else f"{each:.6g}" for each in row] for row in rows]
-    with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file, lineterminator="\n").writerows([head, *cells])
+# --- runs ----------------------------------------------------------------------------------------------
+def cases_of(gear: SteeringGear, division: Division) -> Iterator[tuple[str, Callable[[], Any]]]:
+    """What is compared of a gear: its name, and what makes its numbers."""
+    for form, settings in FORMS.items():
+        formed = gear.replace(settings)
+        for rack in ("guided", "free"):
+            yield f"{form}, {rack}", partial(by_laws, partial(free, formed, rack), division)
+    yield "loaded", partial(by_laws, partial(loaded, gear), division)
+    yield "yields", lambda: yields(gear, division)[0]
 
 
-# --- what is compared ----------------------------------------------------------------------------------
-def compared(section: Section, patches: int, found: list[Compliance]) -> Iterator[Sequence[str | float]]:
-    """Yield under an even load on each height, and under a patch in the middle and at the end of each."""
-    same, opposite = law_compliance(section, patches)
-    of_law = {"same": same, "opposite": opposite, "next": 0 * same}
-    for row in range(ROWS):
-        height, strip = float(section.row_height(row + 0.5)), slice(row * patches, (row + 1) * patches)
-        places = 1e3 * section.half_length(height) * ((np.arange(patches) + 0.5) / patches * 2 - 1)
-        for flank, expected in of_law.items():
-            parts = [getattr(each, flank) for each in found]
-            local = PER_MM * flattening(section, height) if flank == "same" else 0.0
-            yields = [PER_MM * even_load(section, patches, part, row) - local for part in parts]
-            there = PER_MM * even_load(section, patches, expected, row)
-            yield from _rows("even", flank, 1e3 * height, places, yields, there)
-            for load, patch in {"middle": patches // 2, "end": 0}.items():
-                yields = [NANO * part[strip, strip][patch] for part in parts]
-                there = NANO * expected[strip, strip][patch]
-                yield from _rows(load, flank, 1e3 * height, places, yields, there)
+def by_laws(of_law: Callable[[str, Division], Result], division: Division) -> dict[str, Any]:
+    """Numbers of a case by the reference and by both laws."""
+    return {law: numbers(of_law(law, division)) for law in (REFERENCE, "teeth", "line")}
 
 
-def _rows(
-    load: str,
-    flank: str,
-    height: float,
-    places: np.ndarray,
-    yields: list[np.ndarray],
-    law: np.ndarray,
-) -> Iterator[Sequence[str | float]]:
-    """One row of the file for each place along the tooth."""
-    for i, place in enumerate(places):
-        values = [float(each[i]) for each in yields]
-        limit, order = extrapolated(values)
-        yield load, flank, height, place, *values, limit, order, float(law[i])
+def expected(name: str, form: str) -> float | None:
+    """The error that law "line" states of a gear's mean free torque."""
+    error = law_error(gear_of(name).replace({"mesh.law": "line", **FORMS[form]}), QUASI_STATIC.model_dump())
+    return error.expected if error else None
 
 
-def extrapolated(values: list[float]) -> tuple[float, float]:
-    """Return the limit of values v + c k^-p at k = 1, 2, 3, and p; the finest and nan where they have none.
+def run_by(scene: str, gear: SteeringGear, rack: str, law: str, division: Division) -> Result:
+    """A run by a law, or by "teeth" with the compliance of elements."""
+    elastic = law == REFERENCE
+    model = QUASI_STATIC.replace({"rack": rack, **(FINE_STATIONS if elastic else {})})
+    with exchanged(by_elements(division)) if elastic else nullcontext():
+        return rps.run(scene, gear.replace({"mesh.law": "teeth" if elastic else law}), fidelity=model)
 
-    Richardson's extrapolation, with the order p between 1/2 and 8 that the three values show.
-    """
-    coarse, fine = values[0] - values[1], values[1] - values[2]
 
-    def excess(p: float) -> float:
-        return coarse * (2**-p - 3**-p) - fine * (1 - 2**-p)
+def free(gear: SteeringGear, rack: str, law: str, division: Division) -> Result:
+    """The free torque over one pitch."""
+    return run_by("free-pinion-torque", gear, rack, law, division)
 
-    if not excess(0.5) * excess(8) < 0:
-        return values[2], float("nan")
-    p = float(brentq(excess, 0.5, 8))
-    return values[2] - fine * 3**-p / (2**-p - 3**-p), p
+
+def loaded(gear: SteeringGear, law: str, division: Division) -> Result:
+    """The load test over one pitch, the rack guided."""
+    return run_by("load-test", gear.replace({"test.load_mass": LOAD}), "guided", law, division)
+
+
+def cost(gear: SteeringGear) -> dict[str, dict[str, float]]:
+    """Least CPU time of the solver [s] over a turn: preset -> law."""
+
+    def least(preset: str, law: str) -> float:
+        runs = [
+            rps.run("free-pinion-torque", gear.replace({"mesh.law": law}), fidelity=preset)
+            for _ in range(REPEATS)
+        ]
+        return min(each.counters["solver_cpu"] for each in runs)
+
+    return {preset: {law: least(preset, law) for law in ("line", "teeth")} for preset in PRESETS}
+
+
+def numbers(result: Result) -> dict[str, Any]:
+    """What is compared of a run; its message where it failed."""
+    names = "torque_mean", "torque_peak_to_peak", "efficiency_forward", "rack_y_mean"
+    found: dict[str, Any] = {name: result.summary[name] for name in names if name in result.summary}
+    if "rack_y" in result.signals:
+        found["approach"] = -float(np.mean(result["rack_y"]))
+    if "efficiency_forward" in found:
+        raising = slice(0, result["pinion_angle"].size // 2)
+        travel = result.summary["rack_gain"] / (2 * np.pi) * result["pinion_angle"]
+        found["lag"] = float(np.mean((travel - result["rack_displacement"])[raising]))
+    return found | ({} if result.status is rps.Status.OK else {"message": result.message})
+
+
+# --- yields along the lines of contact -----------------------------------------------------------------
+class Line(NamedTuple):
+    """A line of contact under an even load on it, or on the opposite flank of its tooth."""
+
+    flank: str
+    place: np.ndarray  # along it [m]
+    law: np.ndarray  # yields [m^2/N]
+    elastic: np.ndarray
+
+
+def yields(gear: SteeringGear, division: Division) -> tuple[dict[str, Any], list[Any]]:
+    """Errors of yields by law over the largest by elements of their line, the pinion's with the twist of its
+    core: median and 95 % quantile per body and flank; and the lines of the first pose."""
+    result = run_by("free-pinion-torque", gear, "guided", "teeth", division)
+    pair, handle = GearPair.of(gear), loads_data(gear)
+    points, tilts, _ = rack_poses(pair, result.signals)
+    chosen = np.linspace(0, len(points) - 1, ANGLES + 1).astype(int)[:-1]
+    errors: dict[str, list[float]] = {}
+    course = []
+    for body in ("pinion", "rack"):
+        arguments = one_body(handle, pool_of(pair.design, division), body)
+        for k in chosen:
+            at = called(line_yields, -float(result["pinion_angle"][k]), points[k], tilts[k], *arguments)
+            for line in along_lines(at, body):
+                off = np.abs(line.law - line.elastic) / np.abs(line.elastic).max()
+                errors.setdefault(f"{body}, {line.flank}", []).extend(off.tolist())
+                if k == chosen[0]:
+                    course.append([body, *(x if isinstance(x, str) else x.tolist() for x in line)])
+    found = {name: np.quantile(values, SHARES).tolist() for name, values in errors.items()}
+    return found, course
+
+
+def along_lines(at: Any, body: str) -> Iterator[Line]:
+    """Each line under 1 N/m on it, and on the other flank of its tooth of a body."""
+    teeth = at.tooth if body == "pinion" else at.rack_tooth
+    for side, tooth in sorted({(int(s), int(t)) for s, t in zip(at.side, teeth, strict=True)}):
+        line = (at.side == side) & (teeth == tooth)
+        place = np.cumsum(at.length[line]) - at.length[line] / 2
+        for flank, other in zip(FLANKS, (side, -side), strict=True):
+            load = np.where((at.side == other) & (teeth == tooth), at.length, 0.0)
+            if load.any():
+                yield Line(flank, place, (at.law @ load)[line], (at.elements @ load)[line])
 
 
 # --- tables and chart ----------------------------------------------------------------------------------
-def read(folder: Path) -> list[Row]:
-    """Return the rows of the file."""
-    words = ("load", "flank")
-    return [
-        {name: text if name in words else float(text) for name, text in row.items()}
-        for row in _table(folder / DATA)
-    ]
+def percent(value: float, of: float) -> str:
+    """Difference from another value in %."""
+    return f"{100 * (value / of - 1):+.2f}"
 
 
-def _table(path: Path) -> list[dict[str, str]]:
-    with path.open(newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+def cases(folder: Path) -> Iterator[tuple[str, str, dict[str, Any]]]:
+    """Gear, form of its flanks and the numbers of the free torque with a guided and a free rack."""
+    for name, found in load_data(folder / DATA)["gears"].items():
+        for form in FORMS:
+            yield name, form, {rack: found[f"{form}, {rack}"] for rack in ("guided", "free")}
 
 
-def chosen(rows: list[Row], load: str, flank: str) -> list[list[Row]]:
-    """Return the rows of one load on one flank, by height from the fillet up, then by place."""
-    found = [row for row in rows if (row["load"], row["flank"]) == (load, flank)]
-    return [list(found[i : i + len(found) // ROWS]) for i in range(0, len(found), len(found) // ROWS)]
-
-
-def convergence_table(folder: Path) -> str:
-    """What refinement changes."""
-    rows = read(folder)
-    even, other = chosen(rows, "even", "same"), chosen(rows, "even", "opposite")
-    middle, across = chosen(rows, "middle", "same"), chosen(rows, "middle", "opposite")
-    at = len(even[0]) // 2
-    quantities = {
-        "even load near the tip, middle of the tooth, nm/(N/mm)": even[-1][at],
-        "even load near the tip, end of the tooth": even[-1][0],
-        "even load at half height, middle": even[ROWS // 2][at],
-        "even load near the fillet, middle": even[0][at],
-        "even load near the tip, opposite flank": other[-1][at],
-        "patch near the tip, under itself, nm/N": middle[-1][at],
-        "two patches further": middle[-1][at - 2],
-        "patch near the tip, opposite flank": across[-1][at],
-    }
-    table = [
-        (
-            name,
-            f"{float(row['extrapolated']):.4g}",
-            f"{float(row['order']):.1f}",
-            f"{percent(row[f'refined_{REFINEMENTS[-1]}'], row['extrapolated']):+.1f}",
-        )
-        for name, row in quantities.items()
-    ]
-    return markdown(("yield", "extrapolated", "order", "finest, error %"), table)
-
-
-def even_table(folder: Path) -> str:
-    """Yield under an even load: finite elements, closed form, law."""
-    rows, section = read(folder), Section(GearPair.of(SteeringGear()))
-    table = []
-    pairs = zip(chosen(rows, "even", "same"), chosen(rows, "even", "opposite"), strict=True)
-    for same, opposite in reversed(list(pairs)):
-        middle, end, height = same[len(same) // 2], same[0], float(same[0]["height_mm"])
-        closed = PER_MM * plane_strain(section, 1e-3 * height)
-        coupled = float(opposite[len(same) // 2]["extrapolated"]) / float(middle["extrapolated"])
-        table.append(
+def gears_table(folder: Path) -> str:
+    """Each gear by elements, rack guided, and what the laws differ by: plain, with forms, under a load."""
+    rows = []
+    for name, found in load_data(folder / DATA)["gears"].items():
+        plain, formed = (found[f"{form}, guided"] for form in FORMS)
+        of, under = plain[REFERENCE], found["loaded"]
+        of_line = expected(name, "plain")
+        rows.append(
             (
-                f"{height:+.2f}",
-                f"{float(middle['extrapolated']):.1f}",
-                f"{closed:.1f}",
-                f"{float(middle['law']):.1f}",
-                f"{percent(middle['law'], middle['extrapolated']):+.0f}",
-                f"{percent(end['extrapolated'], middle['extrapolated']):+.0f}",
-                f"{percent(end['law'], middle['law']):+.0f}",
-                f"{-coupled:.2f}",
+                f"{name}: {', '.join(f'{each:g}' for each in GEARS[name])}",
+                f"{1e3 * of['torque_mean']:.1f}",
+                *(percent(plain[law]["torque_mean"], of["torque_mean"]) for law in ("teeth", "line")),
+                "" if of_line is None else f"{100 * of_line:+.2f}",
+                *(
+                    percent(formed[law]["torque_mean"], formed[REFERENCE]["torque_mean"])
+                    for law in ("teeth", "line")
+                ),
+                *(share(each, "teeth") for each in (plain, formed)),
+                percent(under["teeth"]["lag"], under[REFERENCE]["lag"]),
             )
         )
-    head = (
-        "height mm",
-        "finite elements",
-        "closed form, plane strain",
-        "law",
-        "law, difference %",
-        "at the end of the tooth %",
-        "the law there %",
-        "opposite flank over same",
+    head = "gear", "N mm", "teeth %", "line %", "expected of line %", "formed: teeth %", "line %"
+    return markdown((*head, "ripple, share", "formed", "lag under 2 kN %"), rows)
+
+
+def share(case: Mapping[str, Any], law: str) -> str:
+    """A law's share of the ripple by elements."""
+    name = "torque_peak_to_peak"
+    values = case[law].get(name), case[REFERENCE].get(name)
+    return f"{values[0] / values[1]:.2f}" if all(values) else "-"
+
+
+def yields_table(folder: Path) -> str:
+    """Errors of yields along lines of contact, medians over the gears and the worst of them."""
+    gears = load_data(folder / DATA)["gears"].values()
+    rows = []
+    for name in next(iter(gears))["yields"]:
+        errors = np.array([each["yields"][name] for each in gears if name in each["yields"]])
+        cells = [f"{100 * of(errors[:, i]):.0f}" for i in range(len(SHARES)) for of in (np.median, np.max)]
+        rows.append((name, *cells))
+    head = "yield", "median error %", "of the worst gear %", "95 % below %", "of the worst gear %"
+    return markdown(head, rows)
+
+
+def summary_table(folder: Path) -> str:
+    """What the laws are off by over all gears and flank forms."""
+    every = list(cases(folder))
+    rows = []
+    for law in ("teeth", "line"):
+        means = [
+            each["torque_mean"] / found[rack][REFERENCE]["torque_mean"] - 1
+            for _, _, found in every
+            for rack in ("guided", "free")
+            if "torque_mean" in (each := found[rack][law])
+        ]
+        shares = [
+            each["torque_peak_to_peak"] / of
+            for _, _, found in every
+            if (of := found["guided"][REFERENCE].get("torque_peak_to_peak"))
+            and "torque_peak_to_peak" in (each := found["guided"][law])
+        ]
+        efficiency = [
+            each["efficiency_forward"] - found["loaded"][REFERENCE]["efficiency_forward"]
+            for found in load_data(folder / DATA)["gears"].values()
+            if "efficiency_forward" in (each := found["loaded"][law])
+        ]
+        rms = np.sqrt(np.mean(np.square(means)))
+        rows.append(
+            (
+                f"`{law}`",
+                f"{100 * min(means):+.2f} to {100 * max(means):+.2f} (RMS {100 * rms:.2f})",
+                f"{100 * min(efficiency):+.2f} to {100 * max(efficiency):+.2f}",
+                f"{100 * min(shares):.0f} to {100 * max(shares):.0f}",
+            )
+        )
+    head = "law", "mean free torque %", "efficiency under 2 kN, points", "ripple, % of theirs"
+    return markdown(head, rows)
+
+
+def finer_table(folder: Path) -> str:
+    """What finer elements change on the default gear, rack guided."""
+    data = load_data(folder / DATA)
+    coarse = next(iter(data["gears"].values()))["plain, guided"][REFERENCE]
+    fine = data["finer"]
+    names = {"torque_mean": "mean torque", "torque_peak_to_peak": "ripple", "approach": "approach"}
+    rows = [(title, percent(coarse[name], fine[name])) for name, title in names.items()]
+    return markdown(("of elements as published", "from finer ones, %"), rows)
+
+
+def cost_table(folder: Path) -> str:
+    """CPU time of law "teeth" over that of law "line", single runs."""
+    rows = [
+        (
+            f"`{preset}`",
+            *(f"{1e3 * found[law]:.3g}" for law in found),
+            f"{found['teeth'] / found['line']:.2f}",
+        )
+        for preset, found in load_data(folder / DATA)["cost"].items()
+    ]
+    return markdown(("preset", "line ms", "teeth ms", "ratio"), rows)
+
+
+def line_table(folder: Path) -> str:
+    """Error of law "line" on plain flanks by the tips' truncation: as printed, and each gear left out of a
+    fit of that formula to the others."""
+    gears = load_data(folder / DATA)["gears"]
+    t = np.array([tip_truncation(gear_of(name)) for name in gears])
+    off = np.array(
+        [
+            found["plain, guided"]["line"]["torque_mean"] / found["plain, guided"][REFERENCE]["torque_mean"]
+            - 1
+            for found in gears.values()
+        ]
     )
-    return markdown(head, table)
+    printed = off - np.array([expected(name, "plain") for name in gears])
+    rows = [("as printed", printed)]
+    if t.size > 2:
+        left = [np.polyfit(np.delete(t, i), np.delete(off, i), 1) for i in range(t.size)]
+        rows.append(
+            ("each left out of the fit", off - [np.polyval(c, x) for c, x in zip(left, t, strict=True)])
+        )
+    return markdown(
+        ("error of `line` less the formula's", "RMS %", "largest %", f"within {100 * WITHIN:g} %"),
+        [
+            (
+                name,
+                f"{100 * np.sqrt(np.mean(rest**2)):.2f}",
+                f"{100 * np.abs(rest).max():.2f}",
+                f"{(np.abs(rest) <= WITHIN).sum()} of {rest.size}",
+            )
+            for name, rest in rows
+        ],
+    )
 
 
-def supports(pair: GearPair, patches: int, models: Sequence[str]) -> Iterator[Sequence[str | float]]:
-    """Yield in the middle of the tooth under an even load at each height, nm/(N/mm)."""
-    for name in models:
-        section = Section(pair, **SUPPORTS[name])  # type: ignore[arg-type]
-        found = rack_compliance(section, patches, 1)
-        for row in range(ROWS):
-            height = float(section.row_height(row + 0.5))
-            yields = [even_load(section, patches, each, row)[patches // 2] for each in found[:3]]
-            yields[0] -= flattening(section, height)
-            yield name, 1e3 * height, *(PER_MM * each for each in yields)
-
-
-def support_table(folder: Path) -> str:
-    """Difference from the first model, and the share of the next tooth, per height from the tip."""
-    rows = _table(folder / SUPPORT)
-    names = dict.fromkeys(row["model"] for row in rows)
-    groups = {name: [row for row in rows if row["model"] == name][::-1] for name in names}
-    first = next(iter(groups.values()))
-    table = []
-    for name, group in groups.items():
-        pairs = list(zip(group, first, strict=True))
-        change = [f"{100 * (float(a['even_same']) / float(b['even_same']) - 1):+.0f}" for a, b in pairs]
-        table.append((name, *change))
-    heights = [f"change at {float(row['height_mm']):+.2f} mm %" for row in first]
-    return markdown(("model", *heights), table)
-
-
-def percent(value: str | float, of: str | float) -> float:
-    """Difference from another value in % of that."""
-    return 100 * (float(value) / float(of) - 1)
-
-
-def draw(rows: list[Row], pair: GearPair, path: Path) -> None:
-    """Draw the yields along the tooth: under an even load at each height, and under one patch."""
-    section = Section(pair)
+def draw(course: Sequence[Any], path: Path) -> None:
+    """Draw yields along the lines of contact of one pose: elements as marks, the law as lines."""
     with mpl.rc_context({"font.size": 9.5}):
-        figure = Figure(figsize=(8.5, 8.0), layout="constrained")
-        even, patch = figure.subplots(2, 1)
-    for colour, row in zip(style.SEVERAL, chosen(rows, "even", "same"), strict=False):
-        height = float(row[0]["height_mm"])
-        curves(even, row, colour, f"{height:+.2f} mm")
-        closed = PER_MM * plane_strain(section, 1e-3 * height)
-        even.axhline(closed, color=colour, linewidth=0.8, linestyle=":")
-    kinds = {
-        ("middle", "same"): "load in the middle, same flank",
-        ("middle", "opposite"): "load in the middle, opposite flank",
-        ("end", "same"): "load at the end, same flank",
-    }
-    for colour, (kind, name) in zip(style.SEVERAL, kinds.items(), strict=False):
-        curves(patch, chosen(rows, *kind)[-1], colour, name)
-    name_axes(even, "Even load, at three heights above the reference line; flattening apart", "nm/(N/mm)")
-    name_axes(
-        patch,
-        "Load on one patch near the tip (marks there: with flattening)",
-        "nm/N",
-    )
-    style.title(figure, "Rack tooth: finite elements (marks), law (lines), plane strain (dotted)")
+        figure = Figure(figsize=(8.5, 6.5), layout="constrained")
+        axes = dict(zip(("pinion", "rack"), figure.subplots(2, 1), strict=True))
+    for body, axis in axes.items():
+        for flank, colour in zip(FLANKS, style.SEVERAL, strict=False):
+            for number, (_, _, place, law, elastic) in enumerate(
+                line for line in course if (line[0], line[1]) == (body, flank)
+            ):
+                label = None if number else f"load on the {flank}"
+                at = 1e3 * np.array(place)
+                axis.plot(at, 1e12 * np.array(law), color=colour, linewidth=1.2)
+                axis.plot(at, 1e12 * np.array(elastic), "o", color=colour, markersize=4, label=label)
+        axis.set_title(body.capitalize(), loc="left", fontsize=10)
+        axis.set_ylabel("yield [nm/(N/mm)]")
+        axis.grid(color="#e4e4e4")
+        axis.legend(loc="upper left", bbox_to_anchor=(1, 1), frameon=False)
+    axes["rack"].set_xlabel("place along the line of contact [mm]")
+    style.title(figure, "Lines under an even load: finite elements (marks), law teeth (lines)")
     style.save(figure, path)
 
 
-def curves(axes: Axes, row: list[Row], colour: str, name: str) -> None:
-    """Draw marks of finite elements and the law's line."""
-    place, law, limits = ([float(each[key]) for each in row] for key in ("place_mm", "law", "extrapolated"))
-    axes.plot(place, law, color=colour, linewidth=1.2)
-    axes.plot(place, limits, "o", color=colour, markersize=4, label=name)
-
-
-def name_axes(axes: Axes, title: str, unit: str) -> None:
-    """Say what is drawn over the place along the tooth."""
-    axes.set_title(title, loc="left", fontsize=10)
-    axes.set_xlabel("place along the tooth [mm]")
-    axes.set_ylabel(f"yield [{unit}]")
-    axes.set_ylim(bottom=min(0, axes.get_ylim()[0]))
-    axes.grid(color="#e4e4e4")
-    axes.legend(loc="upper left", bbox_to_anchor=(1, 1), frameon=False)
-
-
+TINY = Division(flank=1, along=2, half_tooth=1, fillet=1, root=1, core=1)
 TOPIC = Topic(
-    "the yield of one rack tooth: the law of elastic teeth against finite elements, and their convergence",
-    "2 min",
+    "the laws of elastic teeth against finite elements of whole teeth, on named gears",
+    "5 min",
     "tooth_compliance",
     run,
-    {"patches": 2, "block_rows": 1, "models": tuple(SUPPORTS)[:1]},
+    {"gears": ("default",), "coarse": TINY, "fine": TINY},
     {
-        "rack_tooth_convergence": convergence_table,
-        "rack_tooth_even_load": even_table,
-        "rack_tooth_support": support_table,
+        "laws_off": summary_table,
+        "laws_gears": gears_table,
+        "laws_yields": yields_table,
+        "laws_line": line_table,
+        "laws_cost": cost_table,
+        "elements_finer": finer_table,
     },
 )

@@ -40,7 +40,7 @@ def rows_table(kind: str, folder: Path) -> str:
     for verdict in UNJUDGED & by_verdict.keys():
         by_verdict[verdict] = [f"{len(by_verdict[verdict])} rows"]
     return markdown(
-        ("verdict", "rows (E / u_val, or gears that keep a limit)"),
+        ("verdict", "rows (E / u_val or share)"),
         [(v, "; ".join(x)) for v, x in by_verdict.items()],
     )
 

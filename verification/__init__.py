@@ -10,6 +10,7 @@ flywheel           the gear by Exudyn's explicit solvers      } those of
 faceted            pinions of flat facets                     } `simulate`
 equilibria         equilibria under force laws of no fidelity
 law_area           the contact law "area", which no user chooses; `area_contact`
+law_elements       law "teeth" with the compliance of finite elements; `tooth_elements`
 sampler            random gears and plans over every declared parameter; `ranges`, `stated_ranges`
 plan_reference     the right figures of any plan, known before it is run; `seat_cells`, `refined_steps`
 stick_slip         stick-slip of gear and column, reduced to one inertia, by events and by limits

@@ -100,20 +100,6 @@ def _cheapest_of(points: Sequence[Point], kind: str, error: float) -> Point | No
     return cheapest(points, family, error)
 
 
-def failures_table(folder: Path) -> str:
-    """Points that failed: how many of each outcome, of which families, and the message of one."""
-    kinds: dict[str, list[Point]] = {}
-    for each in measured(folder):
-        for point in each.points:
-            if not point.ok:
-                kinds.setdefault(point.status, []).append(point)
-    rows = [
-        (status, len(found), ", ".join(dict.fromkeys(point.family for point in found)), found[0].message)
-        for status, found in kinds.items()
-    ]
-    return markdown(("outcome", "points", "families", "for instance"), rows)
-
-
 # --- contact law and size ----------------------------------------------------------------------------
 def law_rows(content: Any) -> list[tuple[str, ...]]:
     """Law, mean [N mm], off the default's [%], peak to peak [N mm]."""
@@ -154,6 +140,5 @@ def facets_table(folder: Path) -> str:
 TABLES = {
     "models": models_table,
     "accuracy_scenes": scenes_table,
-    "failures": failures_table,
     "facets": facets_table,
 }

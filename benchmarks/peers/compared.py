@@ -102,9 +102,9 @@ def search_table(folder: Path) -> str:
         own = [row for row in rows if row.program == peer]
         ran = [row for row in own if row.ok]
         best = min(ran, key=lambda row: row.error, default=None)
-        shown = ("-", "") if best is None else (f"{best.error:.2g}", best.label)
-        lines.append((peer, len(own), len(own) - len(ran), *shown))
-    return markdown(("peer", "settings tried", "failed", "least error %", "by"), lines)
+        error = "-" if best is None else f"{best.error:.2g}"
+        lines.append((peer, len(own), len(own) - len(ran), error))
+    return markdown(("peer", "settings tried", "failed", "least error %"), lines)
 
 
 def versions_table(folder: Path) -> str:

@@ -384,14 +384,16 @@ def kind_of(row: Mapping[str, str]) -> str:
 
 
 def losses_table(folder: Path) -> str:
-    """Plans lost and false alarms of those run, by scene, friction law and how their motion is found."""
+    """Plans lost and false alarms of those run, by scene, friction law and model; rows with neither are left
+    out."""
     rows = read(folder / DATA)
     lines: list[tuple[str, ...]] = []
     for column in ("scene", "friction", "model"):
         for value, count in sorted(Counter(row[column] for row in rows).items()):
             verdicts = [row["verdict"] for row in rows if row[column] == value]
-            shares = (sum(each in kind for each in verdicts) / count for kind in (LOST, FALSE_ALARMS))
-            lines.append((value, str(count), *(f"{share:.0%}" for share in shares)))
+            shares = [sum(each in kind for each in verdicts) / count for kind in (LOST, FALSE_ALARMS)]
+            if any(shares):
+                lines.append((value, str(count), *(f"{share:.0%}" for share in shares)))
     return markdown(("scene, friction, model", "plans", "lost", "false alarms"), lines)
 
 

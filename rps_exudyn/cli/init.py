@@ -41,9 +41,12 @@ def init(folder: Path = Path(), /) -> int:
         with replacing(target) as partial:
             partial.write_text(text, "utf-8")
         written.append(name)
-    print(f"{len(written)} files written in {folder}, {len(made | shipped) - len(written)} were there:")
+    print(
+        f"files written in {folder}: {len(written)}; kept as they were: {len(made | shipped) - len(written)}"
+    )
     for place in dict.fromkeys(name.parent for name in written):
         names = [name.name for name in written if name.parent == place]
+        names.sort(key=lambda name: (name.endswith(".json"), not name.endswith(".csv")))
         shown = ", ".join(names if len(names) <= MOST_NAMED else [*names[:MOST_NAMED], "..."])
         print(f"  {place}: {shown}" if place.parts else f"  {shown}")
     return DONE

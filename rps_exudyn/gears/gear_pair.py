@@ -213,16 +213,16 @@ class GearPair:
     def least_sliding(self) -> float:
         """Smallest friction lever in mesh [m]; with parallel axes, which do not slide at the pitch point, a
         tenth of the mean."""
-        levers = self._friction_levers
+        levers = self.friction_levers
         return float(max(levers.min(), 0.1 * levers.mean()))
 
     @cached_property
     def slowest_sliding(self) -> float:
         """Smallest friction lever in mesh over the mean one."""
-        return float(self._friction_levers.min() / self._friction_levers.mean())
+        return float(self.friction_levers.min() / self.friction_levers.mean())
 
     @cached_property
-    def _friction_levers(self) -> np.ndarray:
+    def friction_levers(self) -> np.ndarray:
         """Friction levers at points of the path of contact [m]."""
         return self.friction_lever(np.linspace(*self.active_path, 201))
 

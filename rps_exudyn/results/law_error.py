@@ -3,12 +3,11 @@
     error = law_error(gear, result.fidelity)
     error.sentence, error.elastic_range(mean_torque)
 
-It is what stays when all numerical errors are gone. The reference is an elastic model of the whole mesh: six
-helical pinion teeth on their core and a round rack bar with seven teeth of quadratic hexahedra, flattening of
-each line by Hertz, loads of all lines found together under unilateral contact. Compared were ten gears, with
-plain flanks and with tip relief and crowning, and the default gear at 150 to 1500 N of preload, at friction
-0.05 to 0.2 and at 5, 10 and 30 N m of load. docs/contact-law.md names seven of
-the gears. The comparison was made outside this repository.
+It is what stays when all numerical errors are gone. The reference takes the compliance of whole teeth from
+finite elements, flattening of each line by Hertz, and the loads of all lines together under unilateral
+contact (`benchmarks/tooth_compliance.py`): eleven gears, plain and with tip relief and crowning, guided and
+free racks, and a load of 2 kN. Before, another elastic model outside this repository had preloads of 150 to
+1500 N, frictions of 0.05 to 0.2 and 5 to 30 N m too. The ranges hold both.
 
 The error of law "line" on plain flanks follows the truncation t of the pinion's tips,
 
@@ -72,11 +71,11 @@ class LawError:
 
 FOUND = "of the ripple found by finite elements"
 MEASURED = {
-    "line": LawError("line", (-0.014, 0.0195), (0.0, 0.0042), f"its ripple is 30 to 86 % {FOUND}"),
+    "line": LawError("line", (-0.014, 0.0195), (0.0, 0.0042), f"its ripple is 40 to 125 % {FOUND}"),
     "area": LawError("area", (0.012, 0.060), (-0.003, 0.0005), f"its ripple is 50 to 85 % {FOUND}"),
-    "teeth": LawError("teeth", (-0.006, 0.006), (-0.001, 0.0022), f"its ripple is 80 to 110 % {FOUND}"),
+    "teeth": LawError("teeth", (-0.006, 0.006), (-0.001, 0.0022), f"its ripple is 70 to 115 % {FOUND}"),
 }
-"""Law -> its error on ten gears, plain and with tip relief and crowning."""
+"""Law -> its error on eleven gears, plain and with tip relief and crowning."""
 BY_TRUNCATION, WITHIN = (0.0141, -0.0544), 0.0075  # of law "line" on plain flanks: at no truncation, per t
 
 

@@ -284,7 +284,7 @@ def _left_out(run: SceneRun, change: Mapping[str, float], figure: str) -> SceneR
 
 def not_confirmed(change: Mapping[str, float]) -> Remark:
     """Return the remark on metrics that are left out, metric -> its change over its tolerance."""
-    text = f"{_by(change)} change metrics that are omitted: {_all_shown(change)}"
+    text = f"omitted metrics that {_by(change)} change: {_all_shown(change)}"
     return Remark(Code.METRIC_NOT_CONFIRMED, text)
 
 

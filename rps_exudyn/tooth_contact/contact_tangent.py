@@ -25,9 +25,14 @@ from rps_exudyn.forces.friction import (
     ALONG,
     FRICTION_ACROSS,
     FRICTION_ALONG,
+    SLIP_ACROSS,
+    SLIP_ALONG,
     WEIGHT,
+    WHOLE_LOAD,
+    by_load,
     patch_slopes,
     rubbing,
+    slide_slopes,
     stribeck,
 )
 from rps_exudyn.forces.rigid_motion import Vector, cross, dot, minus, on_angles, plus, scaled, vector
@@ -47,6 +52,7 @@ from rps_exudyn.tooth_contact.flank_line import (
     patch_of,
     rolling_slip,
     slip_at,
+    slip_in_step,
 )
 
 
@@ -145,25 +151,32 @@ def add_station(stiffness, load, p_r, p_t, z, side, data, work, slopes):  # type
     add_outer(slopes.stiffness, factor, whole, cross(arm, whole), stance.normal, moment)
     if data.law.has_state:
         change = scaled(factor, stance.normal)
-        add_to_patch(change, scaled(factor, moment), arm, slip_r, slip_b, p_r, p_t, side, data, work, slopes)
+        turned = scaled(factor, moment)
+        add_to_patch(change, turned, arm, p_r, p_t, z, side, data, work, slopes)
     else:
         add_viscous(load, arm, rub, slopes)
 
 
 @inline
-def add_to_patch(force, moment, arm, slip_r, slip_b, p_r, p_t, side, data, work, slopes):  # type: ignore[no-untyped-def]
+def add_to_patch(force, moment, arm, p_r, p_t, z, side, data, work, slopes):  # type: ignore[no-untyped-def]
     """Add a load's change over the rack's motion (force, moment), its sign turned, to what bristles change
-    by with it."""
+    by with it: their directions, their weight and their mean slip."""
     stance, number = slopes.stance, 1 if side.sign > 0 else 0
-    g = stribeck(np.sqrt(slip_r * slip_r + slip_b * slip_b), data.law)
+    along, across = slip_in_step(p_r, p_t, z, side, data, work)
+    g = stribeck(np.sqrt(along * along + across * across), data.law)
     w_r, w_b = rolling_slip(p_r, p_t, side, data)
     on = plus(scaled(g * w_r, stance.radial), scaled(g * w_b, stance.across))
     beside = plus(scaled(-g * w_b, stance.radial), scaled(g * w_r, stance.across))
     add_outer(work.by_direction[number, 0], 1.0, on, cross(arm, on), force, moment)
     add_outer(work.by_direction[number, 1], 1.0, beside, cross(arm, beside), force, moment)
     for i in range(3):
-        work.by_weight[number, i] += g * force[i]
-        work.by_weight[number, 3 + i] += g * moment[i]
+        of_force, of_moment = g * force[i], g * moment[i]
+        work.by_weight[number, i] += of_force
+        work.by_weight[number, 3 + i] += of_moment
+        work.by_slip[number, 0, i] += along * of_force
+        work.by_slip[number, 0, 3 + i] += along * of_moment
+        work.by_slip[number, 1, i] += across * of_force
+        work.by_slip[number, 1, 3 + i] += across * of_moment
 
 
 @inline
@@ -184,7 +197,7 @@ def clear_patches(work):  # type: ignore[no-untyped-def]
     """Begin to add up what bristles of both sides change by with the loads."""
     for number in range(2):
         for i in range(6):
-            work.by_weight[number, i] = 0.0
+            work.by_weight[number, i] = work.by_slip[number, 0, i] = work.by_slip[number, 1, i] = 0.0
             for j in range(6):
                 work.by_direction[number, 0, i, j] = work.by_direction[number, 1, i, j] = 0.0
 
@@ -219,10 +232,20 @@ def add_patch_tangent(side, data, work, slopes):  # type: ignore[no-untyped-def]
     add_outer(stiffness, rate * k_ab, on, on_moment, beside, beside_moment)
     add_outer(stiffness, rate * k_ba, beside, beside_moment, on, on_moment)
     add_outer(stiffness, rate * k_bb, beside, beside_moment, beside, beside_moment)
-    change = work.by_weight[number]
-    force, moment = (change[0], change[1], change[2]), (change[3], change[4], change[5])
-    add_outer(stiffness, p_a, on, on_moment, force, moment)
-    add_outer(stiffness, p_b, beside, beside_moment, force, moment)
+    # by the loads: their sum, and the mean slip, which moves towards the points whose loads grow while the
+    # coefficient at each point stays
+    limit = data.friction * by_load(sums[WHOLE_LOAD], law) * sums[WEIGHT]
+    at = limit, sums[SLIP_ALONG], sums[SLIP_ACROSS], 0.0
+    k_aa, k_ab, k_ba, k_bb, _, _, _, _ = slide_slopes(*at, place, law, work.memory)
+    for i in range(6):
+        weight = work.by_weight[number, i]
+        d_a = (work.by_slip[number, 0, i] - sums[SLIP_ALONG] * weight) / sums[WEIGHT]
+        d_b = (work.by_slip[number, 1, i] - sums[SLIP_ACROSS] * weight) / sums[WEIGHT]
+        work.by_slip[number, 0, i] = p_a * weight + k_aa * d_a + k_ab * d_b
+        work.by_slip[number, 1, i] = p_b * weight + k_ba * d_a + k_bb * d_b
+    of_on, of_beside = work.by_slip[number, 0], work.by_slip[number, 1]
+    add_outer(stiffness, 1.0, on, on_moment, vector(of_on[:3]), vector(of_on[3:]))
+    add_outer(stiffness, 1.0, beside, beside_moment, vector(of_beside[:3]), vector(of_beside[3:]))
     of_a, of_b = sums[FRICTION_ALONG] / sums[WEIGHT], sums[FRICTION_ACROSS] / sums[WEIGHT]
     for i in range(6):
         for j in range(6):

@@ -48,13 +48,27 @@ GUESS = 20e9  # load per length and depth with which the solution begins [N/m^2]
 def teeth_contact(angle, rate, position, rotation, velocity, spin, data, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
     """Fill the wrench of law "teeth", see `wrench`, and its stiffness unless both factors are 0, see
     `contact_tangent.Slopes`; `data` is a record `MESH`, `work` a `SCRATCH`."""
+    drive, coast, lines, n = begin_teeth(angle, rate, position, rotation, velocity, spin, data, work)
+    matrix = compliance_matrix(lines, n, data)
+    press_teeth(matrix, lines, n, drive, coast, angle, position, data, work, factor_q, factor_v)
+
+
+@inline
+def begin_teeth(angle, rate, position, rotation, velocity, spin, data, work):  # type: ignore[no-untyped-def]
+    """Empty the sums; return both sides, the lines along which they may meet, and how many."""
     flank = data.flank
     begin_contact(flank.law, work)
     drive = side_of(-1.0, angle, rate, position, rotation, velocity, spin, flank)
     coast = side_of(1.0, angle, rate, position, rotation, velocity, spin, flank)
     lines, n = find_lines(angle, drive, coast, data)
+    return drive, coast, lines, n
+
+
+@inline
+def press_teeth(matrix, lines, n, drive, coast, angle, position, data, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+    """Fill the wrench and its stiffness from the compliance of all stations."""
+    flank = data.flank
     force, elastic = np.empty(n * flank.stations), np.empty(n * flank.stations)
-    matrix = compliance_matrix(lines, n, data)
     if not solve_loads(matrix, lines, data, force, elastic):
         for i in range(WRENCH_SIZE):
             work.wrench[i] = np.nan
@@ -242,7 +256,6 @@ def _fill_wrenches(stations, i, row, load, yields, loads, side, data, work, slop
 def _add_to_patch(stations, i, factor, yields, side, data, work, slopes):  # type: ignore[no-untyped-def]
     """Add a station's change of load over the rack's motion to what bristles change by with it."""
     p_r, p_t, z = stations[P_R, i], stations[P_T, i], stations[P_Z, i]
-    slip_r, slip_b = slip_at(p_r, p_t, z, side)
     force, moment = scaled(factor, vector(yields[:3])), scaled(factor, vector(yields[3:]))
     arm = arm_of(p_r, p_t, z, slopes.stance)
-    add_to_patch(force, moment, arm, slip_r, slip_b, p_r, p_t, side, data, work, slopes)
+    add_to_patch(force, moment, arm, p_r, p_t, z, side, data, work, slopes)

@@ -33,9 +33,10 @@ SCRATCH = record_type(
     [
         ("memory", "f8", (2, STATE_SIZE)),  # state of the bristle friction, see `forces.friction`
         ("rubbed", "f8", (PATCH_SUMS,)),  # sums over a patch of it
-        # of each side: changes of its directions with the loads, and of its weight, over the rack's motion
+        # of each side, over the rack's motion: changes of its directions with the loads, of weight and slip
         ("by_direction", "f8", (2, 2, 6, 6)),
         ("by_weight", "f8", (2, 6)),
+        ("by_slip", "f8", (2, 2, 6)),
         ("sums", "f8", (SUMS,)),
         ("strip", "f8", STRIP_SHAPE),
         ("cuts", "f8", (LIMITS, 5)),

@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.accuracy_speed.convergence import fitted_orders
 from benchmarks.accuracy_speed.measurement import Measurement, Point, load_measurement
-from benchmarks.accuracy_speed.tables import TABLES, scaling_rows
+from benchmarks.accuracy_speed.tables import scaling_rows
 from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.parameters.fidelity import Fidelity
 from verification.work_precision import Reference
@@ -41,9 +41,10 @@ def stopped() -> Measurement:
     return Measurement("free-pinion-torque", reference, points, planned, {"date": "today"})
 
 
-def test_a_stopped_measurement_is_shown(stopped: Measurement, tmp_path: Path) -> None:
+def test_a_stopped_measurement_keeps_its_failures(stopped: Measurement, tmp_path: Path) -> None:
     stopped.save(tmp_path / "free-pinion-torque.h5")
-    assert "| no-convergence | 1 | quasi-static | <no equilibrium> |" in TABLES["failures"](tmp_path)
+    failed = [each for each in load_measurement(tmp_path / "free-pinion-torque.h5").points if not each.ok]
+    assert [(each.status, each.message) for each in failed] == [("no-convergence", "<no equilibrium>")]
 
 
 def test_orders_are_fitted_and_kept(stopped: Measurement, tmp_path: Path) -> None:

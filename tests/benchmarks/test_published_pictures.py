@@ -27,7 +27,6 @@ from benchmarks.peers.side_by_side import from_data
 from benchmarks.stability.chart import draw_limits, draw_maps
 from benchmarks.topic import RESULTS
 from picture_album import Album, figure_functions
-from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
 
@@ -93,8 +92,8 @@ PICTURES: dict[str, Callable[[], Figure]] = {
 
 FILES: dict[str, Callable[[Path], None]] = {
     "limits of steps": lambda out: draw_limits(data("stability/explicit.json")["limits"], out),
-    "rack tooth": lambda out: tooth_compliance.draw(
-        tooth_compliance.read(RESULTS / "tooth_compliance"), GearPair.of(SteeringGear()), out
+    "yields of teeth": lambda out: tooth_compliance.draw(
+        data("tooth_compliance/elements.json")["course"], out
     ),
 } | {
     path.stem: lambda out, path=path: draw_maps(json.loads(path.read_text())["maps"], out)  # type: ignore[misc]

@@ -48,19 +48,6 @@ def test_links_to_headings_are_found() -> None:
     assert len(linked_headings()) > 20
 
 
-def test_page_of_models_has_the_numbers_of_the_results() -> None:
-    """Times and changes of each row stand in the file that it names, else in the data of the needs."""
-    page = (ROOT / "docs" / "models.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| .*\d.* \|$", page, re.M)
-    for row in rows:
-        target = re.search(r"\]\(\.\./([^)#]+)", row)
-        source = (ROOT / (target[1] if target else "results/scenes/needs.json")).read_text(encoding="utf-8")
-        for cell in row.strip("| ").split(" | ")[1:]:
-            if re.fullmatch(r"[-+]?\d+\.\d+|[-+]\d+", cell):
-                assert re.search(rf"(?<![\d.]){re.escape(cell)}(?![\d.])", source), row
-    assert len(rows) >= 12
-
-
 def test_tutorial_has_eight_pages_and_the_gallery_twenty_entries() -> None:
     """All are in the site, which runs them when it is built; the entries' names differ."""
     executed = module_of("executed")

@@ -178,6 +178,19 @@ def test_impact_has_the_numbers_of_an_independent_model(impact: Result) -> None:
     assert force.max() == pytest.approx(3645, rel=0.03)
 
 
+@pytest.mark.parametrize("axis", ["y", "z"])
+def test_impacts_by_both_laws_of_the_teeth_have_the_same_impulse(axis: str) -> None:
+    """Of the yokenut's force until the next pulse: 4 %."""
+    impulses = []
+    for law in ("line", "teeth"):
+        gear = GEAR.replace({"mesh.law": law, "test.pulse_axis": axis})
+        result = rps.run("yoke-impact", gear, pulse_period="7.5 ms")
+        assert result.status is Status.OK, result.message
+        first = result["time"] <= 7.5e-3 + 1e-9
+        impulses.append(np.trapezoid(result["yokenut_force"][first], result["time"][first]))
+    assert impulses[0] == pytest.approx(impulses[1], rel=0.04)
+
+
 def test_impact_accounts_for_the_energy_of_bending(impact: Result) -> None:
     """0.2 % of the pulse's work; the bar stores most of it for a while, and its damping takes some."""
     assert abs(impact.summary["energy_residual"]) < 2e-3

@@ -106,20 +106,21 @@ def work_in_zone(gear: SteeringGear, ratio: float) -> float:
     integrals of v^2 / r instead of v lose 1 - sqrt(1 - r^2) / 2 - arcsin(r) / (2 r), about r^2 / 6. Bristles
     have no zone; Stribeck's friction is larger there than in motion.
     """
-    pair, mean = GearPair.of(gear), closed_form(gear)
-    slowest, losses = float(pair.least_sliding), mean.forward
-    parts = {  # zone over largest speed, for a ratio of 1; loss
-        "mesh": (slowest / mean.friction_lever, losses.mesh_loss),
-        "yoke": (slowest / mean.rack_gain, losses.plunger_loss),
-        "bush": (slowest / mean.rack_gain, losses.bush_loss),
-        "bearing": (1.0, losses.bearing_loss),
+    pair, losses = GearPair.of(gear), closed_form(gear).forward
+    slowest, along = pair.least_sliding, np.array([pair.gain])
+    parts = {  # zone of a ratio of 1, sliding speeds over the pinion's, loss
+        "mesh": (slowest, pair.friction_levers, losses.mesh_loss),
+        "yoke": (slowest, along, losses.plunger_loss),
+        "bush": (slowest, along, losses.bush_loss),
+        "bearing": (1.0, np.ones(1), losses.bearing_loss),
     }
     lost = 0.0
-    for part, (relative, loss) in parts.items():
-        law, r = getattr(gear, part), min(relative * ratio, 1.0)
-        if r > 0 and not law.facts.has_state:
+    for part, (zone, speeds, loss) in parts.items():
+        law = getattr(gear, part)
+        if ratio > 0 and not law.facts.has_state:
+            r = np.clip(ratio * zone / speeds, 1e-9, 1.0)
             share = 1 - np.sqrt(1 - r**2) / 2 - np.arcsin(r) / (2 * r)
-            lost += loss * share * (1 + law.surplus)
+            lost += loss * np.average(share, weights=speeds) * (1 + law.surplus)
     return float(lost / losses.losses) if losses.losses > 0 else 0.0
 
 
