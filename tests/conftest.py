@@ -12,7 +12,8 @@ compiles, is long.
 
 import dataclasses
 import os
-from collections.abc import Sequence
+import signal
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -207,14 +208,18 @@ def failed_result(made_up_result: Result) -> Result:
 
 
 @pytest.fixture
-def command(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Command:
+def command(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[Command]:
     """`rps-exudyn` with these arguments, in an empty folder."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("FORCE_COLOR", raising=False)  # which makes lines as short as a terminal's
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background, it is ignored
 
     def call(arguments: Sequence[str]) -> Answer:
         status = main(list(arguments))
         captured = capsys.readouterr()
         return Answer(status, captured.out, captured.err)
 
-    return call
+    yield call
+    signal.signal(signal.SIGINT, before)

@@ -12,7 +12,7 @@ from rps_exudyn.analysis.passes import Pass, Signals, common_angles, longest_pas
 from rps_exudyn.analysis.result_comparison import SignalPair, signal_pair
 from rps_exudyn.analysis.torque import describe_torque
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
-from rps_exudyn.results.result import MeasuredTorque
+from rps_exudyn.results.result import MeasuredTorque, Result
 
 FEWEST = 3  # rows that make a curve
 TURN = 2 * np.pi  # [rad]
@@ -111,6 +111,13 @@ def _range_of(signals: Signals, direction: int) -> np.ndarray:
     """The simulated angles in a direction, or in the other one if there are none [rad]."""
     found = longest_pass(signals, direction) or longest_pass(signals, -direction)
     return found.angle if found else np.zeros(0)
+
+
+def compared_with_own(result: Result) -> list[AgainstMeasured] | None:
+    """Compare a result with the measured torque that it keeps; None if it keeps none."""
+    if result.measured is None:
+        return None
+    return compare_with_measured(result.measured, result.signals, result.gear.pinion.teeth)
 
 
 def compare_with_measured(measured: MeasuredTorque, signals: Signals, teeth: int) -> list[AgainstMeasured]:

@@ -19,10 +19,9 @@ if TYPE_CHECKING:
 
 def put_result(result: "Result", json: bool, files: Iterable[Path] = (), every: bool = True) -> None:
     """Print a result and its comparison with a measured torque, if any: `every` number, or its sheet."""
-    from rps_exudyn.analysis.measured import compare_with_measured
+    from rps_exudyn.analysis.measured import compared_with_own
 
-    measured, teeth = result.measured, result.gear.pinion.teeth
-    compared = compare_with_measured(measured, result.signals, teeth) if measured else None
+    compared = compared_with_own(result)
     if json:
         print_json(result_as_dict(result, files) | measured_as_dict(compared))
     elif every:

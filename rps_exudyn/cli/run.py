@@ -97,13 +97,23 @@ def run(
     if band is not None or inputs is not None:
         from rps_exudyn.cli.run_band import do_band, sample_count
 
-        refused = {"accuracy": accuracy, "measured": measured, "robust": robust}
+        refused = {"accuracy": accuracy, "robust": robust}
         count = sample_count(band, [name for name, given in refused.items() if given])
         seconds = limit.seconds if limit else inf
         files = Files(out, picture, overwrite)
         with printing(quiet):
+            curve = read_measured(measured, column, scene, chosen.steering_gear) if measured else None
             return do_band(
-                scene, setup, count, inputs, files, every=every, as_json=json, jobs=jobs, time_limit=seconds
+                scene,
+                setup,
+                count,
+                inputs,
+                files,
+                curve,
+                every=every,
+                as_json=json,
+                jobs=jobs,
+                time_limit=seconds,
             )
     if jobs is not None:
         raise InputError("--jobs shares the runs of a band among processes; add --band.")

@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+from rps_exudyn.analysis.measured import compared_with_own
 from rps_exudyn.base.errors import InputError, as_sentence
 from rps_exudyn.base.files import write_json
 from rps_exudyn.base.screen import shown_progress
@@ -22,7 +23,12 @@ from rps_exudyn.cli.output import (
     put,
     put_table,
 )
-from rps_exudyn.cli.printed import print_sheet, result_as_dict
+from rps_exudyn.cli.printed import (
+    measured_as_dict,
+    print_measured,
+    print_sheet,
+    result_as_dict,
+)
 from rps_exudyn.inference.uncertainty.band import Band, band_of_runs
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.inference.uncertainty.quick_band import SCENE, quick_band
@@ -33,6 +39,7 @@ from rps_exudyn.pages.report.sheet_file import KEY, sheet_as_dict
 from rps_exudyn.parameters.fidelity import MEAN_STEP
 from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.cases.run_cases import checked_jobs
 
@@ -46,6 +53,7 @@ def do_band(
     count: int | None,
     inputs: str | None,
     files: Files,
+    measured: MeasuredTorque | None = None,
     *,
     every: bool = True,
     as_json: bool = False,
@@ -54,7 +62,8 @@ def do_band(
 ) -> int:
     """Compute, keep and print a band; the nominal result goes to the HDF5 file as of any run.
 
-    A sample that takes longer than the time limit [s] is one that failed.
+    A sample that takes longer than the time limit [s] is one that failed. A measured torque is compared with
+    the nominal result and drawn over the band.
 
     Raises:
         InputError: distributions or a number of samples that cannot be, or a gear that fails.
@@ -76,6 +85,8 @@ def do_band(
         if not quick:
             made = partial(band_of_runs, scene, gear, setup.fidelity, chosen, count or QUICK_OTHERWISE)
         band = made(on_progress=report, jobs=processes, time_limit=time_limit)
+    band = replace(band, nominal=replace(band.nominal, measured=measured))
+    compared = compared_with_own(band.nominal)
     table = files.out.with_suffix(".band.json")
     files.make_room(table)
     written: list[Path] = []
@@ -92,14 +103,14 @@ def do_band(
             written.append(files.plot)
         if as_json:
             del content["values"]  # the file has them
-            print_json(
-                content | {"nominal": result_as_dict(band.nominal), "files": [str(file) for file in written]}
-            )
+            nominal = result_as_dict(band.nominal) | measured_as_dict(compared)
+            print_json(content | {"nominal": nominal, "files": [str(file) for file in written]})
         elif every:
             print_band(band, written)
+            print_measured(compared)
         else:
             count = len(band.nominal.summary)
-            print_sheet(sheet_of(band.nominal, band=band), written, f"{count} quantities")
+            print_sheet(sheet_of(band.nominal, compared, band), written, f"{count} quantities")
     return INTERRUPTED if band.interrupted else DONE
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import rps_exudyn as rps
 from rps_exudyn.study.cases import describe
@@ -38,6 +39,36 @@ def test_band_is_printed_and_every_sample_kept(command: Command) -> None:
     assert "in 90 % of gears" in page
     assert "Shares of the variance of the mean torque" in page
     assert "Make the band again" in page
+
+
+def test_band_and_measured_points_are_one_picture(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A tenth above the nominal torque, in both directions, another turn on: what is left is that tenth."""
+    path = ("--set", "test.path=there-and-back")
+    assert command(["run", *OPTIONS, *path]).status == 0
+    nominal = rps.load("r.h5")
+    angle, torque = np.degrees(nominal["pinion_angle"]) + 360, 1.1 * nominal["pinion_torque"]
+    rows = "\n".join(f"{a:.3f};{t:.6f}" for a, t in zip(angle, torque, strict=True))
+    Path("m.csv").write_text(f"pinion_angle [deg]; pinion_torque [N m]\n{rows}\n")
+    kept: list[Figure] = []
+    monkeypatch.setattr("rps_exudyn.pages.charts.style.save", lambda figure, _: kept.append(figure))
+    spread = ("--band", "16", "--set", "yoke.preload=300 N +- 10 %")
+    answer = command(["run", *OPTIONS, *path, *spread, "--measured", "m.csv", "--overwrite"])
+    assert answer.status == 0
+    assert answer.out.count("10 % above the simulated one") == 2
+    assert "in 90 % of gears" in answer.out
+    assert len(answer.out.splitlines()) <= 8
+    above, left, _ = kept[0].axes
+    dots = np.concatenate([line.get_xydata() for line in above.lines if line.get_marker() == "o"])
+    assert np.abs(dots[:, 1]).max() == pytest.approx(np.abs(torque).max(), rel=1e-3)
+    assert dots[:, 0].max() <= 360 + 1e-6
+    assert above.collections  # the band
+    rest = np.concatenate([line.get_ydata() for line in left.lines if line.get_marker() == "o"])
+    assert np.abs(rest).max() == pytest.approx(np.abs(torque).max() / 11, rel=1e-2)
+    measured = rps.load("r.h5").measured
+    assert measured is not None
+    assert measured.name == "m.csv"
+    assert command(["report", "r.band.json"]).status == 0
+    assert "Comparison with m.csv" in Path("r.band.html").read_text()
 
 
 def test_interrupt_while_the_picture_is_drawn_names_the_files_that_are_there(

@@ -12,20 +12,29 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rps_exudyn.analysis.passes import turning_points
+from rps_exudyn.analysis.measured import residuals
+from rps_exudyn.analysis.passes import passes, turning_points
 from rps_exudyn.inference.fitting.fitted import Fit, FittedPass
 from rps_exudyn.inference.fitting.production import Limits, Production
 from rps_exudyn.inference.fitting.unknowns import LEVEL
 from rps_exudyn.inference.uncertainty.band import Band
 from rps_exudyn.inference.uncertainty.statistics import LEVELS, Contributions
 from rps_exudyn.pages.charts import style
-from rps_exudyn.pages.charts.curves import AGAINST_MOTION, DIRECTIONS, draw_dots
+from rps_exudyn.pages.charts.curves import (
+    AGAINST_MOTION,
+    DIRECTIONS,
+    HEIGHT_OF_RESIDUAL,
+    add_measured,
+    draw_dots,
+    draw_residuals,
+)
 from rps_exudyn.pages.charts.style import scene_of
 from rps_exudyn.results.judged_row import Verdict
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.scenes import scene_named
 
 SHOWN = 6  # contributions by name
+HEIGHT, HEIGHT_OF_SHARES = 3.6, 2.0  # of the curves and of the contributions [in]
 BANDS = ((0, -1, 0.18), (1, -2, 0.32))  # outer and inner quantiles, opacity
 
 
@@ -34,16 +43,27 @@ def band_figure(band: Band) -> Figure:
     figure = band_curves(band)
     shares = band.contributions.get(scene_named(band.nominal.scene).figure)
     if shares is not None:
-        figure.set_size_inches(8.0, 5.6)
-        _draw_contributions(figure, figure.axes[0], shares)
+        _draw_contributions(figure, shares)
     style.title(figure, _headline(band), _failures(band))
     return figure
 
 
 def band_curves(band: Band) -> Figure:
-    """The scene's signal at the medians of the inputs, and its bands."""
-    figure, axes = style.panels([3.6], width=8.0)
+    """The scene's signal at the medians of the inputs, and its bands; over them the measured torque that the
+    nominal result keeps, if any, and below them its residuals."""
+    signals, measured = band.nominal.signals, band.nominal.measured
+    if scene_named(band.nominal.scene).signal != "pinion_torque" or "pinion_torque" not in signals:
+        measured = None
+    left = [] if measured is None else residuals(measured, signals)
+    figure, axes = style.panels([HEIGHT, *([HEIGHT_OF_RESIDUAL] if left else [])], width=8.0)
+    if measured is not None:
+        only = sum({each.direction for each in passes(signals)})
+        add_measured(axes[0], measured, signals, only=only)
     _draw_curves(axes[0], band)
+    if left:
+        draw_residuals(axes[1], "measured - simulated", left, against_motion=False)
+        axes[0].set_xlabel("")
+        style.angle_axis(axes[1])
     return figure
 
 
@@ -101,14 +121,18 @@ def _parts(x: np.ndarray) -> list[slice]:
     return [part for part in parts if part.stop - part.start > 2]
 
 
-def _draw_contributions(figure: Figure, above: Axes, shares: Contributions) -> None:
-    """Bars of the largest contributions, most on top."""
+def _draw_contributions(figure: Figure, shares: Contributions) -> None:
+    """Bars of the largest contributions, most on top, below the panels that the figure has."""
     shown = list(shares.fractions.items())[:SHOWN]
     rest = sum(shares.fractions.values()) - sum(value for _, value in shown)
     rows = [*shown, ("all others", rest), ("acting together", shares.together)]
-    grid = figure.add_gridspec(2, 1, height_ratios=[3.2, 2.0])
-    above.set_subplotspec(grid[0])
-    axes = figure.add_subplot(grid[1])
+    above, (width, height) = list(figure.axes), figure.get_size_inches()
+    figure.set_size_inches(width, height + HEIGHT_OF_SHARES)
+    heights = [HEIGHT, HEIGHT_OF_RESIDUAL][: len(above)]
+    grid = figure.add_gridspec(len(above) + 1, 1, height_ratios=[*heights, HEIGHT_OF_SHARES])
+    for row, each in enumerate(above):
+        each.set_subplotspec(grid[row])
+    axes = figure.add_subplot(grid[len(above)])
     axes.barh([name for name, _ in rows], [100 * value for _, value in rows], color=style.COLOURS["torque"])
     axes.invert_yaxis()
     axes.spines[["top", "right"]].set_visible(False)

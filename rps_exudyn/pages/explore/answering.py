@@ -17,7 +17,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import Progress, following
 from rps_exudyn.base.units import pretty
 from rps_exudyn.pages.explore.on_request import KINDS, SIMULATION, on_request
-from rps_exudyn.pages.explore.sliders import SLIDERS, Answer, Wish, answer, scenes
+from rps_exudyn.pages.explore.sliders import SLIDERS, SLOW, Answer, Wish, answer, scenes
 from rps_exudyn.parameters.gear import SteeringGear, gear_file
 from rps_exudyn.scenes.free_pinion_torque import SCENE
 from rps_exudyn.simulate.cases.processes import Processes
@@ -56,7 +56,8 @@ class Request:
         """
         try:
             scene, both_ways = str(asked.get("scene", SCENE.name)), bool(asked.get("both_ways"))
-            wish = Wish(asked["state"], scene, both_ways, str(asked.get("measured", "")))
+            measured, is_draft = str(asked.get("measured", "")), bool(asked.get("draft"))
+            wish = Wish(asked["state"], scene, both_ways, measured, is_draft)
             return cls(
                 wish, str(asked.get("tab", ""))[:40], int(asked.get("number", 0)), str(asked.get("of", ""))
             )
@@ -101,6 +102,8 @@ class Answering:
         count = max(2, available_processors())
         self._free: SimpleQueue[Processes] = SimpleQueue()
         self._begun = [Processes(1, LONGEST) for _ in range(count)]
+        for processes in self._begun:
+            self._free.put(processes)
         self._patient: dict[str, SimpleQueue[Processes]] = {kind: SimpleQueue() for kind in KINDS}
         for kind, queue in self._patient.items():
             for _ in range(count if kind == SIMULATION else 1):
@@ -114,12 +117,12 @@ class Answering:
             processes.__exit__()
 
     def warm_up(self) -> None:
-        """Compile here if need be, where a command shows it; the processes start in the background."""
+        """Compile here if need be, where a command shows it; the processes start in the background. Without
+        it, each starts and compiles with its first request."""
         answer(SteeringGear(), Wish({}))
-        for processes in list(self._begun):
-            if processes.time_limit == LONGEST:
-                arguments = (processes, self._free, self.task(Wish({})))
-                Thread(target=self._ask, args=arguments, daemon=True).start()
+        for _ in range(self._free.qsize()):
+            arguments = (self._free.get(), self._free, self.task(Wish({})))
+            Thread(target=self._ask, args=arguments, daemon=True).start()
 
     def task(self, wish: Wish) -> Task:
         """The call that answers a state."""
@@ -222,4 +225,4 @@ def _controls(gear: SteeringGear) -> Answer:
         }
         for slider in SLIDERS
     ]
-    return {"sliders": sliders, "scenes": scenes()}
+    return {"sliders": sliders, "scenes": scenes(), "slow": 1e3 * SLOW}

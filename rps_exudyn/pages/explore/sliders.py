@@ -1,6 +1,7 @@
 """The sliders of the page (parameter, range, step), and the answer to one state of them."""
 
 from dataclasses import dataclass
+from math import degrees, radians
 from time import perf_counter
 from typing import Any
 
@@ -12,7 +13,8 @@ from rps_exudyn.base.errors import InputError, raise_wrapped
 from rps_exudyn.base.units import pretty, words
 from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.pages.report.sheet import REMARK, WORK_LOST, loss_shares, sheet_of
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import BY_SCENE, SteeringGear
 from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import GEOMETRY, PARTS, SIGNALS
@@ -105,6 +107,9 @@ MODELS = {
     "quasi-static": " Quasi-static: equilibria at each instant, without inertia. Friction as given.",
     "flank": " Dynamics by fidelity flank. Friction as given.",
 }
+SLOW = 0.25  # scenes that take longer are drafted while a slider moves [s]
+DRAFT_STEP = radians(6)  # of the pinion
+DRAFT = f"draft while a slider moves: contact law line, steps of {degrees(DRAFT_STEP):g}\N{DEGREE SIGN}"
 MOST_POINTS = 3000  # of a curve
 SIZES = (
     "transverse_contact_ratio",
@@ -126,12 +131,14 @@ class Wish:
         scene: name of a scene.
         is_both_ways: whether the rig turns there and back.
         measured: bytes of a measured file, as base64.
+        is_draft: whether a slider moves, and a coarse answer will do until it rests.
     """
 
     state: Any
     scene: str = SCENE.name
     is_both_ways: bool = False
     measured: str = ""
+    is_draft: bool = False
 
     def gear(self, gear: SteeringGear) -> SteeringGear:
         """The gear with the state of the sliders.
@@ -142,7 +149,13 @@ class Wish:
         if self.scene not in SCENE_NAMES:
             raise InputError(f"{units.shown(self.scene)} is no scene of this page.")
         path = {"test.path": "there-and-back"} if self.is_both_ways else {}
-        return gear.replace(settings_of(self.state) | path)
+        law = {"mesh.law": "line"} if self.is_draft and gear.mesh.law == BY_SCENE else {}
+        return gear.replace(settings_of(self.state) | path | law)
+
+    def fidelity(self) -> Fidelity:
+        """The scene's model; of a draft in coarse steps."""
+        model = Fidelity.preset(fidelity_of(self.scene))
+        return model.replace({"step_angle": DRAFT_STEP}) if self.is_draft else model
 
 
 def scenes() -> dict[str, Answer]:
@@ -181,7 +194,7 @@ def simulated(gear: SteeringGear, wish: Wish) -> Answer:
     try:
         chosen = wish.gear(gear)
         shown = _described(chosen)
-        result = simulate(wish.scene, chosen, fidelity_of(wish.scene))
+        result = simulate(wish.scene, chosen, wish.fidelity())
     except InputError as error:
         return {"problems": list(error.problems)}
     except Exception as error:  # whatever a state nobody has tried does to a solver: the page goes on
@@ -189,7 +202,8 @@ def simulated(gear: SteeringGear, wish: Wish) -> Answer:
         return {"problems": [f"This state cannot be computed: {type(error).__name__}: {error}."]}
     if result.status is not Status.OK:
         return shown | {"problems": [f"{result.status}: {result.message} {result.status.remedy}".strip()]}
-    return shown | _drawn(result) | {"ms": 1e3 * (perf_counter() - began)}
+    draft = {"draft": DRAFT} if wish.is_draft else {}
+    return shown | _drawn(result) | draft | {"ms": 1e3 * (perf_counter() - began)}
 
 
 def _described(gear: SteeringGear) -> Answer:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from rps_exudyn.analysis.measured import NOTHING_TO_COMPARE, AgainstMeasured, compare_with_measured
+from rps_exudyn.analysis.measured import NOTHING_TO_COMPARE, AgainstMeasured, compared_with_own
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base.errors import InputError, as_sentence
 from rps_exudyn.base.units import short, words
@@ -68,9 +68,7 @@ def result_article(
         more: sections behind the losses.
         band: of uncertain inputs, of which `result` is the nominal run.
     """
-    compared = None
-    if result.measured is not None:
-        compared = compare_with_measured(result.measured, result.signals, result.gear.pinion.teeth)
+    compared = compared_with_own(result)
     sheet = sheet_of(result, compared, band)
     return Article(
         title=scene_of(result),

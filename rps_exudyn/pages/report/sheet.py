@@ -79,7 +79,9 @@ def sheet_of(
     law = law_error(result.gear, result.fidelity)
     model = f"{result.fidelity['name']}; law {law.law}" if law else result.fidelity["name"]
     state = "" if result.status is Status.OK else f" ({result.status})"
-    rows = (*_measured(result, compared), *_band(band), *_losses(result), *_remark(result))
+    first, last = (*_measured(result, compared), *_band(band)), tuple(_remark(result))
+    losses = tuple(_losses(result)) if len(first) + len(last) + 1 < MOST_ROWS else ()
+    rows = (*first, *losses, *last)
     metrics = tuple(_metrics(result, band))[: max(1, MOST_ROWS - len(rows))]
     return Sheet(short(f"{title}{state}: {shown}; {model}", 160), (*metrics, *rows))
 
@@ -120,7 +122,7 @@ def _measured(result: Result, compared: "Sequence[AgainstMeasured] | None") -> I
         found, ours = each.measured.get("torque_mean"), each.simulated.get("torque_mean")
         if found is None or ours is None or result.measured is None:
             continue
-        side, sign = "above" if found > ours else "below", "+" if each.direction > 0 else "−"
+        side, sign = "above" if abs(found) > abs(ours) else "below", "+" if each.direction > 0 else "−"
         apart = f": {100 * abs(found / ours - 1):.2g} % {side} the simulated one" if ours else ""
         words = f"measured mean towards {sign}X, {short(result.measured.name, 30)}{apart}"
         yield Row(rounded(SUMMARY["torque_mean"], found), words)

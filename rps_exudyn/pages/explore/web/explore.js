@@ -6,6 +6,7 @@ const by = (id) => document.getElementById(id);
 const SILENT = "The server does not answer any more; start rps-exudyn explore again.";
 const TAB = String(Math.random()).slice(2);
 let sliders = [], scenes = {}, number = 0, busy = false, wanted = false, first = null, axis = null, sent = 0;
+let slow = Infinity, drafts = false, drafted = false; // time of an answer from which on its scene is drafted while a slider moves [ms]
 let latest = null, band = null, measured = null, file = null, resting = 0, turned = null;
 const POLL = 500; // between questions how far a simulation is [ms]
 const running = new Set(); // kinds of clicks without an answer
@@ -86,6 +87,7 @@ const dynamic = () => scenes[by("scene").value].dynamic;
 // Another scene, of which nothing is known yet; one of dynamics is simulated by a click
 function fresh() {
   first = axis = latest = null;
+  drafts = false;
   by("simulate").hidden = !dynamic();
   for (const id of ["chart", "rows", "losses", "caption", "remarks", "accuracy"]) by(id).replaceChildren();
   changed();
@@ -104,8 +106,9 @@ async function ask() {
   while (wanted) {
     wanted = false;
     sent = performance.now();
+    drafted = drafts;
     try {
-      show(await post("curve", { ...asked(), number: ++number }));
+      show(await post("curve", { ...asked(), draft: drafted, number: ++number }));
     } catch {
       show({ problems: [SILENT] });
     }
@@ -115,8 +118,20 @@ async function ask() {
   resting = setTimeout(rest, REST);
 }
 
+// The answer to a state that was drafted; none if a slider has moved meanwhile
+async function settle() {
+  const mine = ++number;
+  try {
+    const answer = await post("curve", { ...asked(), number: mine });
+    if (mine === number) show({ ...answer, settled: true });
+  } catch {
+    show({ problems: [SILENT] });
+  }
+}
+
 // When the sliders rest, address and picture follow
 function rest() {
+  if (drafted) settle();
   const { state: moved, scene, both_ways } = asked();
   if (!FRAME) history.replaceState(null, "", `#${encodeURIComponent(JSON.stringify({ state: moved, scene, both_ways }))}`);
   click("picture", null, (found) => {
@@ -233,7 +248,8 @@ function show(answer) {
     by("accuracy").textContent = answer.accuracy;
   }
   const took = performance.now() - sent;
-  const waited = answer.of ? "" : `, ${took.toFixed(0)} ms from slider to curve`;
+  if (answer.ms && !answer.draft && !answer.of) drafts = answer.ms > slow;
+  const waited = answer.of || answer.settled ? "" : `, ${took.toFixed(0)} ms from slider to curve`;
   by("timing").textContent = answer.ms ? `${answer.ms.toFixed(0)} ms to compute${waited}` : "";
   document.body.dataset.answered = number;
   document.body.dataset.took = took.toFixed(1);
@@ -327,7 +343,7 @@ function chart() {
   for (const curve of older) drawn(svg, "polyline", { points: line(curve), class: `start${way(curve)}` });
   for (const curve of answer.curves) drawn(svg, "polyline", { points: line(curve), class: `now${way(curve)}` });
   by("chart").replaceChildren(svg);
-  const parts = [];
+  const parts = answer.draft ? [answer.draft] : [];
   if (answer.curves.length > 1) parts.push("line: towards +X, dashed: towards \u2212X, each against the motion");
   if (older.length) parts.push("thin: the gear at the start");
   if (answer.error && answer.curves.length === 1) parts.push("shaded: the mean with the error of the contact law");
@@ -409,6 +425,7 @@ async function begin() {
   sliders = found.sliders.map(slider);
   by("sliders").replaceChildren(...sliders.map(({ row }) => row));
   scenes = found.scenes;
+  slow = found.slow;
   by("scene").replaceChildren(...Object.entries(scenes).map(([value, { title }]) => make("option", { value }, title)));
   for (const id of ["scene", "both-ways"]) by(id).addEventListener("change", fresh);
   by("simulate").addEventListener("click", ({ target }) => {
