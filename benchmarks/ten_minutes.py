@@ -173,7 +173,7 @@ def steps_table(folder: Path) -> str:
             f"`{step['command']}`",
             f"{step['cpu']:.1f}",
             f"{step['wall']:.1f}",
-            f"{step['silent']:.1f}",
+            f"{step['silent']:.1f}" if "silent" in step else "",
             f"{step['kilobytes']:.0f}" if "kilobytes" in step else "",
         ]
         for step in data["steps"]

@@ -66,9 +66,9 @@ def test_band_and_measured_points_are_one_picture(command: Command, monkeypatch:
     assert np.abs(rest).max() == pytest.approx(np.abs(torque).max() / 11, rel=1e-2)
     measured = rps.load("r.h5").measured
     assert measured is not None
-    assert measured.name == "m.csv"
+    assert measured.name == "m"
     assert command(["report", "r.band.json"]).status == 0
-    assert "Comparison with m.csv" in Path("r.band.html").read_text()
+    assert "Comparison with m<" in Path("r.band.html").read_text()
 
 
 def test_interrupt_while_the_picture_is_drawn_names_the_files_that_are_there(

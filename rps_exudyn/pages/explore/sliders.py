@@ -237,7 +237,7 @@ def _drawn(result: Result) -> Answer:
         ],
         "losses": [[part, PARTS[part], 100 * share] for part, share in loss_shares(result).items()],
         "error": error.largest if error and signal == "pinion_torque" else None,
-        "accuracy": (error.sentence if error else "") + MODELS[result.fidelity["name"]],
+        "accuracy": (error.sentence if error else "") + MODELS[fidelity_of(result.scene)],
         "fidelity": result.fidelity["name"],
         "remarks": result.message,
     }
