@@ -384,6 +384,28 @@ def test_dynamics_and_the_gear_in_three_dimensions(browser: sync_api.Browser, se
     page.close()
 
 
+def test_slow_scene_is_drafted_while_a_slider_moves(browser: sync_api.Browser, server: Explorer) -> None:
+    """The load test by its own law, a draft of it, and its own law again, once the slider rests."""
+    page = browser.new_page()
+    _, said = watched(page)
+    address = '{"state": {}, "scene": "load-test", "both_ways": false}'
+    page.goto(f"{server.address}#{address}")
+    sync_api.expect(page.locator("#timing")).to_contain_text("ms to compute", timeout=1e3 * PATIENCE)
+    page.evaluate("drafts = true")  # however fast the machine is
+    page.evaluate("window.seen = []")
+    page.evaluate(
+        "new MutationObserver(() => seen.push(by('caption').textContent))"
+        ".observe(by('caption'), { childList: true })"
+    )
+    page.locator("#yoke-preload").press("ArrowRight")
+    page.wait_for_function("seen.length > 1", timeout=1e3 * PATIENCE)
+    drafted, *_, settled = page.evaluate("seen")
+    assert drafted.startswith(answers.DRAFT)
+    assert "draft" not in settled
+    assert said == []
+    page.close()
+
+
 def test_page_in_a_browser(browser: sync_api.Browser, server: Explorer) -> None:
     for viewport in ({"width": 390, "height": 800}, {"width": 1280, "height": 900}):
         page = browser.new_page(viewport=viewport)  # type: ignore[arg-type]
