@@ -132,16 +132,17 @@ WHAT_TO_DO = re.compile(
 )
 
 
-@pytest.mark.parametrize("kind", RIG_TEXTS | RIG_BINARY)
+@pytest.mark.parametrize("kind", [*RIG_TEXTS, *RIG_BINARY])
 def test_a_rig_s_file_is_read_right_or_refused_with_what_to_do(kind: str, tmp_path: Path) -> None:
     """Read with the gear at hand: half the difference of both ways, and the angle it covers."""
     path = tmp_path / "bench.csv"
     if kind in RIG_BINARY:
         needs_libraries(kind)
-        RIG_BINARY[kind][0](path)
+        write, sentence = RIG_BINARY[kind]
+        write(path)
     else:
-        path.write_text(RIG_TEXTS[kind][0], encoding="utf-8")
-    sentence = (RIG_TEXTS | RIG_BINARY)[kind][1]
+        text, sentence = RIG_TEXTS[kind]
+        path.write_text(text, encoding="utf-8")
     if sentence:
         with pytest.raises(InputError, match=sentence) as refused:
             check_sizes(read_measurement([path]), SteeringGear())
@@ -160,9 +161,8 @@ def test_a_rig_s_file_is_read_right_or_refused_with_what_to_do(kind: str, tmp_pa
 
 def test_forty_texts_and_ten_binary_files_are_tried(tmp_path: Path) -> None:
     """Read to the same curve or refused, by the tests here; each refusal says what to do."""
-    texts = [READABLE, ODD_READABLE, REFUSED, ODD_REFUSED, RIG_TEXTS]
-    assert sum(map(len, texts)) >= 40
-    assert sum(map(len, (BINARY, BINARY_REFUSED, RIG_BINARY))) >= 10
+    assert len([*READABLE, *ODD_READABLE, *REFUSED, *ODD_REFUSED, *RIG_TEXTS]) >= 40
+    assert len([*BINARY, *BINARY_REFUSED, *RIG_BINARY]) >= 10
     silent = []
     for kind, (content, _) in (REFUSED | ODD_REFUSED).items():
         with pytest.raises(InputError) as refused:
