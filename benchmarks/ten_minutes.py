@@ -120,12 +120,11 @@ def steps_table(folder: Path) -> str:
         [
             f"`{step['command']}`",
             f"{step['cpu']:.1f}",
-            f"{step['wall']:.1f}",
             f"{step['kilobytes']:.0f}" if "kilobytes" in step else "",
         ]
         for step in data["steps"]
     ]
-    return markdown(["step", "CPU time s", "elapsed s", "page kB"], rows)
+    return markdown(["step", "CPU time s", "page kB"], rows)
 
 
 TOPIC = Topic(

@@ -234,7 +234,7 @@ def gears_table(folder: Path) -> str:
         of_line = expected(name, "plain")
         rows.append(
             (
-                f"{name}: {', '.join(f'{each:g}' for each in GEARS[name])}",
+                name,
                 f"{1e3 * of['torque_mean']:.1f}",
                 *(percent(plain[law]["torque_mean"], of["torque_mean"]) for law in ("teeth", "line")),
                 "" if of_line is None else f"{100 * of_line:+.2f}",

@@ -163,7 +163,7 @@ def test_other_states_are_refused(state: Any, sentence: str) -> None:
         ("POST", "/shutdown", {"state": {}}, {}, 404),
         ("POST", "/curve", "no json", {}, 400),
         ("POST", "/curve", [1], {}, 400),
-        ("POST", "/curve", {"state": {"x": "y" * 30_000}}, {}, 400),
+        ("POST", "/curve", {"state": {"x": "y" * 30_000}}, {}, 413),
         ("POST", "/gear", {"state": {"yoke.preload": 10**400}}, {}, 200),  # with problems
         ("POST", "/cancel", {"of": "simulation"}, {}, 400),
         ("POST", "/curve", {"state": {"yoke.preload": 10**400}, "number": 10**400}, {}, 200),
