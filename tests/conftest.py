@@ -12,6 +12,7 @@ compiles, is long.
 
 import dataclasses
 import os
+import signal
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -144,7 +145,11 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Limit the tests' CPU time; one that compiles a kernel fails where only quick ones are wanted."""
+    """Limit the tests' CPU time; one that compiles a kernel fails where only quick ones are wanted.
+
+    Ctrl-C interrupts, also where a shell started the tests in the background, whose processes ignore it.
+    """
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     config.pluginmanager.register(CpuLimit(float(config.getini("cpu_limit"))))
     if config.option.markexpr == "quick":
         from rps_exudyn.base import compiled
