@@ -98,7 +98,6 @@ def fidelities_table(folder: Path) -> str:
         "fidelity",
         "mean",
         "peak to peak",
-        "loss in the mesh",
         "RMS distance from `full`",
         "CPU time per turn",
     )
@@ -108,7 +107,6 @@ def fidelities_table(folder: Path) -> str:
             each["fidelity"],
             f"{each['mean']:.4f} N m",
             "-" if each["peak_to_peak"] is None else f"{100 * each['peak_to_peak']:.2g} %",
-            _share(each["losses"]["mesh"]),
             f"{100 * each['distance']:.2g} %" if each["distance"] else "-",
             f"{each['cpu_s'] / turns:.2g} s",
         )

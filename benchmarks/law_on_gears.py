@@ -26,10 +26,10 @@ SEED, GEARS, BY_SPHERES = 2718, 200, 20
 LOADS = 5.0, 30.0  # at the pinion [N m]
 GRAVITY = 9.80665
 DATA, SPHERES, POSES = "random_gears.json", "spheres.json", "poses.json"
-BY_SLOPE, SLOPES = "slopes.json", (-3e-6, 0.0, 3e-6)  # of the default gear's profile [m]
 LIFTS = -1e-6, -1e-5, -6e-5  # of the rack, into the mesh [m]
 TILT = 5e-3  # of the rack about each axis, at most [rad]
 ANGLES = 24  # over a pitch
+NEAR = 0.3  # a difference of means [%]
 EVERYDAY = Fidelity.preset("quasi-static")
 CASES = {
     "teeth, free": ("free-pinion-torque", "teeth"),
@@ -40,32 +40,20 @@ CASES = {
 """Name -> scene, law."""
 
 
-def run(
-    folder: Path, gears: int = GEARS, by_spheres: int = BY_SPHERES, slopes: Sequence[float] = SLOPES
-) -> None:
+def run(folder: Path, gears: int = GEARS, by_spheres: int = BY_SPHERES) -> None:
     """Run all cases of every gear, and the first gears by spheres."""
     rng = np.random.default_rng(SEED)
     drawn = random_gears(SEED, gears)
     rows = [measured(gear, float(rng.uniform(*LOADS))) for gear in drawn]
     save_data(folder / DATA, {"gears": rows})
     save_data(folder / POSES, {"tried": gears * ANGLES * len(LIFTS), "unfound": sum(map(unfound, drawn))})
-    run_spheres(folder, by_spheres, slopes)
+    run_spheres(folder, by_spheres)
 
 
-def run_spheres(folder: Path, gears: int = BY_SPHERES, slopes: Sequence[float] = SLOPES) -> None:
-    """Compare spheres with law "line" on the first of these gears, and on the default gear with slopes."""
+def run_spheres(folder: Path, gears: int = BY_SPHERES) -> None:
+    """Compare spheres with law "line" on the first of these gears."""
     drawn = random_gears(SEED, gears)
     save_data(folder / SPHERES, {"gears": [spheres_against_line(gear) for gear in drawn]})
-    by_slope(folder, slopes)
-
-
-def by_slope(folder: Path, slopes: Sequence[float]) -> None:
-    """Compare spheres with law "line" on the default gear with profile slopes."""
-    rows = []
-    for slope in slopes:
-        gear = SteeringGear().replace({"pinion.profile_slope": slope})
-        rows.append({"slope": slope, **spheres_against_line(gear)})
-    save_data(folder / BY_SLOPE, {"gears": rows})
 
 
 def of_a_pitch(gear: SteeringGear, law: str, load: float) -> SteeringGear:
@@ -158,28 +146,10 @@ def differences_table(folder: Path) -> str:
     lines = []
     for name, (of, *what) in compared.items():
         values = differences(of, *what)
-        lines.append((name, len(values), *spread(values)))
-    return markdown(("difference in %", "gears", "smallest", "median", "largest"), lines)
-
-
-def spheres_table(folder: Path) -> str:
-    """On how many gears the mean by spheres is near that by "line"."""
-    rows = load_data(folder / SPHERES)["gears"]
-    off = np.abs(differences(rows, "spheres", "line", "torque_mean"))
+        lines.append((name, values.size, *spread(values), int((np.abs(values) <= NEAR).sum())))
     return markdown(
-        ("mean by spheres within", "gears of " + str(off.size)),
-        [(f"{bound:g} %", int((off <= bound).sum())) for bound in (0.1, 0.2, 0.3, 1.0)],
+        ("difference in %", "gears", "smallest", "median", "largest", f"within {NEAR:g} %"), lines
     )
-
-
-def slopes_table(folder: Path) -> str:
-    """Mean free torque by spheres and by "line" over the profile slope of the default gear."""
-    lines = []
-    for row in load_data(folder / BY_SLOPE)["gears"]:
-        by_line, by_spheres = row["line"]["torque_mean"], row["spheres"]["torque_mean"]
-        means = (digits(1e3 * by_line, 4), digits(1e3 * by_spheres, 4))
-        lines.append((digits(1e6 * row["slope"]), *means, digits(100 * (by_spheres / by_line - 1))))
-    return markdown(("profile slope um", "line N mm", "spheres N mm", "difference %"), lines)
 
 
 TOPIC = Topic(
@@ -187,20 +157,18 @@ TOPIC = Topic(
     "10 min",
     "contact_laws",
     run,
-    {"gears": 2, "by_spheres": 1, "slopes": (0.0,)},
+    {"gears": 2, "by_spheres": 1},
     {
         "law_poses": unfound_table,
         "law_statuses": statuses_table,
         "law_differences": differences_table,
-        "spheres_by_slope": slopes_table,
     },
 )
 
 SPHERES_ALONE = Topic(
-    "spheres beside law line on random gears and on profile slopes, a part of `law_on_gears`",
+    "spheres beside law line on random gears, a part of `law_on_gears`",
     "2 min",
     "contact_laws",
     run_spheres,
-    {"gears": 1, "slopes": (0.0,)},
-    {"spheres_near_line": spheres_table},
+    {"gears": 1},
 )

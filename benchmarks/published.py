@@ -64,14 +64,17 @@ def origins(results: Path) -> dict[str, dict[str, object]]:
 
 
 def origins_table(results: Path) -> str:
-    """One row per commit, the newest last: the topics that were run from it."""
+    """One row per date, the newest last: topics, and the commit they were run from."""
     runs: dict[tuple[str, str], set[str]] = {}
     for entry in origins(results).values():
         commit, _, dirty = str(entry["commit"]).partition("-")
         made = str(entry["date"])[:10], f"`{commit[:7]}`{' with edits' if dirty else ''}"
         runs.setdefault(made, set()).add(str(entry["command"]).rpartition(" ")[2])
-    rows = [(date, commit, ", ".join(sorted(topics))) for (date, commit), topics in sorted(runs.items())]
-    return markdown(["date", "commit", "topics"], rows)
+    dates: dict[str, list[str]] = {}
+    for (date, commit), topics in sorted(runs.items()):
+        dates.setdefault(date, []).append(f"{', '.join(sorted(topics))} ({commit})")
+    rows = [(date, "; ".join(commits)) for date, commits in dates.items()]
+    return markdown(["date", "topics (commit)"], rows)
 
 
 def _stamps(folder: Path) -> Stamps:

@@ -89,9 +89,11 @@ def picture(cases: list[dict[str, Any]]) -> Figure:
 
 
 def bow_table(folder: Path) -> str:
-    """Variation of the torque by bow and clearance; bold where the yoke stops."""
+    """Variation of the torque by bow and clearance, up to one at which no yoke stops; bold where it stops."""
     cases = load_data(folder / DATA)["cases"]
     clearances = sorted({case["clearance"] for case in cases})
+    stops = [case["clearance"] for case in cases if "**" in _cell(case)]
+    clearances = clearances[: sum(each <= max(stops, default=0.0) for each in clearances) + 1]
     rows = []
     for bow in sorted({case["bow"] for case in cases}):
         row = [f"{1e3 * bow:.2f}"]

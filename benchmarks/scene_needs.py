@@ -322,28 +322,32 @@ def _limit(metric: Metric) -> str:
 
 
 def needs_table(folder: Path) -> str:
-    """Change -> the cases in which it moves a metric by more than its accuracy; others are left out."""
+    """Changes -> the cases in which they move a metric by more than its accuracy; others are left out."""
+    needs = load_data(folder / DATA)["needs"]
     moved: dict[str, list[str]] = {}
-    for name, need in load_data(folder / DATA)["needs"].items():
+    measured: dict[str, list[str]] = {}
+    for name, need in needs.items():
+        short = name.removeprefix("free-pinion-torque, ")
         for title, *texts in need["rows"][1:]:
+            measured.setdefault(title, []).append(short)
             refused = texts[0].startswith("*") and not any(texts[1:])
             if refused or any(text.startswith("**") for text in texts):
-                short = name.removeprefix("free-pinion-torque, ")
                 moved.setdefault(title, []).append(f"{short} (cannot)" if refused else short)
-    short = [name.removeprefix("free-pinion-torque, ") for name in load_data(folder / DATA)["needs"]]
-    return markdown(
-        ("change", "matters to"), [(title, _listed(found, short)) for title, found in moved.items()]
-    )
+    titles: dict[str, list[str]] = {}
+    for title, found in moved.items():
+        every = "all" if len(measured[title]) == len(needs) else "all measured"
+        titles.setdefault(_listed(found, measured[title], every), []).append(title)
+    return markdown(("change", "matters to"), [("; ".join(same), listed) for listed, same in titles.items()])
 
 
-def _listed(found: list[str], every: list[str]) -> str:
-    """Return these cases, or all except the others where those are fewer."""
-    missing = [name for name in every if not any(each.startswith(name) for each in found)]
+def _listed(found: list[str], measured: list[str], every: str) -> str:
+    """Return these cases, or `every` except the others where those are fewer."""
+    missing = [name for name in measured if name not in found and f"{name} (cannot)" not in found]
     cannot = [each for each in found if each.endswith(" (cannot)")]
-    if len(missing) + len(cannot) >= len(found) / 2:
+    if len(missing) + len(cannot) >= len(found):
         return ", ".join(found)
     but = f" except {', '.join(missing)}" if missing else ""
-    return f"all{but}" + (f"; {', '.join(cannot)}" if cannot else "")
+    return f"{every}{but}" + (f"; {', '.join(cannot)}" if cannot else "")
 
 
 def first_scene_table(folder: Path) -> str:

@@ -27,6 +27,7 @@ STOPPED = RUNOUT | {"yoke.clearance": "20 um"}
 HEAVY = 33.0  # weight with which the default gear has the paper's ratio [kg]
 DATA = "scenes.json"
 PRESETS = ("flank", "quasi-static", "closed-form")
+SOLVERS = PRESETS[:2]  # in the table of laws
 SHOWN = {
     "free-pinion-torque": (
         "torque_mean_forward",
@@ -200,12 +201,13 @@ def scenes_table(folder: Path) -> str:
 
 
 def laws_table(folder: Path) -> str:
-    """Deviations by every solver [%]."""
+    """Deviations [%] by the solvers; the closed form is the formula in most laws."""
     laws = load_data(folder / DATA)["laws"]
     rows = [
-        (name, *(f"{round(100 * off, 6) + 0.0:+.2g}" for off in deviations)) for name, *deviations in laws
+        (name, *(f"{round(100 * off, 6) + 0.0:+.2g}" for off in deviations[: len(SOLVERS)]))
+        for name, *deviations in laws
     ]
-    return markdown(("law", *PRESETS), rows)
+    return markdown(("law", *SOLVERS), rows)
 
 
 TOY = {

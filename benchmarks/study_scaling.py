@@ -121,7 +121,6 @@ def scaling_table(folder: Path) -> str:
         "elapsed [s]",
         "CPU per case [ms]",
         "kB per case",
-        "files",
         "summaries read in [s]",
         "failed",
     )
@@ -131,7 +130,6 @@ def scaling_table(folder: Path) -> str:
             digits(row["wall"], 3),
             digits(1e3 * row["cpu"] / row["cases"], 3),
             digits(row["bytes"] / row["cases"] / 1e3),
-            row["files"],
             digits(row["reading"]),
             row["failed"],
         )

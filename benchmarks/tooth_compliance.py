@@ -142,15 +142,20 @@ def loaded(gear: SteeringGear, law: str, division: Division) -> Result:
     return run_by("load-test", gear.replace({"test.load_mass": LOAD}), "guided", law, division)
 
 
-def cost(gear: SteeringGear) -> dict[str, dict[str, float]]:
-    """Least CPU time of the solver [s] over a turn: preset -> law."""
+def cost(gear: SteeringGear) -> dict[str, dict[str, Any]]:
+    """Least CPU time of the solver [s] over a turn, and the steps that it made with those of runs whose steps
+    are halved: preset -> law."""
 
-    def least(preset: str, law: str) -> float:
+    def least(preset: str, law: str) -> dict[str, float]:
         runs = [
             rps.run("free-pinion-torque", gear.replace({"mesh.law": law}), fidelity=preset)
             for _ in range(REPEATS)
         ]
-        return min(each.counters["solver_cpu"] for each in runs)
+        finest, halvings = runs[0]["pinion_angle"].size - 1, int(runs[0].findings.get("halvings", 0))
+        return {
+            "seconds": min(each.counters["solver_cpu"] for each in runs),
+            "steps": sum(finest // 2**k for k in range(halvings + 1)),
+        }
 
     return {preset: {law: least(preset, law) for law in ("line", "teeth")} for preset in PRESETS}
 
@@ -234,7 +239,7 @@ def gears_table(folder: Path) -> str:
         of_line = expected(name, "plain")
         rows.append(
             (
-                f"{name}: {', '.join(f'{each:g}' for each in GEARS[name])}",
+                name,
                 f"{1e3 * of['torque_mean']:.1f}",
                 *(percent(plain[law]["torque_mean"], of["torque_mean"]) for law in ("teeth", "line")),
                 "" if of_line is None else f"{100 * of_line:+.2f}",
@@ -315,16 +320,22 @@ def finer_table(folder: Path) -> str:
 
 
 def cost_table(folder: Path) -> str:
-    """CPU time of law "teeth" over that of law "line", single runs."""
-    rows = [
-        (
-            f"`{preset}`",
-            *(f"{1e3 * found[law]:.3g}" for law in found),
-            f"{found['teeth'] / found['line']:.2f}",
+    """CPU time of law "teeth" over that of law "line", single runs and a step of them."""
+    rows = []
+    for preset, found in load_data(folder / DATA)["cost"].items():
+        runs = [found[law]["seconds"] for law in ("line", "teeth")]
+        steps = [of / found[law]["steps"] for of, law in zip(runs, ("line", "teeth"), strict=True)]
+        rows.append(
+            (
+                f"`{preset}`",
+                *(f"{1e3 * each:.3g}" for each in runs),
+                f"{runs[1] / runs[0]:.1f}",
+                *(f"{1e6 * each:.3g}" for each in steps),
+                f"{steps[1] / steps[0]:.1f}",
+            )
         )
-        for preset, found in load_data(folder / DATA)["cost"].items()
-    ]
-    return markdown(("preset", "line ms", "teeth ms", "ratio"), rows)
+    head = "preset", "run: line ms", "teeth ms", "ratio", "step: line us", "teeth us", "ratio"
+    return markdown(head, rows)
 
 
 def line_table(folder: Path) -> str:

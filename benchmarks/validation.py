@@ -11,7 +11,6 @@ from rps_exudyn.assessment.validation.row import KINDS, SHIPPED, read_rows
 from rps_exudyn.assessment.validation.validation_page import COLUMNS, row_cells, validation_figure
 from rps_exudyn.inference.uncertainty.input_sets import SETS, Input
 from rps_exudyn.pages.charts import style
-from rps_exudyn.parameters.gear import SteeringGear
 
 DATA = "validation.json"
 UNJUDGED = {"not comparable", "calibrated"}
@@ -72,12 +71,6 @@ def _written(each: Input) -> str:
     return each.text if each.about in ("value", "error") else f"{each.text} ({each.about})"
 
 
-def sources_table(folder: Path) -> str:
-    """How many parameters of the default gear come from where."""
-    counts = Counter(item.source for item in SteeringGear.declared() if not item.path.startswith("test."))
-    return markdown(("source", "parameters of the gear"), [[name, count] for name, count in counts.items()])
-
-
 TOPIC = Topic(
     "rows of manuals, standards and closed forms against the package, with verdicts",
     "40 s",
@@ -95,7 +88,6 @@ TOPIC = Topic(
     {f"validation_{kind}": partial(rows_table, kind) for kind in KINDS}
     | {
         "validation_pedigree": pedigree_table,
-        "validation_sources": sources_table,
         "validation_conclusions": conclusions_table,
     },
 )

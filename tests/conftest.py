@@ -13,7 +13,7 @@ compiles, is long.
 import dataclasses
 import os
 import signal
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -145,7 +145,11 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Limit the tests' CPU time; one that compiles a kernel fails where only quick ones are wanted."""
+    """Limit the tests' CPU time; one that compiles a kernel fails where only quick ones are wanted.
+
+    Ctrl-C interrupts, also where a shell started the tests in the background, whose processes ignore it.
+    """
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     config.pluginmanager.register(CpuLimit(float(config.getini("cpu_limit"))))
     if config.option.markexpr == "quick":
         from rps_exudyn.base import compiled
@@ -208,18 +212,14 @@ def failed_result(made_up_result: Result) -> Result:
 
 
 @pytest.fixture
-def command(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> Iterator[Command]:
+def command(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Command:
     """`rps-exudyn` with these arguments, in an empty folder."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("FORCE_COLOR", raising=False)  # which makes lines as short as a terminal's
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background, it is ignored
 
     def call(arguments: Sequence[str]) -> Answer:
         status = main(list(arguments))
         captured = capsys.readouterr()
         return Answer(status, captured.out, captured.err)
 
-    yield call
-    signal.signal(signal.SIGINT, before)
+    return call

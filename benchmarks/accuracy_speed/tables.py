@@ -129,10 +129,12 @@ SCALING_HEAD = ("size", "range", "CPU s", "exponent")
 
 
 def facets_table(folder: Path) -> str:
-    """Return what flat facets of the pinion do to the torque."""
+    """Return what flat facets of the pinion do to the torque: the coarsest and the finest of each kind."""
+    kinds = [of_torque(folder, study) for study in ("shaping", "chord")]
     rows = [
         (point.family, point.label, f"{point.error:.2g} %", f"{point.bias:+.2g} %")
-        for point in of_torque(folder, "shaping", "chord")
+        for points in kinds
+        for point in (points[0], points[-1])
     ]
     return markdown(("family", "facets, material left over", "torque, RMS", "mean"), rows)
 

@@ -51,12 +51,12 @@ def ratios(rows: Sequence[Row], preset: str, peer: str, time: Time) -> list[floa
 
 # --- tables ------------------------------------------------------------------------------------------
 def peers_table(folder: Path) -> str:
-    """Errors and times of a middle and the most accurate setting that no other of a program beats."""
+    """Errors and times of each program's most accurate setting."""
     rows = from_data(load_data(folder / DATA)["rows"])
     shown = [
         (row.program, row.label, f"{row.error:.2g}", digits(row.whole_s))
         for program in dict.fromkeys(row.program for row in rows)
-        for row in ends(front_of([row for row in rows if row.ok and row.program == program]))
+        for row in front_of([row for row in rows if row.ok and row.program == program])[-1:]
     ]
     return markdown(("program", "settings", "error %", "whole run CPU s"), shown)
 
@@ -67,32 +67,22 @@ def front_of(rows: Sequence[Row]) -> list[Row]:
     return sorted((row for row, one in zip(rows, best, strict=True) if one), key=whole)
 
 
-def ends(rows: Sequence[Row]) -> list[Row]:
-    """The middle row and the last."""
-    return [rows[i] for i in sorted({len(rows) // 2, len(rows) - 1}) if rows]
-
-
 def ratios_table(folder: Path) -> str:
-    """By how much each preset is faster than each peer at the peer's errors, and what was asked."""
+    """By how much each preset is faster than each peer at the peer's errors; bold: by less than asked."""
     rows = from_data(load_data(folder / DATA)["rows"])
     lines = []
     for preset in PACKAGE:
         for peer in peers_of(rows):
-            cells, kept = [], True
-            for time in (whole, loop):
-                found = ratios(rows, preset, peer, time)
-                cells.append(f"{digits(min(found))} to {digits(max(found))}" if found else "-")
-                if time is whole:
-                    kept = bool(found) and min(found) >= ASKED[preset]
-            reached = len(ratios(rows, preset, peer, whole))
+            of_runs, of_loops = (ratios(rows, preset, peer, time) for time in (whole, loop))
+            runs, loops = (
+                f"{digits(min(found))} to {digits(max(found))}" if found else "-"
+                for found in (of_runs, of_loops)
+            )
+            if not of_runs or min(of_runs) < ASKED[preset]:
+                runs = f"**{runs}**"
             own = sum(row.ok and row.program == peer for row in rows)
-            lines.append((preset, peer, *cells, f"{reached}/{own}", _yes(kept)))
-    head = ("preset", "peer", "whole runs", "loop", "peer's errors kept", "as asked")
-    return markdown(head, lines)
-
-
-def _yes(kept: bool) -> str:
-    return "yes" if kept else "**no**"
+            lines.append((preset, peer, runs, loops, f"{len(of_runs)}/{own}"))
+    return markdown(("preset", "peer", "whole runs", "loop", "peer's errors kept"), lines)
 
 
 def search_table(folder: Path) -> str:

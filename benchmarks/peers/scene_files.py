@@ -93,17 +93,6 @@ def write_geometry(folder: Path) -> None:
 
 
 # --- tables ------------------------------------------------------------------------------------------
-def parameters_table(folder: Path) -> str:
-    """Parameters of the scene."""
-    rows = []
-    for name, value in load_data(folder / PARAMETERS)["scene"].items():
-        shown = value if isinstance(value, list) else [value]
-        rows.append(
-            (name.replace("_", " "), ", ".join(x if isinstance(x, str) else f"{x:.6g}" for x in shown))
-        )
-    return markdown(("parameter", "value [SI]"), rows)
-
-
 def reference_table(folder: Path) -> str:
     """Mean and variation of the reference, and how far its methods differ."""
     found = load_data(folder / PARAMETERS)["reference"]
@@ -121,5 +110,5 @@ TOPIC = Topic(
     "peers/benchmark",
     run,
     {"methods": COARSE},
-    {"peer_scene": parameters_table, "peer_reference": reference_table},
+    {"peer_reference": reference_table},
 )

@@ -74,10 +74,10 @@ def cost(fidelity: Fidelity, settings: dict[str, Any], turns: float, repeats: in
 def cost_table(folder: Path) -> str:
     """Every case."""
     rows = [
-        (name, digits(case["run_ms"], 3), f"{case['before_percent']:.2g}", f"{case['after_percent']:.2g}")
+        (name, digits(case["run_ms"], 3), f"{case['before_percent'] + case['after_percent']:.2g}")
         for name, case in load_data(folder / DATA)["cases"].items()
     ]
-    return markdown(("run", "CPU ms", "checks before, %", "after, %"), rows)
+    return markdown(("run", "CPU ms", "checks, %"), rows)
 
 
 TOPIC = Topic(

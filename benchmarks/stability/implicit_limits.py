@@ -170,13 +170,13 @@ def _largest(holds: Callable[[float], bool]) -> float:
 def limits_table(folder: Path) -> str:
     """The largest right step [deg] at the worst point of each line."""
     steps = load_data(folder / DATA)["steps"]
-    names = ("mean_5", "mean_1", "curve_1")
+    names = ("mean_1", "curve_1")
     rows = []
     for line in dict.fromkeys(step["line"] for step in steps):
         own = [step for step in steps if step["line"] == line]
         worst = [min(own, key=lambda step, name=name: step[name] / step["allowed"]) for name in names]  # type: ignore[misc]
         rows.append((line, *(_limit(step, name) for step, name in zip(worst, names, strict=True))))
-    head = ("line", "mean within 5 %", "mean within 1 %", "curve within 1 % RMS, joined by lines")
+    head = ("line", "mean within 1 %", "curve within 1 % RMS, joined by lines")
     return markdown(head, rows)
 
 

@@ -8,8 +8,8 @@ and for less than 100 N per mm of face width, where c' would depend on the load.
 
 The series for q' is stated for external gears with x_1 >= x_2 and -0.5 <= x_1 + x_2 <= 2, and its virtual
 teeth for common numbers of teeth. Steering pinions with 6 to 10 teeth, helix angles of 20 to 30 degrees and
-x up to 1 lie at the edge of what it was fitted to: an error of 10 % must be expected. Finite elements of the
-default gear give 14.3, the standard 13.8 N/(mm um).
+x up to 1 lie at the edge of what it was fitted to: an error of 10 % must be expected. The default gear has
+13.8 N/(mm um).
 """
 
 from math import asin, cos, degrees, inf, pi, radians, sin, tan

@@ -1,6 +1,7 @@
 """Nominal stresses of the teeth by ISO 6336: contact at the pitch point (part 2), bending at the root (3).
 
-Load factors K are 1: a steering gear turns slowly, and the rated torque is what it bears now and then. A rack
+The stresses here have factors K of 1: a steering gear turns slowly, and the rated torque is what it bears now
+and then. How the face bears (K_H-beta) is for the contact forces to say: the requirement sheet does. A rack
 is a gear of infinitely many teeth. The root is judged with all load at the tip of one tooth (factors Y_Fa and
 Y_Sa), at the tangent of 30 degrees; sharing between pairs counts by Y_epsilon where the transverse contact
 ratio is above 1. The standard asks for contact ratios above 1. The default pinion has 0.83: its numbers are
@@ -146,12 +147,23 @@ def flank_stress(gear: SteeringGear, torque: float) -> float:
     pair = GearPair.of(gear)
     zone = np.sqrt(2 * np.cos(pair.beta_b) / (np.cos(pair.alpha_t) * np.sin(pair.alpha_t)))
     elastic = np.sqrt(YOUNGS_MODULUS / (2 * np.pi * (1 - POISSON_RATIO**2)))
-    ratio, overlap = transverse_contact_ratio(pair), min(_overlap(pair), 1.0)
-    shared = np.sqrt((4 - ratio) / 3 * (1 - overlap) + overlap / ratio)
     helix = 1 / np.sqrt(np.cos(pair.beta_p))
     force = abs(torque) / pair.reference_radius
     pressed = force / (2 * pair.reference_radius * bearing_face(pair))
-    return float(zone * elastic * shared * helix * np.sqrt(pressed))
+    return float(zone * elastic * flank_sharing(pair) * helix * np.sqrt(pressed))
+
+
+def root_load_factor(pair: GearPair, form: ToothForm, face_load_factor: float) -> float:
+    """Return K_F-beta = K_H-beta^N_F, N_F = x^2 / (1 + x + x^2), x = face over tooth depth, at least 3."""
+    depth = (form.tip + form.dedendum - form.shift) * pair.module
+    x = max(3.0, bearing_face(pair) / depth)
+    return float(face_load_factor ** (x**2 / (1 + x + x**2)))
+
+
+def flank_sharing(pair: GearPair) -> float:
+    """Return Z_epsilon, by which the length of the lines of contact changes the contact stress."""
+    ratio, overlap = transverse_contact_ratio(pair), min(_overlap(pair), 1.0)
+    return float(np.sqrt((4 - ratio) / 3 * (1 - overlap) + overlap / ratio))
 
 
 def _overlap(pair: GearPair) -> float:

@@ -85,7 +85,7 @@ def test_stiffness_does_not_depend_on_the_size_or_the_hand() -> None:
 
 
 def test_default_gear_and_its_report() -> None:
-    """c' = 13.8 N/(mm um), as computed by hand from z_n 7.86 and q' 0.0511; 14.3 by finite elements."""
+    """c' = 13.8 N/(mm um), as computed by hand from z_n 7.86 and q' 0.0511."""
     report = geometry_report(GEAR)
     assert report.single_stiffness / N_PER_MM_UM == pytest.approx(13.83, abs=0.01)
     ratio = report.transverse_contact_ratio

@@ -13,6 +13,7 @@ from rps_exudyn.gears.tooth_strength import (
     flank_stress,
     pinion_form,
     rack_form,
+    root_load_factor,
     root_of,
     root_stress,
 )
@@ -144,3 +145,15 @@ def test_a_sharper_fillet_bears_less() -> None:
     pair = GearPair.of(GEAR)
     sharp = dataclasses.replace(rack_form(pair), fillet=0.1)
     assert root_stress(GEAR, sharp, 30.0) > 1.1 * root_stress(GEAR, rack_form(pair), 30.0)
+
+
+def test_load_along_the_face_raises_the_root_s_stress_less_than_the_flank_s_load() -> None:
+    """ISO 6336-1: K_F-beta = K_H-beta^N_F, N_F = 9/13 where the face is at most three tooth depths."""
+    pair = GearPair.of(GEAR)
+    for form in (pinion_form(pair), rack_form(pair)):
+        assert root_load_factor(pair, form, 1.0) == 1.0
+        depth = (form.tip + form.dedendum - form.shift) * pair.module
+        assert depth == pytest.approx(4.1e-3, rel=0.15)
+        x = max(3.0, bearing_face(pair) / depth)
+        assert 2 ** (9 / 13) <= root_load_factor(pair, form, 2.0) < 2.0
+        assert root_load_factor(pair, form, 2.0) == pytest.approx(2 ** (1 / (1 + 1 / x + 1 / x**2)))

@@ -149,10 +149,14 @@ def test_interrupted_band_is_that_of_the_samples_done(monkeypatch: pytest.Monkey
 
 @pytest.mark.parametrize("name", ["unknown", "series"])
 def test_every_input_of_a_set_has_a_source_and_can_be_drawn(name: str) -> None:
-    """Every value that a set draws makes a gear that can exist."""
-    gear = SteeringGear()
+    """Every value that a set draws makes a gear that can exist; what a gear does not have does not vary."""
+    gear = SteeringGear().replace(
+        {"pinion.axial_float": "0.05 mm", "bush.clearance": "30 um", "yoke.bore_friction": "20 N"}
+    )
     found = uncertain_inputs(gear, name, {})
     assert set(found) == {each.path for each in SETS[name]}
+    absent = set(found) - set(uncertain_inputs(SteeringGear(), name, {}))
+    assert all(SteeringGear().value_at(path) == 0 for path in absent)
     assert all(each.source for each in SETS[name])
     for end in (0, 1):
         gear.replace({path: each.ends[end] for path, each in found.items()})

@@ -141,7 +141,7 @@ def test_one_way_alone_leaves_the_zero_open() -> None:
     random = np.random.default_rng(8)
     test, curve = measured(FREE, WHITE, random)
     found = fit(measurement_of([(test, DISTURBANCES["one way"](curve, random))]), other_law=False)
-    assert any("one way only" in sentence for sentence in found.warnings)
+    assert any("one direction only" in sentence for sentence in found.warnings)
     assert found.level is not None
     assert free_fit().level is not None
     rows = {row.name: row.half / found.level.value for row in found.level.budget}

@@ -113,8 +113,8 @@ def test_clearance_shows_in_the_lift() -> None:
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        ({"solver": "closed-form"}, "needs equilibria of a rack"),
-        ({"rack": "guided"}, "needs equilibria of a rack"),
+        ({"solver": "closed-form"}, "needs equilibria of a free or flexible rack"),
+        ({"rack": "guided"}, "needs equilibria of a free or flexible rack"),
     ],
 )
 @pytest.mark.parametrize("scene", ["radial-play", "rack-lift"])

@@ -10,14 +10,17 @@ import pytest
 import rps_exudyn as rps
 from rps_exudyn.assessment.requirements.limits import REQUIRED, read_limits
 from rps_exudyn.assessment.requirements.sheet import (
+    FaceLoading,
     RequirementRow,
+    borne_under,
     judge,
     law_of_sheet,
     requirement_row,
     weight_for_ratio,
 )
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.gears.tooth_strength import pinion_form
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.tooth_strength import flank_stress, pinion_form, rack_form, root_stress
 from rps_exudyn.inference.uncertainty.band import Band
 from rps_exudyn.inference.uncertainty.input_sets import carried
 from rps_exudyn.parameters.fidelity import FOR_MEANS
@@ -56,6 +59,27 @@ def test_numbers_are_those_of_the_scenes(sheet: dict[str, RequirementRow]) -> No
     assert sheet["rated_lift"].value == pytest.approx(lift, rel=1e-9)
     assert sheet["gain"].value == pytest.approx(35.027e-3, rel=1e-4)
     assert sheet["travel"].value > 0.14
+
+
+def test_stresses_hold_the_load_along_the_face_and_state_what_was_chosen(
+    sheet: dict[str, RequirementRow], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On the safe side: the stress by ISO 6336 at the bar's face times K_H-beta of the contact forces."""
+    flank, root = sheet["rated_flank"], sheet["rated_root_rack"]
+    factor = float(flank.remark.partition("K_H-beta ")[2].split()[0])
+    assert factor > 1.05
+    assert flank.value == pytest.approx(np.sqrt(factor) * flank_stress(GEAR, 30.0), rel=0.005)
+    alone = root_stress(GEAR, rack_form(GearPair.of(GEAR)), 30.0)
+    assert alone * factor ** (9 / 13) == pytest.approx(root.value, rel=0.01)
+    assert "Face 12.2 mm, as the bar leaves it" in flank.remark
+    assert "Z_epsilon 1.0" in flank.remark
+    assert "Y_beta of this part's 10 deg" in root.remark
+
+    def locks(*_: object) -> None:
+        raise InputError("it locks.")
+
+    monkeypatch.setattr("rps_exudyn.assessment.requirements.sheet.load_test", locks)
+    assert borne_under(GEAR, 30.0) == FaceLoading(1.0, "K_H-beta 1, for want of contact forces: it locks.")
 
 
 def test_weight_named_reaches_the_ratio() -> None:

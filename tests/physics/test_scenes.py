@@ -255,15 +255,15 @@ def test_loop_encloses_what_friction_takes(fidelity: str) -> None:
 
 
 def test_reversal_angle_at_the_limit_of_no_friction_zone() -> None:
-    """The default zone and steps are within 2 % of a zone and steps five times as narrow; a hundred times the
-    zone is not and says so."""
+    """The default zone and steps are within 2 % of a zone and steps five times as narrow; of a hundred times
+    the zone the angle is left out, and the message states why."""
     gear = {"test.amplitude": "30 deg"}
     fine = Fidelity.preset("quasi-static").replace({"zone_ratio": 0.0002, "step_angle": "0.2 deg"})
     wide = Fidelity.preset("quasi-static").replace({"zone_ratio": 0.1})
     limit, here, beyond = (ran("reversal", gear, model) for model in (fine, "quasi-static", wide))
     angle = limit.summary["reversal_angle"]
     assert here.summary["reversal_angle"] == pytest.approx(angle, rel=0.02)
-    assert beyond.summary["reversal_angle"] != pytest.approx(angle, rel=0.02)
+    assert "reversal_angle" not in beyond.summary
     assert "fidelity.zone_ratio" in beyond.message
     assert not here.message
 

@@ -357,7 +357,9 @@ def test_dynamics_and_the_gear_in_three_dimensions(browser: sync_api.Browser, se
     page.get_by_role("button", name="Turn it in 3-D").click()
     inner = page.frame_locator("#picture iframe")
     inner.locator("#reading").filter(has_text="pinion at").wait_for()
-    frame = page.query_selector("#picture iframe").content_frame()
+    picture = page.query_selector("#picture iframe")
+    frame = picture.content_frame() if picture else None
+    assert frame is not None
     frame.evaluate(
         "window.rpsView.set({ camera: { ...window.rpsView.get().camera, azimuth: 0.123 }, explode: 0 })"
     )

@@ -80,6 +80,6 @@ def test_choice_and_its_reason_are_printed(command: Command) -> None:
     assert answer.status == 0
     assert answer.json["fidelity"]["solver"] == "equilibrium"
     choice, check = answer.err.splitlines()
-    for word in ("quasi-static", "angles per tooth pitch", "the cheapest of", "keep 1 %"):
+    for word in ("quasi-static", "angles per tooth pitch", "the cheapest of", "within 1 %"):
         assert word in choice
     assert "in half the steps" in check

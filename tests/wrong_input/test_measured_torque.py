@@ -3,6 +3,7 @@
 All curves here are made up; no measurement is part of this package.
 """
 
+import re
 import sys
 from collections.abc import Callable
 from contextlib import suppress
@@ -19,11 +20,15 @@ from measured_binary_files import READABLE as BINARY
 from measured_binary_files import REFUSED as BINARY_REFUSED
 from measured_files import ANGLE, READABLE, REFUSED, TORQUE
 from measured_odd_files import ODD_READABLE, ODD_REFUSED
+from measured_rig_files import BINARY as RIG_BINARY
+from measured_rig_files import TEXTS as RIG_TEXTS
 from rps_exudyn.analysis.measured import compare_with_measured, onto_simulated
 from rps_exudyn.analysis.passes import is_in_random_order, passes
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.inference.fitting.bench_tests import read_measurement
+from rps_exudyn.inference.fitting.fit import check_sizes
 from rps_exudyn.inference.measured import channels
 from rps_exudyn.inference.measured.numbers import Format, as_number
 from rps_exudyn.inference.measured.reading import read_curve, read_measured_torque
@@ -120,6 +125,50 @@ def test_files_that_leave_something_open_say_what(kind: str, tmp_path: Path) -> 
     content, sentence = (REFUSED | ODD_REFUSED)[kind]
     with pytest.raises(InputError, match=sentence):
         read_measured_torque(written(tmp_path, content))
+
+
+WHAT_TO_DO = re.compile(
+    r"\b(write|save|choose|state|export|give|subtract|shift|check|name one|must|needs|pip install)\b"
+)
+
+
+@pytest.mark.parametrize("kind", [*RIG_TEXTS, *RIG_BINARY])
+def test_a_rig_s_file_is_read_right_or_refused_with_what_to_do(kind: str, tmp_path: Path) -> None:
+    """Read with the gear at hand: half the difference of both ways, and the angle it covers."""
+    path = tmp_path / "bench.csv"
+    if kind in RIG_BINARY:
+        needs_libraries(kind)
+        write, sentence = RIG_BINARY[kind]
+        write(path)
+    else:
+        text, sentence = RIG_TEXTS[kind]
+        path.write_text(text, encoding="utf-8")
+    if sentence:
+        with pytest.raises(InputError, match=sentence) as refused:
+            check_sizes(read_measurement([path]), SteeringGear())
+        assert all(WHAT_TO_DO.search(problem) for problem in refused.value.problems)
+        return
+    measurement = read_measurement([path])
+    check_sizes(measurement, SteeringGear())
+    forth, back = (
+        np.concatenate([each.value for each in measurement.passes if each.direction == way])
+        for way in (1, -1)
+    )
+    assert (forth.mean() - back.mean()) / 2 == pytest.approx(0.62, rel=0.005)
+    widest = max(np.ptp(each.angle) for each in measurement.passes)
+    assert widest == pytest.approx(np.radians(800 if "half turns" in kind else 360), rel=0.06)
+
+
+def test_forty_texts_and_ten_binary_files_are_tried(tmp_path: Path) -> None:
+    """Read to the same curve or refused, by the tests here; each refusal says what to do."""
+    assert len([*READABLE, *ODD_READABLE, *REFUSED, *ODD_REFUSED, *RIG_TEXTS]) >= 40
+    assert len([*BINARY, *BINARY_REFUSED, *RIG_BINARY]) >= 10
+    silent = []
+    for kind, (content, _) in (REFUSED | ODD_REFUSED).items():
+        with pytest.raises(InputError) as refused:
+            read_measured_torque(written(tmp_path, content))
+        silent += [f"{kind}: {each}" for each in refused.value.problems if not WHAT_TO_DO.search(each)]
+    assert not silent
 
 
 @pytest.mark.parametrize(
@@ -368,6 +417,7 @@ def test_binary_files_that_leave_something_open_say_what(kind: str, tmp_path: Pa
     with pytest.raises(InputError, match=sentence) as refused:
         read_measured_torque(path)
     assert len(refused.value.problems) == 1
+    assert WHAT_TO_DO.search(refused.value.problems[0])
 
 
 @pytest.mark.parametrize("kind", ["MDF", "TDMS", "MAT, compressed, columns", "MAT, a structure with units"])

@@ -45,7 +45,7 @@ def requirement_article(
     ]
     rows += [Row(WORDS[mark], listed([_named(each) for each in of[mark]])) for mark in ORDER if of[mark]]
     shown, changed = repr(gear).strip("<>").removeprefix("SteeringGear: "), gear.changes()
-    sources = [[LABELS[each.name][0], each.limit.source, each.name] for each in sheet]
+    sources = [[LABELS[each.name][0], each.limit.source, each.remark, each.name] for each in sheet]
     return Article(
         title="Requirements",
         lead=f"{shown} · rated torque {torque:g} N m · contact law {law_of_sheet(gear)}",
@@ -58,8 +58,8 @@ def requirement_article(
                 "Details",
                 [
                     Fold(
-                        "Sources of the limits",
-                        [Grid(("requirement", "source", "name in the file"), sources)],
+                        "Sources of the limits, and choices",
+                        [Grid(("requirement", "source", "computed by", "name in the file"), sources)],
                     ),
                     *([Fold("Parameters", [parameter_grid(changed)])] if changed else []),
                     Fold("Make it again", [provenance_facts(provenance()), CodeText(command)]),

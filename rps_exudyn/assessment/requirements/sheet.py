@@ -15,8 +15,18 @@ import numpy as np
 from rps_exudyn.assessment.requirements.limits import Limit
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.geometry_limits import transverse_contact_ratio
 from rps_exudyn.gears.rack_bar import RackBar
-from rps_exudyn.gears.tooth_strength import flank_stress, pinion_form, rack_form, root_stress
+from rps_exudyn.gears.tooth_strength import (
+    ToothForm,
+    bearing_face,
+    flank_sharing,
+    flank_stress,
+    pinion_form,
+    rack_form,
+    root_load_factor,
+    root_stress,
+)
 from rps_exudyn.inference.uncertainty.band import Band, OnProgress, band_of_runs
 from rps_exudyn.inference.uncertainty.quick_band import quick_band
 from rps_exudyn.parameters.distribution import Distribution
@@ -35,11 +45,7 @@ ASSURED = 0.95  # of the gears
 FEWEST = 8  # samples of a band
 RATED_TORQUE = 30.0  # [N m]
 LIGHTEST, HEAVIEST = 0.5, 400.0  # weights between which a kept efficiency is looked for [kg]
-LABELS_OF_FACE = {
-    "face_load_factor": "K_H-beta",
-    "load_centre": "load centre",
-    "contact_pressure_max": "pressure",
-}
+LABELS_OF_FACE = {"load_centre": "load centre", "contact_pressure_max": "pressure"}
 TURNING = {
     "free_torque": "torque_mean",
     "variation_on_centre": "torque_on_centre_variation",
@@ -130,13 +136,10 @@ def judge(
         "efficiency_ratio", limits, partial(_of_efficiency, gear, inputs, limits, few, jobs, efficiency)
     )
     pair = GearPair.of(gear)
-    stresses: dict[str, Callable[[], float]] = {
-        "rated_root_pinion": partial(root_stress, gear, pinion_form(pair), rated_torque),
-        "rated_root_rack": partial(root_stress, gear, rack_form(pair), rated_torque),
-    }
-    for name, stress in stresses.items():
-        yield _row(name, limits, partial(_of_teeth, name, stress, limits))
-    yield _row("rated_flank", limits, partial(_of_flank, gear, rated_torque, limits))
+    bears = borne_under(gear, rated_torque)
+    for name, form in {"rated_root_pinion": pinion_form(pair), "rated_root_rack": rack_form(pair)}.items():
+        yield _row(name, limits, partial(_of_root, name, form, gear, rated_torque, bears, limits))
+    yield _row("rated_flank", limits, partial(_of_flank, gear, rated_torque, bears, limits))
     lift = counted(f"lift under {rated_torque:g} N m", samples + few)
     yield _row("rated_lift", limits, partial(_of_lift, gear, inputs, limits, rated_torque, few, jobs, lift))
     yield _exact("travel", 2 * RackBar.of(gear).largest_displacement, limits)
@@ -202,31 +205,66 @@ def _of_efficiency(
     return replace(judged, remark=f"{weight}: {found} at the medians, by the closed form")
 
 
-def _of_teeth(name: str, stress: Callable[[], float], limits: Mapping[str, Limit]) -> RequirementRow:
-    return _exact(name, stress(), limits)
+@dataclass(frozen=True)
+class FaceLoading:
+    """How the teeth bear the rated torque along the face that bears."""
+
+    factor: float  # K_H-beta; 1 where it is not known
+    words: str
 
 
-def _of_flank(gear: SteeringGear, torque: float, limits: Mapping[str, Limit]) -> RequirementRow:
-    """The standard's stress with all K = 1, and beside it what the contact forces are."""
-    row = _exact("rated_flank", flank_stress(gear, torque), limits)
-    return replace(row, remark=under_rated_torque(gear, torque))
-
-
-def under_rated_torque(gear: SteeringGear, torque: float) -> str:
-    """Return how the flanks bear their load while the rated torque [N m] raises a weight, in words."""
-    mass = torque / (float(GearPair.of(gear).gain) * GRAVITY)
-    mass *= torque / abs(load_test(gear, mass).torque_forward)
-    pitch = {"test.path": "one-way", "test.turns": 1 / gear.pinion.teeth, "test.load_mass": mass}
-    result = simulate(LOAD_TEST.name, gear.replace(pitch), FOR_MEANS)
-    found = [
-        f"{LABELS_OF_FACE[name]} {SUMMARY[name].show(result.summary[name])}"
-        for name in LABELS_OF_FACE
-        if name in result.summary
-    ]
-    if result.status is not Status.OK or not found:
-        return f"By contact forces: {result.status}, {result.message}"
+def borne_under(gear: SteeringGear, torque: float) -> FaceLoading:
+    """Return how the flanks bear while the rated torque [N m] raises a weight, by the contact forces."""
+    try:
+        mass = torque / (float(GearPair.of(gear).gain) * GRAVITY)
+        mass *= torque / abs(load_test(gear, mass).torque_forward)
+        pitch = {"test.path": "one-way", "test.turns": 1 / gear.pinion.teeth, "test.load_mass": mass}
+        result = simulate(LOAD_TEST.name, gear.replace(pitch), FOR_MEANS)
+    except InputError as error:
+        return FaceLoading(1.0, f"K_H-beta 1, for want of contact forces: {' '.join(error.problems)}")
+    if result.status is not Status.OK or "face_load_factor" not in result.summary:
+        return FaceLoading(1.0, f"K_H-beta 1, for want of contact forces: {result.status} {result.message}")
+    pair, summary = GearPair.of(gear), result.summary
+    factor = max(1.0, summary["face_load_factor"] * bearing_face(pair) / pair.face_width)
+    found = [f"{text} {SUMMARY[name].show(summary[name])}" for name, text in LABELS_OF_FACE.items()]
     how = f"by the contact forces under {mass:.3g} kg, law {result.gear.mesh.law}"
-    return f"All K = 1; {how}: {', '.join(found)}"
+    return FaceLoading(factor, f"K_H-beta {factor:.2f} {how}: {', '.join(found)}")
+
+
+def _of_root(
+    name: str,
+    form: ToothForm,
+    gear: SteeringGear,
+    torque: float,
+    bears: FaceLoading,
+    limits: Mapping[str, Limit],
+) -> RequirementRow:
+    """The standard's stress times K_F-beta, and what was chosen for it."""
+    pair = GearPair.of(gear)
+    factor = root_load_factor(pair, form, bears.factor)
+    row = _exact(name, factor * root_stress(gear, form, torque), limits)
+    inclined = f"Y_beta of this part's {np.degrees(form.helix):.3g} deg, load at the tip of a tooth"
+    known = f"K_F-beta {factor:.2f} of K_H-beta {bears.factor:.2f}, all other K = 1"
+    return replace(row, remark=f"{_face(pair)}, {inclined}, {known}")
+
+
+def _of_flank(
+    gear: SteeringGear, torque: float, bears: FaceLoading, limits: Mapping[str, Limit]
+) -> RequirementRow:
+    """The standard's stress times the root of K_H-beta, and what was chosen for it."""
+    pair = GearPair.of(gear)
+    row = _exact("rated_flank", float(np.sqrt(bears.factor)) * flank_stress(gear, torque), limits)
+    shared = (
+        f"Z_epsilon {flank_sharing(pair):.3g} for a contact ratio of {transverse_contact_ratio(pair):.2g}"
+    )
+    return replace(row, remark=f"{_face(pair)}, {shared}, all other K = 1; {bears.words}")
+
+
+def _face(pair: GearPair) -> str:
+    """The face that bears, in words."""
+    face = bearing_face(pair)
+    whose = "as the bar leaves it at the rack's tips" if face < pair.face_width else "that of the pinion"
+    return f"Face {1e3 * face:.3g} mm, {whose}"
 
 
 def _of_lift(

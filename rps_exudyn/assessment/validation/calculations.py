@@ -9,13 +9,11 @@ import numpy as np
 
 from rps_exudyn.analysis.efficiency import LoadTest
 from rps_exudyn.forces.bush import bush_chain
-from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_beam import RackBeam
 from rps_exudyn.gears.tooth_stiffness import (
     basic_rack_factor,
     mesh_stiffness_transverse,
     single_stiffness,
-    stiffness_of_pair,
     theoretical_stiffness,
     virtual_teeth,
 )
@@ -57,9 +55,13 @@ def single_pair_stiffness(face_width: float, **gears: float) -> float:
     return face_width * iso_single_stiffness(**gears)
 
 
-def default_tooth_stiffness() -> float:
-    """Return c' of the default pinion with its rack [N/m^2]."""
-    return stiffness_of_pair(GearPair.of(SteeringGear()))
+def default_approach() -> float:
+    """Return by how much the yoke presses the default rack, guided, into its pinion, mean over a pitch by
+    equilibria, law line [m]."""
+    test = {"test.turns": 1 / SteeringGear().pinion.teeth, "test.start_angle": 0.0, "mesh.law": "line"}
+    guided = Fidelity.preset("quasi-static").replace({"rack": "guided"})
+    result = simulate(FREE_PINION_TORQUE.name, SteeringGear().replace(test), guided)
+    return -float(result["rack_y"].mean())
 
 
 def bush_stiffness(outer: float, inner: float, length: float) -> float:
@@ -117,7 +119,7 @@ CALCULATIONS: dict[str, Callable[..., float]] = {
         iso_single_stiffness,
         iso_mesh_stiffness,
         single_pair_stiffness,
-        default_tooth_stiffness,
+        default_approach,
         bush_stiffness,
         bar_frequency,
         load_test_half_sum,

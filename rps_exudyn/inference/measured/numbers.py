@@ -18,7 +18,7 @@ _NUMBER = re.compile(
 _GROUPED = re.compile(rf"[+-]?\s?\d{{1,3}}(?:['{_BLANKS}]\d{{3}})+(?:[.,]\d*)?")
 _TEXT_OF_A_CELL = re.compile(r'="(.*)"')  # ="0.63" of a spreadsheet that keeps numbers as texts
 _PATTERN = str.maketrans("123456789", "000000000")
-_PLACEHOLDER = re.compile(r"[+-]?9+[.,]?[90]*")
+_PLACEHOLDER = re.compile(r"[+-]?9[90]*(?:[.,][90]*)?")
 _MISSING = re.compile(
     r"[-–—*.?_#]*|nan|[+-]?inf|n\s*[/.]\s*a\.?|na|#n/?a!?|#nv|null|none|nil|void|fehlt|missing|over|overflow|ovld|ovfl?|ol|o\.l\.?|"
     r"#div/0!?|#wert!?|#value!?|[+-]?1\.#\w+",

@@ -275,7 +275,8 @@ class _Text:
         layout = layout_of(text, known_columns)
         if layout is None:
             raise InputError(
-                f"{path} has no column {wanted[0]} with its unit: it holds no rows of two numbers or more."
+                f"{path} has no column {wanted[0]} with its unit: it holds no rows of two numbers or more; "
+                "write a row of numbers for each point, below a line of names with units."
             )
         if layout.separator == "," and layout.header and layout.width > len(layout.header[1]):
             raise InputError(
@@ -409,7 +410,10 @@ def _check_text(
     wrong = [cell for cell, is_known in zip(cells, known, strict=True) if not is_known]
     numeric = all(as_number(cell) is not None or _LIKE_NUMBER.fullmatch(cell.strip()) for cell in cells)
     if not _is_label(row) and (numeric or (within and len(wrong) < len(cells))):
-        raise InputError(f"{path}, line {row[0]}: {short(wrong[0])!r} is no number.")
+        raise InputError(
+            f"{path}, line {row[0]}: {short(wrong[0])!r} is no number; write one as -0.6, or leave its cell "
+            "empty."
+        )
 
 
 def _is_label(row: Row) -> bool:

@@ -95,11 +95,13 @@ def torque_figure(result: Result, measured: MeasuredTorque | None = None) -> Fig
         if panel.name != "pinion_torque":
             continue
         means = _means_in(panel, result, both_ways)
-        if law is not None and result.status is Status.OK:
+        banded = law is not None and result.status is Status.OK
+        if law is not None and banded:
             _add_law_band(panel.axes, law, means)
         if not both_ways:
             for mean in means:
-                panel.axes.axhline(_TORQUE.displayed(mean), **style.REFERENCE_LINE, label="mean")
+                name = "_" if banded else "mean"  # the band's name has it
+                panel.axes.axhline(_TORQUE.displayed(mean), **style.REFERENCE_LINE, label=name)
         style.name_curves(panel.axes)
     head(figure, result, scene_of(result), _BOTH_WAYS if both_ways else _ONE_WAY)
     return figure
