@@ -58,6 +58,7 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "geometry/test_tooth_stiffness.py::test_line_rests_as_teeth_that_bend",
     "smoke/test_animation.py",
     "smoke/test_animation_in_browser.py",
+    "smoke/test_band_command.py::test_band_and_measured_points_are_one_picture",
     "smoke/test_band_command.py::test_band_is_printed_and_every_sample_kept",
     "smoke/test_blocks.py::test_page_about_a_case_in_a_block_has_a_place",
     "smoke/test_cluster.py",
