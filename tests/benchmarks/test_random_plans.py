@@ -63,6 +63,9 @@ def test_plans_that_were_run_are_kept_and_those_of_other_declarations_run_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     class Worker:
+        def __init__(self, *_: object) -> None:
+            pass
+
         def do(self, number: int, limit: float) -> dict[str, object]:
             return {**RIGHT, "message": "anew"}
 

@@ -307,7 +307,9 @@ def test_sheet_picture_and_pattern_are_those_of_the_state(server: Explorer) -> N
     assert 'class="gear"' in page
     picture = json.loads(asked(server, "POST", "/picture", {"state": {"yoke.preload": 400}})[1])
     assert picture["image"].startswith("data:image/webp;base64,")
-    assert [label["value"] for label in picture["labels"] if label["name"] == "yoke"] == ["400 N"]
+    assert [label["value"] for label in picture["labels"] if label["name"] == "yoke"] == [
+        "presses with 400 N"
+    ]
     pattern = json.loads(asked(server, "POST", "/pattern", {"state": {}})[1])
     assert pattern["image"].startswith("data:image/svg+xml;base64,")
     undercut = json.loads(asked(server, "POST", "/picture", {"state": {"yoke.preload": -1}})[1])

@@ -98,19 +98,17 @@ def test_chart_tells_values_of_its_curves(
         angle = np.radians(seen["pinion angle"])
         expected = np.interp(angle, made_up_result["pinion_angle"], made_up_result["pinion_torque"])
         assert seen["pinion torque"] == pytest.approx(expected, abs=2e-4)  # 0.05 N m high: two thousandths
-        lift = 1e6 * np.interp(angle, made_up_result["pinion_angle"], made_up_result["rack_y"])
-        assert seen["rack lift"] == pytest.approx(lift, abs=0.05)
     page.keyboard.press("End")
     assert told(figure)["pinion angle"] == pytest.approx(360, abs=0.1)
     assert svg.get_attribute("aria-valuetext").startswith("pinion angle 360")
-    assert figure.locator(".dot").count() == 3
+    assert figure.locator(".dot").count() == 1
     page.close()
 
 
 def test_case_leads_to_its_curve_and_back(browser: sync_api.Browser, report: Path) -> None:
     page = browser.new_page(viewport=DESKTOP)
     page.goto(report.as_uri())
-    page.locator("details", has=page.locator("tr[id]")).first.locator("summary").first.click()
+    page.evaluate("for (const one of document.querySelectorAll('details')) one.open = true")
     row = page.locator("tr[id]").first
     row.locator("a").last.click()
     name = page.url.split("#")[1]
@@ -132,7 +130,7 @@ def test_gear_turns_in_three_dimensions_on_a_click(browser: sync_api.Browser, re
     gear = page.locator(".gear").last
     assert gear.locator("img").evaluate("one => one.naturalWidth") > 600
     texts = gear.locator(".label").all_inner_texts()
-    assert [text.split()[0] for text in texts] == ["yoke", "teeth", "bearings", "bush"]
+    assert [text.split()[0] for text in texts] == ["yoke", "teeth", "bearings", "bush", "torque"]
     gear.get_by_role("button").click()
     inner = page.frame_locator("iframe")
     inner.locator("#reading").filter(has_text="pinion at").wait_for()
