@@ -6,6 +6,7 @@ is one that is no JSON (which pages of other sites could send without being aske
 
 import json
 import socket
+import sys
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.metadata import version
@@ -71,6 +72,11 @@ class Explorer(ThreadingHTTPServer):
         """Return whether a request's Host is a name of this machine; any is if the user asked for others."""
         name = host.rsplit(":", 1)[0] if not host.endswith("]") else host
         return not self.local or name.strip("[]") in LOOPBACK
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Print no traceback where a page closed its connection."""
+        if not isinstance(sys.exc_info()[1], ConnectionError):
+            super().handle_error(request, client_address)
 
     def server_close(self) -> None:
         """End the processes, too."""
