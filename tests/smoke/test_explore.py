@@ -37,7 +37,7 @@ from rps_exudyn.pages.explore.sliders import (
 )
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.simulate.cases.run_cases import Task
+from rps_exudyn.simulate.cases.task import Task
 from watched_page import watched
 
 GEAR = rps.SteeringGear()

@@ -25,7 +25,8 @@ from rps_exudyn.parameters.gear import SteeringGear, gear_file
 from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.scenes.free_pinion_torque import SCENE
 from rps_exudyn.simulate.cases.processes import Processes
-from rps_exudyn.simulate.cases.run_cases import Task, available_processors
+from rps_exudyn.simulate.cases.run_cases import available_processors
+from rps_exudyn.simulate.cases.task import Task
 
 LONGEST = 10.0  # that a state may take [s]
 LONGEST_REQUESTED = 600.0  # that a click may take: it can be cancelled [s]
