@@ -163,8 +163,7 @@ def with_midpoints(signals: Signals) -> Signals:
 
 def rolls_late(signals: Signals) -> Any:
     """Return half a step of the rack's rolling at its fastest, over the range of its roll; of many gears an
-    array (n,). Of a rack that rolls to and fro as a sine, the parabolas by which equilibria take rates miss 4/3
-    of its square."""
+    array (n,). The parabolas by which equilibria take rates miss 4/3 of its square, of a sine."""
     late: Any = 0.0
     if "rack_roll" not in signals:
         return late
