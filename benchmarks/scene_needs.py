@@ -242,7 +242,6 @@ NEEDS = {
             Metric("impacts", absolute=0.5),
             Metric("impact_peak_force", fraction=0.05),
             Metric("impact_impulse", fraction=0.05),
-            Metric("impact_duration", fraction=0.1),
             Metric("impact_force_rms", fraction=0.05),
         ],
         fidelity={"rack": "flexible"},

@@ -14,7 +14,7 @@ from rps_exudyn.cli.options import Flag, Json
 from rps_exudyn.cli.output import DONE, FAILED, put, say
 
 if TYPE_CHECKING:
-    from rps_exudyn.simulate.cases.run_cases import Executor
+    from rps_exudyn.simulate.cases.task import Executor
     from rps_exudyn.study.case_progress import Group
     from rps_exudyn.study.runner import StudyWork, Tally
 

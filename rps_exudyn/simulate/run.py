@@ -27,7 +27,7 @@ from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.scenes.law_by_scene import with_law
 from rps_exudyn.simulate.accuracy_check import Wanted, kept_by
 from rps_exudyn.simulate.by_accuracy import Choice, beyond_in_run, choose, percent
-from rps_exudyn.simulate.cases.run_cases import Task
+from rps_exudyn.simulate.cases.task import Task
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.simulate.run_plan import run_unchecked, run_with_fallback
 from rps_exudyn.solvers.temperature_and_wear import tested_gear

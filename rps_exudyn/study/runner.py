@@ -17,7 +17,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of, replacing
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.provenance import provenance
-from rps_exudyn.simulate.cases.run_cases import Executor
+from rps_exudyn.simulate.cases.task import Executor
 from rps_exudyn.study.case_progress import Group, bar, case_line, groups, log_lines
 from rps_exudyn.study.cases import describe
 from rps_exudyn.study.definition import Case, Description, Study

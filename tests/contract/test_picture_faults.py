@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from picture_album import Album
 from picture_faults import faults
+from rps_exudyn.pages.charts.style import signed_decades
 
 X = np.linspace(0, 1, 11)
 
@@ -95,3 +96,17 @@ def test_an_album_knows_who_drew_what() -> None:
     assert (len(good.faults), len(bad.faults)) == (0, 1)
     assert any(name.endswith("a_figure") for name in good.functions)
     assert album.faults()[0].startswith("twice: axes: Line2D reaches")
+
+
+@pytest.mark.parametrize("largest", [1e-3, 0.9, 1.0, 9.0, 30.0, 999.0, 1e5, 3e18, 1e200])
+@pytest.mark.parametrize("width", [1.5, 3.0, 9.0])
+def test_ticks_of_signed_decades_have_room(largest: float, width: float) -> None:
+    """Of any range of values on axes of any width."""
+    figure = Figure(figsize=(width, 3), layout="constrained")
+    axes = figure.subplots()
+    axes.plot([-largest, 0.1 * largest], [0, 1])
+    signed_decades(axes, 1.0)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    assert not any("over each other" in fault for fault in faults(canvas))
+    assert 0 in axes.get_xticks()

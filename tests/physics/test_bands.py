@@ -22,7 +22,8 @@ from rps_exudyn.parameters.distribution import KINDS, Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import CORRELATION, POSTERIOR, SteeringGear
 from rps_exudyn.results.outcome import Interrupted
-from rps_exudyn.simulate.cases.run_cases import Answer, Task, run_cases
+from rps_exudyn.simulate.cases.run_cases import run_cases
+from rps_exudyn.simulate.cases.task import Answer, Task
 from rps_exudyn.solvers.closed_form import mean_state
 
 FORMULA = Fidelity.preset("closed-form")

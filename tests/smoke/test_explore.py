@@ -5,6 +5,7 @@ import http.client
 import json
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from threading import Thread
@@ -36,7 +37,7 @@ from rps_exudyn.pages.explore.sliders import (
 )
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.simulate.cases.run_cases import Task
+from rps_exudyn.simulate.cases.task import Task
 from watched_page import watched
 
 GEAR = rps.SteeringGear()
@@ -316,17 +317,41 @@ def test_sheet_picture_and_pattern_are_those_of_the_state(server: Explorer) -> N
     assert undercut["problems"] == ["yoke.preload is -1; it must be from 0 to 1000."]
 
 
+def test_what_a_scene_compiles_first_is_on_no_clock(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Cold(Answering):
+        def task(self, wish: Wish) -> Task:
+            task = super().task(wish)
+            return replace(task, call=partial(sleep, 2.0)) if wish.state == {} else task
+
+    monkeypatch.setattr("rps_exudyn.pages.explore.answering.LONGEST", 1.0)
+    with Cold(GEAR) as answering:
+        assert "curves" in answering.computed(Wish({"yoke.preload": 400}), "a tab", 1)
+
+
+def test_late_curve_shows_that_it_is_computed(browser: sync_api.Browser, server: Explorer) -> None:
+    page = browser.new_page()
+    page.set_default_timeout(1e3 * PATIENCE)
+    page.goto(f"{server.address}#{json.dumps({'state': SLOW})}")
+    job = page.locator(".job")
+    job.wait_for()
+    assert "Curve" in job.inner_text()
+    job.wait_for(state="detached")
+    assert page.locator("#problems").inner_text() == TOO_LONG
+    page.close()
+
+
 def test_state_is_in_the_address_and_a_file_can_be_dropped(
     browser: sync_api.Browser, server: Explorer
 ) -> None:
-    page = browser.new_page()
+    page, other = browser.new_page(), browser.new_page()
+    for each in (page, other):
+        each.set_default_timeout(1e3 * PATIENCE)
     page.goto(server.address)
     page.locator("#chart polyline.now").first.wait_for()
     page.get_by_label("yoke preload").fill("420")
     page.get_by_label("both directions").check()
     page.locator("#chart polyline.now.back").wait_for()
-    page.wait_for_url(lambda url: "420" in url)
-    other = browser.new_page()
+    page.wait_for_url(lambda url: "420" in url and "true" in url)  # it may have both, one after the other
     other.goto(page.url)
     other.locator("#chart polyline.now.back").wait_for()
     assert other.get_by_label("yoke preload").input_value() == "420"
@@ -340,7 +365,7 @@ def test_state_is_in_the_address_and_a_file_can_be_dropped(
         }""",
         text,
     )
-    other.locator("#chart circle").first.wait_for(timeout=90_000)
+    other.locator("#chart circle").first.wait_for()
     assert other.locator("#chart circle").count() > 150  # brought onto 0 to 360 degrees by whole turns
     places = other.locator("#chart circle").evaluate_all("all => all.map(one => one.cy.baseVal.value)")
     assert min(places) > 0  # the ordinate holds them

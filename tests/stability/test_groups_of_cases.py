@@ -15,7 +15,8 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.block import CaseRecord
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.simulate.cases.case_group import CaseGroup
-from rps_exudyn.simulate.cases.run_cases import Answer, Here, Task, answer_to
+from rps_exudyn.simulate.cases.run_cases import Here
+from rps_exudyn.simulate.cases.task import Answer, Task, answer_to
 from rps_exudyn.study import handover
 from rps_exudyn.study.handover import FEWEST, Handover, dispatch_of
 from rps_exudyn.study.runner import StudyWork

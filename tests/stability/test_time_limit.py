@@ -22,7 +22,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes.checks import before_run
 from rps_exudyn.simulate.cases.processes import Processes
-from rps_exudyn.simulate.cases.run_cases import Task, answer_to
+from rps_exudyn.simulate.cases.task import Task, answer_to
 from rps_exudyn.simulate.cases.time_limit import TimeLimit, alarm, place_of
 from rps_exudyn.simulate.run import simulate
 from shell import Command

@@ -21,7 +21,8 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.judged_row import JudgedRow, Verdict
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.simulate.cases.run_cases import Task, run_cases
+from rps_exudyn.simulate.cases.run_cases import run_cases
+from rps_exudyn.simulate.cases.task import Task
 from rps_exudyn.simulate.run import simulate
 
 COVERAGE = 2.0  # standard uncertainties that are 95 %

@@ -69,7 +69,6 @@ COLOURS = {
     Verdict.KEPT_BY_ANY: "#C9CED4",
     Verdict.CALIBRATED: "#CC79A7",
 }
-TICKS = (-100.0, -10.0, -1.0, 0.0, 1.0, 10.0, 100.0)
 LINEAR = 1.0  # percent, below which the axis is linear
 
 
@@ -171,8 +170,7 @@ def validation_figure(comparisons: Sequence[ComparedRow]) -> Figure:
             capsize=2,
             linewidth=1,
         )
-    axes.set_xscale("symlog", linthresh=LINEAR, linscale=0.5)
-    axes.set_xticks(TICKS, [f"{tick:g}" for tick in TICKS])
+    style.signed_decades(axes, LINEAR)
     axes.set_yticks(range(len(shown)), [each.row.title for each in shown], fontsize=8)
     axes.set_ylim(len(shown) - 0.3, -0.7)
     axes.axvline(0, **style.REFERENCE_LINE)

@@ -25,7 +25,8 @@ from rps_exudyn.scenes.maneuver import steady_maneuver
 from rps_exudyn.scenes.rack_on_rollers import SCENE as RACK_ON_ROLLERS
 from rps_exudyn.scenes.rack_on_rollers import on_rollers
 from rps_exudyn.scenes.run_maneuver import run_maneuver
-from rps_exudyn.simulate.cases.run_cases import CaseRunner, Task
+from rps_exudyn.simulate.cases.run_cases import CaseRunner
+from rps_exudyn.simulate.cases.task import Task
 from rps_exudyn.solvers.closed_form import GRAVITY, mean_state, pushing_force
 from rps_exudyn.solvers.prescribed_motion import DrivenBody
 from rps_exudyn.solvers.temperature_and_wear import tested_gear

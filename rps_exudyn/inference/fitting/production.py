@@ -25,7 +25,8 @@ from rps_exudyn.inference.fitting.prediction import formula_means
 from rps_exudyn.inference.fitting.unknowns import LEVEL
 from rps_exudyn.inference.measured.reading import TORQUE, read_curve
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.simulate.cases.run_cases import Task, run_cases
+from rps_exudyn.simulate.cases.run_cases import run_cases
+from rps_exudyn.simulate.cases.task import Task
 
 FEWEST = 5  # gears of a batch
 SUFFIXES = (".csv", ".txt", ".dat", ".tsv", ".mf4", ".tdms", ".mat")

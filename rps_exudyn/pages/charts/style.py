@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import Locator, MaxNLocator, StrMethodFormatter
 from PIL import Image
 
 from rps_exudyn.base.files import replacing
@@ -90,6 +90,7 @@ NAME, NAME_SIZE, NAME_LETTERS = "name", 9, 20  # mark and size of a curve's name
 NAME_LINE, NAME_GAP = 0.16, 0.35  # height of a line of it [in], and its distance to the next in lines
 NAMES_FROM = 6.0  # narrower pictures have no room for names beside curves [in]
 LETTER, LEGEND_MARK = 0.075, 0.6  # width of a letter, and of a line with its gaps, in legends [in]
+TICK_LETTER = 0.11  # width of a letter of a number on an axis, with its part of the gap beside it [in]
 
 ROOM_FOR_NOTE = 0.1  # below the data, of the ordinate
 NOT_ZERO = "axis does not begin at 0"
@@ -240,6 +241,33 @@ def angle_axis(axes: Axes) -> None:
     axes.xaxis.set_major_locator(MaxNLocator(nbins=9, steps=steps))
     for each in axes.get_shared_x_axes().get_siblings(axes):
         each.margins(x=0)
+
+
+class _SignedDecades(Locator):
+    """Ticks at 0 and at powers of ten of both signs: as many as have room for their labels."""
+
+    def __init__(self, linear: float) -> None:
+        self.linear = linear
+
+    def __call__(self) -> Any:
+        view, transform = np.array(self.axis.get_view_interval()), self.axis.get_transform()  # type: ignore[union-attr]
+        box = self.axis.axes.bbox  # type: ignore[union-attr]
+        pixels = box.width / np.ptp(transform.transform(view))
+        letter = TICK_LETTER * self.axis.get_figure(root=True).dpi  # type: ignore[union-attr]
+        largest = max(self.linear, np.abs(view).max())
+        kept = [0.0]
+        for power in 10.0 ** np.arange(np.log10(self.linear), np.log10(largest) + 1e-9):
+            apart = pixels * float(np.diff(transform.transform(np.array([kept[-1], power])))[0])
+            if apart >= letter * (len(f"-{power:g}") + len(f"-{kept[-1]:g}")) / 2:
+                kept.append(power)
+        return np.array([*(-each for each in reversed(kept[1:])), *kept])
+
+
+def signed_decades(axes: Axes, linear: float) -> None:
+    """Make the abscissa logarithmic in both directions, and linear up to `linear`, a power of ten."""
+    axes.set_xscale("symlog", linthresh=linear, linscale=0.5)
+    axes.xaxis.set_major_locator(_SignedDecades(linear))
+    axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
 
 
 def name_directions(axes: Axes, named: dict[str, str]) -> None:

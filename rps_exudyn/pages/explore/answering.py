@@ -1,11 +1,14 @@
 """Answers to all that the page asks for, computed in processes beside this one.
 
 The page's server and the widget hand over what they get, and send back what they are given. A state that
-takes longer than `LONGEST` is given up; until then, it holds one process, and the others answer all other
-tabs. Each kind of click has processes of its own, whose work can be cancelled.
+takes longer than `LONGEST`, without what is compiled for its scene, is given up; until then, it holds one
+process, and the others answer all other tabs. Each kind of click has processes of its own, whose work can be
+cancelled. The page can ask how far a curve or a click is.
 """
 
-from contextlib import suppress
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from queue import SimpleQueue
@@ -19,9 +22,11 @@ from rps_exudyn.base.units import pretty
 from rps_exudyn.pages.explore.on_request import KINDS, SIMULATION, on_request
 from rps_exudyn.pages.explore.sliders import SLIDERS, SLOW, Answer, Wish, answer, scenes
 from rps_exudyn.parameters.gear import SteeringGear, gear_file
+from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.scenes.free_pinion_torque import SCENE
 from rps_exudyn.simulate.cases.processes import Processes
-from rps_exudyn.simulate.cases.run_cases import Task, available_processors
+from rps_exudyn.simulate.cases.run_cases import available_processors
+from rps_exudyn.simulate.cases.task import Task
 
 LONGEST = 10.0  # that a state may take [s]
 LONGEST_REQUESTED = 600.0  # that a click may take: it can be cancelled [s]
@@ -35,7 +40,8 @@ TOO_LONG_REQUESTED = (
     "rps-exudyn."
 )
 CANCELLED = {"cancelled": True}
-PATHS = ("sliders", "curve", "gear", "progress", "cancel", *KINDS)
+CURVE = "curve"
+PATHS = ("sliders", CURVE, "gear", "progress", "cancel", *KINDS)
 
 
 @dataclass(frozen=True)
@@ -66,12 +72,12 @@ class Request:
 
 
 @dataclass(eq=False)
-class _Click:
-    """Work that a click has begun, and how far it is."""
+class _Work:
+    """Work that a curve or a click has begun, and how far it is."""
 
     processes: Processes | None = None  # None: it waits for one
     is_cancelled: bool = False
-    text: str = "waiting for other simulations"
+    text: str = "waiting for other answers"
     fraction: float | None = None
 
     def take(self, progress: Progress) -> None:
@@ -98,7 +104,8 @@ class Answering:
     def __init__(self, gear: SteeringGear) -> None:
         self.gear = gear
         self._newest: dict[str, int] = {}
-        self._clicks: dict[tuple[str, str], _Click] = {}
+        self._works: dict[tuple[str, str], _Work] = {}
+        self._prepared: defaultdict[Processes, set[str]] = defaultdict(set)  # scenes
         count = max(2, available_processors())
         self._free: SimpleQueue[Processes] = SimpleQueue()
         self._begun = [Processes(1, LONGEST) for _ in range(count)]
@@ -126,7 +133,8 @@ class Answering:
 
     def task(self, wish: Wish) -> Task:
         """The call that answers a state."""
-        return Task(partial(answer, self.gear, wish), warm_up=partial(answer, self.gear, Wish({})))
+        usual = Wish({}, wish.scene)
+        return Task(partial(answer, self.gear, wish), warm_up=partial(answer, self.gear, usual))
 
     def reply(self, path: str, asked: Request) -> Answer:
         """Answer a request of the page, one of `PATHS`."""
@@ -134,7 +142,7 @@ class Answering:
             return _controls(self.gear)
         if path in ("progress", "cancel"):
             return self._watched(asked, path == "cancel")
-        if path == "curve":
+        if path == CURVE:
             return self.computed(asked.wish, asked.tab, asked.number)
         if path in KINDS:
             return self.requested(asked.wish, path, asked.tab)
@@ -144,53 +152,67 @@ class Answering:
             return {"problems": list(error.problems)}
 
     def _watched(self, asked: Request, ends: bool) -> Answer:
-        """How far a click is; it can be cancelled, too."""
-        click = self._clicks.get((asked.tab, asked.of))
-        if click is None:
+        """How far a curve or a click is; a click can be cancelled, too."""
+        work = self._works.get((asked.tab, asked.of))
+        if work is None:
             return {}
-        if ends:
-            click.cancel()
-        return {"text": click.text, "fraction": click.fraction}
+        if ends and asked.of in KINDS:
+            work.cancel()
+        return {"text": work.text, "fraction": work.fraction}
+
+    @contextmanager
+    def _followed(self, tab: str, kind: str) -> Iterator[_Work]:
+        """Work of which the page can ask how far it is."""
+        work = self._works[tab, kind] = _Work()
+        try:
+            with following(work.take), listening(work.take_compiled):
+                yield work
+        finally:
+            if self._works.get((tab, kind)) is work:
+                del self._works[tab, kind]
 
     def computed(self, wish: Wish, tab: str, number: int) -> Answer:
         """One state's answer; "stale" where the same tab has asked for another meanwhile."""
         self._newest[tab] = max(number, self._newest.pop(tab, 0))
         while len(self._newest) > MOST_TABS:
             del self._newest[next(iter(self._newest))]
-        processes = self._free.get()
-        if number < self._newest.get(tab, number):
-            self._free.put(processes)
-            return {"stale": True}
-        return self._ask(processes, self._free, self.task(wish)) | {"number": number}
+        with self._followed(tab, CURVE) as work:
+            processes = self._free.get()
+            if number < self._newest.get(tab, number):
+                self._free.put(processes)
+                return {"stale": True}
+            work.begin(processes)
+            return self._ask(processes, self._free, self.task(wish), wish.scene) | {"number": number}
 
     def requested(self, wish: Wish, kind: str, tab: str = "") -> Answer:
         """The answer to a click; a tab's second click of a kind cancels its first one."""
-        if (earlier := self._clicks.get((tab, kind))) is not None:
+        if (earlier := self._works.get((tab, kind))) is not None:
             earlier.cancel()
-        click = self._clicks[tab, kind] = _Click()
         usual = replace(wish, state={})  # what is compiled for it has no time limit
         warm_up = partial(on_request, self.gear, usual, kind) if kind != SIMULATION else None
         task = Task(partial(on_request, self.gear, wish, kind), warm_up=warm_up)
         queue = self._patient[kind]
-        processes = queue.get()
-        click.begin(processes)
-        try:
+        with self._followed(tab, kind) as click:
+            processes = queue.get()
+            click.begin(processes)
             if click.is_cancelled:
                 queue.put(processes)
                 return CANCELLED
-            with following(click.take), listening(click.take_compiled):
-                return self._ask(processes, queue, task)
-        finally:
-            if self._clicks.get((tab, kind)) is click:
-                del self._clicks[tab, kind]
+            return self._ask(processes, queue, task)
 
-    def _ask(self, processes: Processes, free: "SimpleQueue[Processes]", task: Task) -> Answer:
-        """The answer of a process, which is free afterwards; one that was cancelled has a successor."""
+    def _ask(
+        self, processes: Processes, free: "SimpleQueue[Processes]", task: Task, scene: str = ""
+    ) -> Answer:
+        """The answer of a process, which is free afterwards; one that was cancelled has a successor. What is
+        compiled for the `scene` of a curve is on no clock."""
         try:
+            if scene in SCENE_NAMES and scene not in self._prepared[processes]:
+                self._prepare(processes, scene)
             answers = [found for _, found in processes.run(iter([task]))]
             if not answers:
                 return CANCELLED
             if answers[0].timeout:
+                self._prepared.pop(processes, None)  # its successor loads what is compiled anew
                 return {"problems": [TOO_LONG if processes.time_limit == LONGEST else TOO_LONG_REQUESTED]}
             return dict(answers[0].returned())
         except InputError as error:
@@ -202,6 +224,16 @@ class Answering:
                     self._begun.remove(processes)
                 processes = self._patient_processes()
             free.put(processes)
+
+    def _prepare(self, processes: Processes, scene: str) -> None:
+        """Let a process compile what the scene needs."""
+        usual, limit = self.task(Wish({}, scene)), processes.time_limit
+        processes.time_limit = LONGEST_REQUESTED
+        try:
+            list(processes.run(iter([usual])))
+        finally:
+            processes.time_limit = limit
+        self._prepared[processes].add(scene)
 
     def _patient_processes(self) -> Processes:
         made = Processes(1, LONGEST_REQUESTED)

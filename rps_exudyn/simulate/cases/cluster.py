@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.results.provenance import MODEL_VERSION
 from rps_exudyn.simulate.cases.processes import Processes
-from rps_exudyn.simulate.cases.run_cases import Answer, Task
+from rps_exudyn.simulate.cases.task import Answer, Task
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -27,7 +27,7 @@ from rps_exudyn.base.compiling import CompileStep, publish
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import Progress, passed_on
 from rps_exudyn.simulate.cases.frames import frame_of, frames_in
-from rps_exudyn.simulate.cases.run_cases import Answer, Task
+from rps_exudyn.simulate.cases.task import Answer, Task
 from rps_exudyn.simulate.cases.time_limit import GRACE
 
 START_LIMIT = 900.0  # [s] until a process must be ready, all its kernels compiled

@@ -9,129 +9,15 @@ that is over, a process that ends and an error are answers; Ctrl-C ends the iter
 """
 
 import os
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from time import monotonic, process_time
-from typing import TYPE_CHECKING, Any, Protocol
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
-from rps_exudyn.base.errors import InputError, raise_wrapped
-from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Interrupted, Status
-from rps_exudyn.results.result import Result, failed
-from rps_exudyn.simulate.cases.time_limit import alarm, place_of, sentence
-
-if TYPE_CHECKING:
-    from rps_exudyn.simulate.cases.processes import Processes
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.simulate.cases.processes import Processes
+from rps_exudyn.simulate.cases.task import Answer, Task, answer_to
 
 STARTING = 3.0  # [s] of CPU time until a process is ready, its kernels loaded
 MOST_JOBS = 1024
-
-
-@dataclass(frozen=True, eq=False)
-class Task:
-    """A call that an executor does.
-
-    Attributes:
-        call: a function of a module, or a `functools.partial` of one; it goes to other processes.
-        warm_up: the same for a small case: a new process makes it before the clock of its first task runs.
-        begun: instant of `time.monotonic` since when the task's time runs; None: since it is begun.
-    """
-
-    call: Callable[[], Any]
-    warm_up: Callable[[], Any] | None = None
-    begun: float | None = None
-
-
-@dataclass(frozen=True)
-class Answer:
-    """What became of a task; times in seconds.
-
-    Attributes:
-        value: what the call returned.
-        error: what it raised instead.
-        ended: where it was interrupted, or how its process ended; "" if the call returned or raised.
-        timeout: its time limit, where that was over; else 0.
-        recorded: what an interrupted run had recorded by then.
-        wall_s: elapsed time.
-        cpu_s: CPU time.
-    """
-
-    value: Any = None
-    error: Exception | None = None
-    ended: str = ""
-    timeout: float = 0.0
-    recorded: Result | None = None
-    wall_s: float = 0.0
-    cpu_s: float = 0.0
-
-    def returned(self) -> Any:
-        """Return the value of the call.
-
-        Raises:
-            Exception: what the call raised.
-            InputError: it did not end.
-        """
-        if self.error is not None:
-            raise self.error
-        if self.ended:
-            raise InputError(f"a run did not end: {self.ended}.")
-        return self.value
-
-    def failure(self, scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
-        """Return the result of a run that returned none: its status, its cause, and what was recorded."""
-        status, message = Status.CRASHED, self.ended
-        if self.timeout:
-            status, message = Status.TIMEOUT, sentence(self.timeout, self.ended, self.cpu_s, self.wall_s)
-        elif self.recorded is not None:
-            status = self.recorded.status
-        elif isinstance(self.error, InputError):  # a gear that cannot be built, a test that leaves the rack
-            status, message = Status.INVALID, " ".join(self.error.problems)
-        elif self.error is not None:
-            message = f"{type(self.error).__name__}: {self.error}"
-        if self.recorded is not None:
-            return replace(self.recorded, message=message, cpu_s=self.cpu_s, wall_s=self.wall_s)
-        return failed(scene, gear, fidelity, status, message, self.cpu_s, self.wall_s)
-
-
-class Executor(Protocol):
-    """Whoever does tasks."""
-
-    @property
-    def workers(self) -> int:
-        """How many tasks are done at the same time."""
-
-    @property
-    def group_seconds(self) -> float:
-        """Work that is worth a task of its own [s]."""
-
-    def run(self, tasks: Iterator[Task]) -> Iterator[tuple[Task, Answer]]:
-        """Do tasks, taken from the iterator as needed; answers come in the order in which the tasks end."""
-
-
-def answer_to(task: Task, time_limit: float) -> Answer:
-    """Do a task in this process; the time limit in seconds.
-
-    Raises:
-        Interrupted: Ctrl-C during a run that had recorded something.
-        KeyboardInterrupt: Ctrl-C otherwise.
-    """
-    begun, cpu = monotonic() if task.begun is None else task.begun, process_time()
-    answer = Answer()
-    try:
-        with alarm(begun + time_limit - monotonic()):
-            answer = Answer(task.call())
-    except KeyboardInterrupt as interrupt:
-        if monotonic() - begun < time_limit:
-            raise
-        if isinstance(interrupt, Interrupted):
-            answer = Answer(ended=interrupt.recorded.message, timeout=time_limit, recorded=interrupt.recorded)
-        else:
-            answer = Answer(ended=f"interrupted {place_of(interrupt.__traceback__)}", timeout=time_limit)
-    except Exception as error:
-        raise_wrapped(error)
-        answer = Answer(error=error)
-    return replace(answer, wall_s=monotonic() - begun, cpu_s=process_time() - cpu)
 
 
 @dataclass(frozen=True)
@@ -186,8 +72,6 @@ class CaseRunner:
                 if expected is None and done:
                     seconds = max(seconds, spent / done * left)
                 if seconds * (1 - 1 / self.jobs) > STARTING:
-                    from rps_exudyn.simulate.cases.processes import Processes
-
                     self._processes = Processes(self.jobs, self.time_limit)
                     break
             task = next(ahead)

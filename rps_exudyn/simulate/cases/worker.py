@@ -33,7 +33,7 @@ def main() -> None:
     from rps_exudyn.base.compiling import listeners
     from rps_exudyn.base.progress import following
     from rps_exudyn.results.outcome import Interrupted
-    from rps_exudyn.simulate.cases.run_cases import Answer, answer_to
+    from rps_exudyn.simulate.cases.task import Answer, answer_to
 
     warm_up = pickle.loads(first)
     listeners.append(say)

@@ -8,7 +8,8 @@ const TAB = String(Math.random()).slice(2);
 let sliders = [], scenes = {}, number = 0, busy = false, wanted = false, first = null, axis = null, sent = 0;
 let slow = Infinity, drafts = false, drafted = false; // time of an answer from which on its scene is drafted while a slider moves [ms]
 let latest = null, band = null, measured = null, file = null, resting = 0, turned = null;
-const POLL = 500; // between questions how far a simulation is [ms]
+const POLL = 500; // between questions how far a request is [ms]
+const LATE = 1500; // after which a curve's progress is shown [ms]
 const running = new Set(); // kinds of clicks without an answer
 const REST = 500; // after which the address and the gear's picture follow the sliders [ms]
 
@@ -108,7 +109,7 @@ async function ask() {
     sent = performance.now();
     drafted = drafts;
     try {
-      show(await post("curve", { ...asked(), draft: drafted, number: ++number }));
+      show(await curve({ draft: drafted, number: ++number }));
     } catch {
       show({ problems: [SILENT] });
     }
@@ -118,11 +119,23 @@ async function ask() {
   resting = setTimeout(rest, REST);
 }
 
+// The answer to the present state; one that is late, as the first of a scene is, shows how far it is
+async function curve(more) {
+  let ended = () => {};
+  const late = setTimeout(() => { ended = followed("curve", "Curve"); }, LATE);
+  try {
+    return await post("curve", { ...asked(), ...more });
+  } finally {
+    clearTimeout(late);
+    ended();
+  }
+}
+
 // The answer to a state that was drafted; none if a slider has moved meanwhile
 async function settle() {
   const mine = ++number;
   try {
-    const answer = await post("curve", { ...asked(), number: mine });
+    const answer = await curve({ number: mine });
     if (mine === number) show({ ...answer, settled: true });
   } catch {
     show({ problems: [SILENT] });
@@ -179,7 +192,7 @@ async function turn(packed) {
 
 // What takes longer than a curve: asked for by a click, answered beside the curves
 async function click(kind, button, use, more = {}) {
-  const ended = button ? followed(kind, button) : () => {};
+  const ended = button ? followed(kind, button.textContent, button) : () => {};
   document.body.dataset.waiting = kind;
   running.add(kind);
   try {
@@ -194,19 +207,21 @@ async function click(kind, button, use, more = {}) {
   ended();
 }
 
-// A row that shows how far a click is, and cancels it; the function that is returned removes it
-function followed(kind, button) {
+// A row that shows how far a request is, and cancels that of a button; the function that is returned removes it
+function followed(kind, name, button = null) {
   const row = make("p", { class: "job" }), text = make("span", {}, "computing"), bar = make("progress", { max: 1 });
-  const cancel = make("button", { type: "button" }, "Cancel");
   const question = () => ({ state: {}, tab: TAB, of: kind });
-  cancel.setAttribute("aria-label", `Cancel: ${button.textContent}`);
-  cancel.addEventListener("click", () => {
-    cancel.disabled = true;
-    post("cancel", question());
-  });
-  row.append(make("b", {}, button.textContent), bar, text, cancel);
+  row.append(make("b", {}, name), bar, text);
+  if (button) {
+    const cancel = make("button", { type: "button", "aria-label": `Cancel: ${name}` }, "Cancel");
+    cancel.addEventListener("click", () => {
+      cancel.disabled = true;
+      post("cancel", question());
+    });
+    row.append(cancel);
+    button.disabled = true;
+  }
   by("jobs").append(row);
-  button.disabled = true;
   const asking = setInterval(async () => {
     const found = await post("progress", question());
     if (found.text) text.textContent = found.text;
@@ -215,7 +230,7 @@ function followed(kind, button) {
   return () => {
     clearInterval(asking);
     row.remove();
-    button.disabled = false;
+    if (button) button.disabled = false;
   };
 }
 
