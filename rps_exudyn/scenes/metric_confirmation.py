@@ -18,10 +18,10 @@ from rps_exudyn.analysis.curve import midpoints_added
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Remark, Status
-from rps_exudyn.results.quantities import ANOTHER_CYCLE, OTHER, SPREADS, SUMMARY
+from rps_exudyn.results.quantities import ANOTHER_CYCLE, LOSS_SHARES, OTHER, SPREADS, SUMMARY
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.refine import refine
-from rps_exudyn.scenes.remarks import unresolved_peaks
+from rps_exudyn.scenes.remarks import part_of_pitch, unresolved_peaks
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
@@ -81,7 +81,9 @@ def run_and_confirm(
     drive = maneuvers[0].drive
     place = "pinion_angle" if drive.body == "pinion" else "rack_displacement"
     unseen = unresolved_peaks(fidelity, run, drive.signal, place)
-    return run.noting(unseen).without(SPREADS if unseen else ())
+    in_part = part_of_pitch(gear, fidelity, run.signals)
+    left_out = (SPREADS if unseen else frozenset()) | (LOSS_SHARES if in_part else frozenset())
+    return run.noting(unseen, in_part).without(left_out)
 
 
 def with_narrower_zone(fidelity: Fidelity, halvings: int) -> Fidelity:
