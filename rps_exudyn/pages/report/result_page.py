@@ -42,13 +42,14 @@ from rps_exudyn.pages.report.html import (
     provenance_facts,
 )
 from rps_exudyn.pages.report.pictures import WIDTHS, picture
-from rps_exudyn.pages.report.sheet import REMARK, WORK_LOST, Row, loss_shares, rounded, sheet_of
+from rps_exudyn.pages.report.sheet import REMARK, WORK_LOST, Row, loss_shares, sheet_of
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.names import GEAR_FACTS, named
 from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status, sentences
 from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, LABELS, PARTS, SUMMARY, Quantity
 from rps_exudyn.results.result import Result
+from rps_exudyn.results.rounding import rounded
 from rps_exudyn.scenes import is_scene, scene_named
 from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_TURNING_SCENE
 
