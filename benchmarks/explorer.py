@@ -5,7 +5,6 @@ from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from time import process_time
-from typing import Any
 
 import numpy as np
 
@@ -85,15 +84,8 @@ def spread(times: list[float]) -> dict[str, float]:
     return dict(zip(("median", "p95", "largest"), np.quantile(times, [0.5, 0.95, 1.0]).tolist(), strict=True))
 
 
-def kinds_table(folder: Path) -> str:
-    """How many states ended how."""
-    data = load_data(folder / DATA)
-    rows: list[list[Any]] = [[kind, data["kinds"].get(kind, 0)] for kind in KINDS]
-    return markdown(["answer", "states"], rows)
-
-
 def times_table(folder: Path) -> str:
-    """CPU time of an answer: the slowest slider alone, and several at random."""
+    """CPU time of an answer: the slowest slider alone, and several at random, with the kinds of answers."""
     data = load_data(folder / DATA)
     path, slowest = max(data["sliders"].items(), key=lambda each: each[1].get("largest", 0.0))
     refused = sum(found["refused"] for found in data["sliders"].values())
@@ -102,7 +94,8 @@ def times_table(folder: Path) -> str:
         ["several at random", *_shown(data["random"]), ""],
     ]
     head = ["sliders moved", "median ms", "95 % within ms", "largest ms", "moves of one refused"]
-    return markdown(head, rows)
+    kinds = "; ".join(f"{data['kinds'].get(kind, 0)} {kind}" for kind in KINDS)
+    return f"{markdown(head, rows)}\n\nAnswers to states at random: {kinds}."
 
 
 def _shown(found: dict[str, float]) -> list[str]:
@@ -133,5 +126,5 @@ TOPIC = Topic(
     "first_use",
     run,
     {"states": 4, "moves": 1},
-    {"explorer_kinds": kinds_table, "explorer_times": times_table, "explorer_scenes": scenes_table},
+    {"explorer_times": times_table, "explorer_scenes": scenes_table},
 )

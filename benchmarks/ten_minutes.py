@@ -33,7 +33,6 @@ COMMANDS = (
     "init .",
     "run",
     'run --gear gears/paper.toml --set yoke.preload="400 N" --out own.h5',
-    "run --fidelity quasi-static --out fast.h5",
     "study preload.toml",
     "report preload",
     "report own.h5",
@@ -43,7 +42,7 @@ COMMANDS = (
     "run --band --out band.h5",
     "check --out check.html",
     EXPLORE,
-    "report band.h5",
+    "report band.band.json --out band.html",
 )
 NOTEBOOK = "examples/first_steps.ipynb"
 CELLS = """
@@ -55,13 +54,13 @@ for cell in json.load(open(sys.argv[1], encoding="utf-8"))["cells"]:
         print("cell done", flush=True)
 """
 SERVER = re.compile(r"server: (http\S+)")
-MOVES = ({}, {"yoke.preload": 400})  # states of the explorer's sliders
+MOVES: tuple[dict[str, float], ...] = ({}, {"yoke.preload": 400})  # states of the explorer's sliders
 PAGES = {  # command -> the page that it writes
     "report preload": "preload/report.html",
     "report own.h5": "own.html",
     "fit examples/measured/made_up_free.csv --out fitted.toml --report fitted.html": "fitted.html",
     "check --out check.html": "check.html",
-    "report band.h5": "band.html",
+    "report band.band.json --out band.html": "band.html",
     "animate own.h5 --out own.html": "own.html",
 }
 
@@ -188,7 +187,7 @@ def steps_table(folder: Path) -> str:
     data = load_data(folder / DATA)
     rows = [
         [
-            f"`{step['command']}`",
+            f"`{step['command'].removeprefix('rps-exudyn ')}`",
             f"{step['cpu']:.1f}",
             f"{step['silence']:.1f}",
             f"{step['kilobytes']:.0f}" if "kilobytes" in step else "",
