@@ -239,7 +239,6 @@ NEEDS = {
     "yoke-impact": Need(
         "yoke-impact",
         [
-            Metric("impacts", absolute=0.5),
             Metric("impact_peak_force", fraction=0.05),
             Metric("impact_impulse", fraction=0.05),
             Metric("impact_force_rms", fraction=0.05),
