@@ -1,10 +1,10 @@
 """Whether the metrics of a run stand: each is confirmed as `quantities` declares, or left out.
 
-Every second instant of a record shows what its steps miss of means, a curve through the instants what its
-extremes miss between them, at the cost of reading the record again; a steady motion is made again only where
-these doubt a metric, or where equilibria take the rack's rolling late. A motion to and fro, or with impacts,
-is made again in half the steps, a swing from another cycle before. What still changes, or is not resolved by
-the finest steps, is left out, and a run whose own figure changes is invalid.
+Every second instant of a record shows what its steps miss of means, a curve through the instants, with its
+kinks, what its extremes miss between them, at the cost of reading the record again; a steady motion is made
+again only where these doubt a metric, or where equilibria take the rack's rolling late. A motion to and fro,
+or with impacts, is made again in half the steps, a swing from another cycle before. What still changes, or is
+not resolved by the finest steps, is left out, and a run whose own figure changes is invalid.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -37,7 +37,9 @@ RUBBING = 0.1  # coefficient of friction by which the force on the teeth gives a
 MOST_FINER = {"equilibrium": 2, "generalized-alpha": 1}
 """Solver -> times that the steps of a motion are halved for its metrics; formulas have none."""
 LEAST_ROLL = 1e-6  # range of a rack that does not roll [rad]
-LATE = 0.1  # half a step of the rack's rolling, over its range: ranges that friction shifts move by as much
+LATE = 0.15  # half a step of the rack's rolling, over its range: of its rate 3 % are missed
+FIRST_ORDER = 2  # times what all instants miss of a curve with kinks, half of them miss ...
+SHOWN = 0.6  # ... and the part of it that a curve through them shows
 NARROW_ZONE = 0.002  # of friction, over the smallest sliding speed: it moves no metric of a swing by 3 %
 AGREED = 0.4  # of a metric's tolerance: where curves have kinks, as much again or more is left
 SLOW = 2 * np.pi * 20 / 60  # speed of the pinion up to which teeth that enter hardly shake the gear [rad/s]
@@ -150,8 +152,8 @@ def every_second(signals: Signals, stride: int = 2) -> Signals:
 
 
 def with_midpoints(signals: Signals) -> Signals:
-    """Return a record (..., n) with an instant more between any two of a maneuver, on the cubic through the
-    four around it."""
+    """Return a record (..., n) with an instant more between any two of a maneuver, on the curve through those
+    around it."""
     parts = list(_parts(signals["time"]))
     return {
         name: np.concatenate([midpoints_added(values[..., part]) for part in parts], axis=-1)
@@ -161,7 +163,7 @@ def with_midpoints(signals: Signals) -> Signals:
 
 def rolls_late(signals: Signals) -> Any:
     """Return half a step of the rack's rolling at its fastest, over the range of its roll; of many gears an
-    array (n,). So late is the rolling of equilibria, which take its rate by backward differences."""
+    array (n,). The parabolas by which equilibria take rates miss 4/3 of its square, of a sine."""
     late: Any = 0.0
     if "rack_roll" not in signals:
         return late
@@ -187,6 +189,13 @@ def unresolved(metrics: Metrics, signals: Signals, values: Mapping[str, Any]) ->
     tolerances: extremes may lie there, and vibration from instant to instant swings on."""
     more = metrics(with_midpoints(signals))
     return changes(values, {name: more[name] for name in values if name in more}, signals)
+
+
+def doubts(metrics: Metrics, signals: Signals, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return by how much a record's instants may miss metrics of a steady motion, over their tolerances."""
+    missed = {name: each / FIRST_ORDER for name, each in doubted(metrics, signals, values).items()}
+    between = unresolved(metrics, signals, values)
+    return larger(missed, {name: each / SHOWN for name, each in between.items()})
 
 
 def confirmed(
@@ -222,8 +231,8 @@ def confirmed(
     def between(each: SceneRun) -> dict[str, float]:
         return unresolved(metrics, each.signals, each.summary) if smooth else {}
 
-    def doubts(each: SceneRun) -> dict[str, float]:
-        return larger(doubted(metrics, each.signals, each.summary), between(each))
+    def missed(each: SceneRun) -> dict[str, float]:
+        return (doubts if smooth else doubted)(metrics, each.signals, each.summary)
 
     def changed(coarse: SceneRun, fine: SceneRun) -> dict[str, float]:
         return changes(coarse.summary, fine.summary, fine.signals)
@@ -235,14 +244,20 @@ def confirmed(
         except Interrupted:
             raise Interrupted(coarse) from None
 
-    first = doubts(described)
+    def unsure(coarse: SceneRun, fine: SceneRun) -> float:
+        change, between_fine = changed(coarse, fine), between(fine)
+        if smooth and not always and not _beyond(larger(change, missed(fine)), 1.0):
+            return 0.0
+        return max(0.0, *change.values(), *(AGREED * each for each in between_fine.values()))
+
+    first = missed(described)
     refined = refine(
         described,
         made,
         most if finer is not None else 0,
         usable=lambda each: each.ok,
-        asks=lambda each: always or bool(_beyond(first if each is described else doubts(each), 1.0)),
-        change=lambda coarse, fine: max(changed(coarse, fine).values(), default=0.0),
+        asks=lambda each: always or each is not described or bool(_beyond(first, 1.0)),
+        change=unsure,
         allowed=AGREED,
     )
     finest = refined.finest
@@ -251,7 +266,7 @@ def confirmed(
     if refined.times and refined.failed is None:
         left = _beyond(larger(changed(refined.runs[-2], finest), between(finest)), 1.0)
     else:
-        left = _beyond(first if not refined.times else doubts(finest), 1.0)
+        left = _beyond(first if not refined.times else missed(finest), 1.0)
     return _left_out(_counted(finest, refined.runs, begun + refined.times), left, figure)
 
 

@@ -25,7 +25,7 @@ from rps_exudyn.scenes.metric_confirmation import (
     LATE,
     MOST_FINER,
     changes,
-    doubted,
+    doubts,
     every_second,
     larger,
     not_confirmed,
@@ -350,16 +350,19 @@ class _Followed:
 
     def asks(self) -> np.ndarray:
         """Return whose metrics their own record doubts, (n,)."""
-        doubts = larger(doubted(self.metrics, self.signals, self.summary), self.unresolved())
-        return self._worst(doubts) > 1
+        return self.is_off(doubts(self.metrics, self.signals, self.summary))
 
     def change(self, finer: "_Followed") -> dict[str, np.ndarray]:
         """Return by how much metrics change from here to a finer run, over their tolerances."""
         return changes(self.summary, finer.summary, finer.signals)
 
-    def agrees(self, change: Mapping[str, np.ndarray]) -> np.ndarray:
-        """Return whose metrics changes leave as they are, (n,)."""
-        return self._worst(change) <= AGREED
+    def agrees(self, change: Mapping[str, np.ndarray], between: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Return whose metrics changes leave as they are, and what lies between the instants, (n,)."""
+        return (self._worst(change) <= AGREED) & ~self.is_off(between)
+
+    def is_off(self, change: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Return whose metrics change by more than their tolerances, (n,)."""
+        return self._worst(change) > 1
 
     def _worst(self, change: Mapping[str, np.ndarray]) -> np.ndarray:
         none = np.zeros(len(self.gears))
@@ -429,8 +432,8 @@ def _confirmed(common: Common, first: _Followed) -> Iterator[_Part]:
         if not fine.gears:
             return
         change, between = coarse.change(fine), fine.unresolved()
-        asks = fine.asks() | np.isin(fine.chosen, late_ones)
-        done = fine.agrees(change) | ~asks | (times == most)
+        asks = fine.asks() | fine.is_off(change) | np.isin(fine.chosen, late_ones)
+        done = fine.agrees(change, between) | ~asks | (times == most)
         left = larger(change, between)
         of_these = {name: np.broadcast_to(each, done.shape)[done] for name, each in left.items()}
         yield fine.some(done).described(of_these)

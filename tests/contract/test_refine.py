@@ -137,6 +137,39 @@ def test_extremes_that_every_second_instant_shows_too_may_lie_between_instants(s
     assert run.summary["torque_peak_to_peak"] == pytest.approx(2.25 if smooth else 2.0)
 
 
+@pytest.mark.parametrize("place", [3.2, 3.5, 3.9])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_kinks_between_instants_are_seen(place: float, sign: int) -> None:
+    """The peak of two slopes that meet between two of nine instants; a slope that only grows there leaves the
+    cubic by as much as the kink stands out. Of two racks each its own."""
+    time = np.arange(9.0)
+    peak = sign * np.minimum(2 * (time - place), place - time)
+    grows = sign * np.minimum(3 * (time - place), time - place)
+    found = with_midpoints({"time": time, "place": np.stack([peak, grows])})
+    assert found["time"] == pytest.approx(np.arange(0.0, 8.1, 0.5))
+    top, beside = found["place"][:, 7]
+    assert top == pytest.approx(0.0, abs=1e-12)
+    s, t, cubic = place - 3, 4 - place, (9 * (grows[3] + grows[4]) - grows[2] - grows[5]) / 16
+    assert sign * (beside - cubic) == pytest.approx(s * t * (1 + s) * (1 + t) * 2 / 3)
+
+
+def test_half_of_the_instants_may_miss_twice_as_much_of_a_steady_motion() -> None:
+    """A mean that every second instant moves by 3 % is not made again, one that it moves by 5 % is."""
+
+    def halvings(moved: float) -> int:
+        def made(times: int) -> SceneRun:
+            time = np.arange(0.0, 40.0)
+            return SceneRun(Outcome(Status.OK), {"time": time, "pinion_torque": np.full(40, 1.0)})
+
+        def metrics(signals: dict[str, np.ndarray]) -> dict[str, float]:
+            return {"torque_mean": 1.0 + (moved if signals["time"].size < 40 else 0.0)}
+
+        run = confirmed(made(0), metrics, made, "torque_mean", most=2, smooth=True)
+        return int(run.outcome.findings.get("halvings", 0))
+
+    assert (halvings(0.03), halvings(0.05)) == (0, 1)
+
+
 def test_a_late_rolling_is_half_a_step_of_its_fastest_over_its_range() -> None:
     """Of a sine with n steps in a period pi / n; of many racks one each."""
     time = np.linspace(0.0, 1.0, 41)
