@@ -97,8 +97,8 @@ def run(
     folder: Path,
     kinds: Sequence[str] = tuple(KINDS),
     laws: Sequence[str] = ("line", "teeth"),
-    gears: int = 330,
-    singles: int = 60,
+    gears: int = 200,
+    singles: int = 24,
 ) -> None:
     """Follow so many gears together, and the first of them singly."""
     rows = []
