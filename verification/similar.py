@@ -46,6 +46,8 @@ TURNED_OVER = (  # by a mirror across the rack's travel and the pinion's axis
     "rack.bow_angle",
     "rack.side_angle",
 )
+LOADED = ("load-test",)  # against the direction of the test: the other one loads the other flanks
+LOADED = ("load-test",)  # against the direction of the test: the other one loads the other flanks
 UNITS = {"length": 2.0, "force": 4.0, "time": 2**0.5}  # moduli of steel and the acceleration of gravity stay
 NO_UNITS = {  # of a name or a list, from which numbers with units follow
     **dict.fromkeys(("rack.pitch_errors", "pinion.pitch_errors", "housing.seat_stiffness"), "none"),
@@ -86,8 +88,10 @@ def mirrored(gear: SteeringGear) -> SteeringGear:
 
 def begun_otherwise(gear: SteeringGear, scene: str) -> SteeringGear | None:
     """Return the gear that makes the same motion from its other end: a path there and back, two cycles of a
-    swing. None where the scene has another motion than that."""
+    swing. None where the scene has another motion than that, or a load that pulls against its beginning."""
     test, chosen = gear.test, scene_named(scene)
+    if scene in LOADED:
+        return None
     if chosen.swings:
         return gear.replace({"test.direction": -test.direction}) if test.cycles > 1 else None
     if chosen.test is None or test.path == "one-way":

@@ -15,7 +15,7 @@ which is exact for two bearings and loads on the toothed part (Timoshenko's beam
 compliance C at the mesh, stands in series too: the pinion's place is p = u + C f(u), and forces m on the
 pinion are balanced where m = f. By virtual work they act on u with (1 + C f'), so that no work is lost.
 
-Within clearance and float, where nothing holds the shaft, a spring of `CENTRING` does.
+Within clearance and float, where nothing holds the shaft, a spring of a share of their stiffness does.
 """
 
 from dataclasses import dataclass
@@ -36,7 +36,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 
 SIZE = 5  # coordinates of a supported pinion beside its rotation
-CENTRING = 1e3  # within clearance and float [N/m]: 0.015 N at 15 um
+CENTRING = 3e-5  # over the stiffness of what it stands for: 0.01 N at 15 um of the default bearings
 SHEAR_FACTOR = 6 * (1 + POISSON_RATIO) / (7 + 6 * POISSON_RATIO)  # of a round section (Cowper 1966)
 SEAT_VALUES = 6, 36  # of `housing.seat_stiffness`: its diagonal, or all rows
 
@@ -91,7 +91,8 @@ def held(u, data, force, slope):  # type: ignore[no-untyped-def]
         if b == 0:
             d_e, d_y = d_e + data.bent[0], d_y + data.bent[1]
         size = np.sqrt(d_e * d_e + d_y * d_y)
-        along, across = CENTRING if gap > 0 else 0.0, CENTRING if gap > 0 else 0.0
+        centring = CENTRING * stiffness if gap > 0 else 0.0
+        along, across = centring, centring
         pressed = max(size - gap, 0.0)
         n_e, n_y = (d_e / size, d_y / size) if size > 0 else (1.0, 0.0)
         if size > gap or gap == 0:
@@ -101,9 +102,7 @@ def held(u, data, force, slope):  # type: ignore[no-untyped-def]
         k_ee = along * n_e * n_e + across * n_y * n_y
         k_yy = along * n_y * n_y + across * n_e * n_e
         k_ey = (along - across) * n_e * n_y
-        energy += 0.5 * stiffness * pressed * pressed
-        if gap > 0:
-            energy += 0.5 * CENTRING * size * size
+        energy += 0.5 * stiffness * pressed * pressed + 0.5 * centring * size * size
         if b == 0:
             upper = np.sqrt(f_e * f_e + f_y * f_y)
         else:
@@ -136,9 +135,10 @@ def held(u, data, force, slope):  # type: ignore[no-untyped-def]
     if beyond > 0 or half == 0:
         slope[2, 2] = data.axial_stiffness
     if half > 0:
-        force[2] += CENTRING * w
-        slope[2, 2] += CENTRING
-        energy += 0.5 * CENTRING * w * w
+        centring = CENTRING * data.axial_stiffness
+        force[2] += centring * w
+        slope[2, 2] += centring
+        energy += 0.5 * centring * w * w
     for i in range(SIZE):
         for j in range(SIZE):
             energy += 0.5 * force[i] * data.seat[i, j] * force[j]
@@ -381,8 +381,8 @@ def at_rest(support: np.ndarray, preload: Numbers) -> tuple[np.ndarray, np.ndarr
     apart = stations[..., :1] - stations[..., 1:]
     shares = stations[..., ::-1] * np.array([-1.0, 1.0]) / apart
     stiffness, gap = support["stiffness"], support["clearance"]
-    beyond = (shares * force + stiffness * gap) / (stiffness + np.where(gap > 0, CENTRING, 0.0))
-    moved = -np.where(beyond > gap, beyond, np.where(gap > 0, shares * force / CENTRING, 0.0))
+    beyond = (shares * force / stiffness + gap) / (1 + np.where(gap > 0, CENTRING, 0.0))
+    moved = -np.where(beyond > gap, beyond, np.where(gap > 0, shares * force / (CENTRING * stiffness), 0.0))
     place = np.zeros((*moved.shape[:-1], SIZE))
     place[..., 1] = (shares * moved).sum(axis=-1)
     place[..., 3] = (moved[..., 1] - moved[..., 0]) / apart[..., 0]

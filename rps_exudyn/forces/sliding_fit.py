@@ -5,7 +5,7 @@ the whole chain's stiffness condensed into the fit.
 
 With a clearance the bar has room at both ends of the bush: of the displacement e of its axis there the part
 e (1 - g/|e|)+ counts, g the radial clearance. Elastic forces follow from the energy of what counts; where
-nothing touches, `CENTRING` holds the bar.
+nothing touches, a centring of both ends holds the bar.
 """
 
 from typing import NamedTuple
@@ -46,6 +46,7 @@ FIT = record_type(
     [
         ("stiffness", "f8", (4, 4)),  # of y, z, about y, about z at the station
         ("clearance", "f8"),  # radial [m]
+        ("centring", "f8"),  # at each end [N/m]
         ("length", "f8"),  # from the station to the bush's other end along X [m]
         ("drag", "f8"),  # Coulomb friction [N]
         ("viscous", "f8"),  # drag over speed [N s/m]
@@ -60,7 +61,7 @@ FIT = record_type(
 
 PART = Part("bush", ("rack",), ("bush_lateral_force", "bush_drag", *FRICTION_STATE))
 STILL = (0.0, 0.0, 0.0)
-CENTRING = 1e3  # at each end within the clearance [N/m]: 0.02 N at 20 um
+CENTRING = 1e-6  # over Young's modulus times length of the bush: 2 mN at 20 um of the default one
 
 
 class Held(NamedTuple):
@@ -91,7 +92,7 @@ class FitLoads(NamedTuple):
 def fill_slack(u, data, loads, slope):  # type: ignore[no-untyped-def]
     """Fill the elastic loads (4,) of a fit with clearance on u = (y, z, about y, about z) at its station, and
     their derivative (4, 4); return the stored energy."""
-    x, g, k = data.length, data.clearance, data.stiffness
+    x, g, k, c = data.length, data.clearance, data.stiffness, data.centring
     ends, counts, by_end = np.zeros((2, 2)), np.zeros((2, 2)), np.zeros((2, 2, 2))
     for e in range(2):
         ends[e, 0], ends[e, 1] = u[0] + e * x * u[3], u[1] - e * x * u[2]
@@ -146,10 +147,10 @@ def fill_slack(u, data, loads, slope):  # type: ignore[no-untyped-def]
                 for j in range(2):
                     bent[i, j] = g / (r * r) * (f[i] * n[j] + n[i] * f[j] - 3 * along * n[i] * n[j])
                 bent[i, i] += g / (r * r) * along
-        energy += 0.5 * CENTRING * r * r
+        energy += 0.5 * c * r * r
         for i in range(2):
-            bent[i, i] += CENTRING
-        y, z, t = CENTRING * ends[e, 0], CENTRING * ends[e, 1], e * x
+            bent[i, i] += c
+        y, z, t = c * ends[e, 0], c * ends[e, 1], e * x
         loads[0], loads[1], loads[2], loads[3] = (
             loads[0] + y,
             loads[1] + z,
@@ -358,6 +359,7 @@ def _fit(
         FIT,
         stiffness=stiffness,
         clearance=gear.bush.clearance / 2,
+        centring=CENTRING * gear.bush.youngs_modulus * gear.bush.length,
         length=gear.bush.length,
         drag=gear.bush.drag,
         viscous=gear.bush.viscous_drag,

@@ -95,9 +95,8 @@ def _add_loads(lines, n, line, force, elastic, side, flank, work):  # type: igno
     there an edge presses, which Hertz's line contact does not describe.
     """
     stations, count, pressed = lines.stations, flank.stations, False
-    before, end = _length(lines, line - 1, line, n, count), 0.0
-    for piece in range(line - 1, line + 2):
-        end += _length(lines, piece, line, n, count)
+    before = _length(lines, line - 1, line, n)
+    end = before + lines.length[line] + _length(lines, line + 1, line, n)
     for i in range(line * count, (line + 1) * count):
         place = before + stations[LENGTH, i] / 2
         before += stations[LENGTH, i]
@@ -114,13 +113,13 @@ def _add_loads(lines, n, line, force, elastic, side, flank, work):  # type: igno
 
 
 @inline
-def _length(lines, piece, line, n, count):  # type: ignore[no-untyped-def]
-    """Return the length of a piece of one of n lines [m]; 0 if there is none or it is of another line."""
+def _length(lines, piece, line, n):  # type: ignore[no-untyped-def]
+    """Return the length of a piece beside one of n lines [m]; 0 if there is none or it is of another line."""
     if piece < 0 or piece >= n:
         return 0.0
     if lines.tooth[piece] != lines.tooth[line] or lines.side[piece] != lines.side[line]:
         return 0.0
-    return lines.stations[LENGTH, piece * count : (piece + 1) * count].sum()
+    return lines.length[piece]
 
 
 @inline

@@ -59,6 +59,7 @@ class Lines(NamedTuple):
     tooth: np.ndarray  # of the pinion
     rack_tooth: np.ndarray
     deepest: np.ndarray  # greatest overlap [m]
+    length: np.ndarray  # [m]
     stations: np.ndarray  # (STATION_SIZE, stations)
     on_pinion: np.ndarray  # (PLACE_SIZE, stations)
     on_rack: np.ndarray  # (PLACE_SIZE, stations)
@@ -70,12 +71,13 @@ def find_lines(angle, drive, coast, data):  # type: ignore[no-untyped-def]
     flank, n = data.flank, 0
     most, deepest = _overlap(angle, drive, coast, flank)
     total = most * flank.stations
-    numbers, columns = np.empty((4, most)), np.empty((STATION_SIZE + 2 * PLACE_SIZE, total))
+    numbers, columns = np.empty((5, most)), np.empty((STATION_SIZE + 2 * PLACE_SIZE, total))
     lines = Lines(
         numbers[0],
         numbers[1],
         numbers[2],
         numbers[3],
+        numbers[4],
         columns[:STATION_SIZE],
         columns[STATION_SIZE : STATION_SIZE + PLACE_SIZE],
         columns[STATION_SIZE + PLACE_SIZE :],
@@ -142,7 +144,7 @@ def _fill_plain_line(lines, n, margin, tooth, line, side, data):  # type: ignore
         if not from_ < to:
             continue
         deepest = line.d_0 + max(line.d_1 * from_, line.d_1 * to)
-        _name_line(lines, n + count, tooth, line, side, deepest, flank)
+        _name_line(lines, n + count, tooth, line, side, deepest, to - from_, flank)
         for k in range(flank.stations):
             i, z = (n + count) * flank.stations + k, from_ + (to - from_) * flank.along[0, 0, k]
             lines.stations[LENGTH, i] = (to - from_) * flank.along[0, 1, k] / flank.cos_base_helix
@@ -163,10 +165,11 @@ def _turning_place(low, high, line, side, flank):  # type: ignore[no-untyped-def
 
 
 @inline
-def _name_line(lines, n, tooth, line, side, deepest, flank):  # type: ignore[no-untyped-def]
-    """Fill what all stations of a line have in common."""
+def _name_line(lines, n, tooth, line, side, deepest, width, flank):  # type: ignore[no-untyped-def]
+    """Fill what all stations of a line, as wide along Z, have in common."""
     lines.side[n], lines.tooth[n] = side.sign, tooth % flank.teeth
     lines.rack_tooth[n], lines.deepest[n] = line.rack_tooth, deepest
+    lines.length[n] = width / flank.cos_base_helix
 
 
 @inline
@@ -180,7 +183,8 @@ def _fill_line(lines, n, strip, margin, band, tooth, line, side, data):  # type:
     for from_, to in ((low, middle), (middle, high)):
         if not from_ < to:
             continue
-        _name_line(lines, n + count, tooth, line, side, deepest_crest(strip, from_, to) - margin, flank)
+        deepest = deepest_crest(strip, from_, to) - margin
+        _name_line(lines, n + count, tooth, line, side, deepest, to - from_, flank)
         for k in range(flank.stations):
             i, z = (n + count) * flank.stations + k, from_ + (to - from_) * flank.along[0, 0, k]
             xi, depth = crest_of(strip, z)

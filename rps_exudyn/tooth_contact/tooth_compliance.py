@@ -224,14 +224,15 @@ def add_line(matrix, places, start, nodes, weights, tooth):  # type: ignore[no-u
             end_a, end_b = places[first + END_A, i], places[first + END_B, i]
             before = min(rise * places[first + FALL, start], fall * places[first + RISE, start])
             missing, jumps = (low - weights[0]) * before, 0.0
+            by_ends = end_a * places[first + END_A, start] + end_b * places[first + END_B, start]
+            matrix[i, start] += phi * places[first + PHI, start] * (before + by_ends)
             for j in range(start + 1, end + 1):
                 direct = min(rise * places[first + FALL, j], fall * places[first + RISE, j])
                 missing -= weights[j - start] * direct
                 jumps += places[SPAN, j] * abs(direct - before)
                 before = direct
+                if j <= i:
+                    by_ends = end_a * places[first + END_A, j] + end_b * places[first + END_B, j]
+                    matrix[i, j] += phi * places[first + PHI, j] * (direct + by_ends)
             missing += high * before + length * jumps
-            for j in range(start, i + 1):
-                direct = min(rise * places[first + FALL, j], fall * places[first + RISE, j])
-                by_ends = end_a * places[first + END_A, j] + end_b * places[first + END_B, j]
-                matrix[i, j] += phi * places[first + PHI, j] * (direct + by_ends)
             matrix[i, i] += phi * phi * missing / weights[i - start]

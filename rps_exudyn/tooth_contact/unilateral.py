@@ -97,20 +97,26 @@ def _substitute(factor, n, x):  # type: ignore[no-untyped-def]
 
 @inline
 def substitute_all(factor, n, rows):  # type: ignore[no-untyped-def]
-    """Solve with a factor of `factorize` in place of several right sides, the columns of `rows`."""
-    columns = rows.shape[1]
-    for j in range(n):
-        for c in range(columns):
-            rows[j, c] *= factor[j, j]
-        for i in range(j + 1, n):
-            for c in range(columns):
-                rows[i, c] -= factor[i, j] * rows[j, c]
-    for j in range(n - 1, -1, -1):
-        for c in range(columns):
-            rows[j, c] *= factor[j, j]
-        for i in range(j):
-            for c in range(columns):
-                rows[i, c] -= factor[j, i] * rows[j, c]
+    """Solve with a factor of `factorize` in place of six right sides, the columns of `rows`, whose sums a
+    processor's registers hold."""
+    for i in range(n):
+        a, b, c, d, e, f = rows[i, 0], rows[i, 1], rows[i, 2], rows[i, 3], rows[i, 4], rows[i, 5]
+        for k in range(i):
+            by = factor[i, k]
+            a, b, c = a - by * rows[k, 0], b - by * rows[k, 1], c - by * rows[k, 2]
+            d, e, f = d - by * rows[k, 3], e - by * rows[k, 4], f - by * rows[k, 5]
+        by = factor[i, i]
+        rows[i, 0], rows[i, 1], rows[i, 2] = by * a, by * b, by * c
+        rows[i, 3], rows[i, 4], rows[i, 5] = by * d, by * e, by * f
+    for i in range(n - 1, -1, -1):
+        a, b, c, d, e, f = rows[i, 0], rows[i, 1], rows[i, 2], rows[i, 3], rows[i, 4], rows[i, 5]
+        for k in range(i + 1, n):
+            by = factor[k, i]
+            a, b, c = a - by * rows[k, 0], b - by * rows[k, 1], c - by * rows[k, 2]
+            d, e, f = d - by * rows[k, 3], e - by * rows[k, 4], f - by * rows[k, 5]
+        by = factor[i, i]
+        rows[i, 0], rows[i, 1], rows[i, 2] = by * a, by * b, by * c
+        rows[i, 3], rows[i, 4], rows[i, 5] = by * d, by * e, by * f
 
 
 @inline
@@ -160,17 +166,18 @@ def press_stations(n, matrix, delta, length, top, k, guess, force):  # type: ign
 
     `matrix` holds the compliance [m/N], its lower triangle; `delta` the depths of the undeformed flanks [m],
     `length` those of the stations' cells [m], `top` the constants L, `guess` a load per length and depth to
-    begin with [N/m^2]. The stations that overlap are taken first. A tangent serves for as long as each step
-    is much smaller than that before.
+    begin with [N/m^2]. The stations that overlap are taken first. A factor serves for as long as each step
+    is much smaller than that before; by what the slopes have changed since, each step is corrected once.
     """
     pressed, chosen = np.empty(n, np.bool_), np.empty(n, np.int64)
     most = (n + 3) // 4 * 4
-    work = np.empty((2 * most + 2, most))
+    work = np.empty((2 * most + 4, most))
     system, block, step, slopes = work[:most], work[most : 2 * most], work[2 * most], work[2 * most + 1]
+    factored, excess = work[2 * most + 2], work[2 * most + 3]
     for i in range(n):
         pressed[i] = delta[i] > 0
         force[i] = guess * max(delta[i], 0.0) * length[i]
-    m, full, before, largest, serves = 0, 0, np.inf, 0.0, False
+    m, full, before, largest, serves, fade = 0, 0, np.inf, 0.0, False, 1.0
     for turn in range(ROUNDS):
         if not serves:
             m, largest = 0, 0.0
@@ -182,16 +189,26 @@ def press_stations(n, matrix, delta, length, top, k, guess, force):  # type: ign
             if m == 0:
                 return True
             _gather(m, chosen, matrix, block)
-        light = LIGHT * largest / 2.0 ** max(0, turn - ALL_AT_ONCE)  # a slope too small leads to and fro
+        if turn > ALL_AT_ONCE:
+            fade /= 2
+        light = LIGHT * largest * fade  # a slope too small leads to and fro
         _residual(m, chosen, block, delta, length, top, k, force, light, step, slopes)
         if not serves:
             before = np.inf
             full = _tangent(m, chosen, block, length, slopes, system)
             if not factorize(system, full):
                 return False
+            for row in range(m):
+                factored[row] = slopes[row]
         for row in range(m, full):
-            step[row] = 0.0
+            step[row] = excess[row] = 0.0
         _substitute(system, full, step)
+        if serves:
+            for row in range(m):
+                excess[row] = (slopes[row] - factored[row]) / length[chosen[row]] * step[row]
+            _substitute(system, full, excess)
+            for row in range(m):
+                step[row] -= excess[row]
         most_force, move = 0.0, 0.0
         for row in range(m):
             force[chosen[row]] += step[row]

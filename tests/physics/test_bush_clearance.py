@@ -7,7 +7,6 @@ import rps_exudyn as rps
 from part_law import PartLaw, alone
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.force_element import ELASTIC_ENERGY
-from rps_exudyn.forces.sliding_fit import CENTRING
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.solvers.gear_forces import gear_forces
 
@@ -27,8 +26,9 @@ def shifted(y: float, z: float) -> np.ndarray:
 
 def test_a_bar_within_the_clearance_is_free() -> None:
     """But for the centring of both ends."""
-    force = bush(LOOSE).evaluate(shifted(0.6 * GAP, -0.7 * GAP), np.zeros(6))[:6]
-    assert np.abs(force[1:3]).max() < 2.1 * CENTRING * GAP
+    law = bush(LOOSE)
+    force = law.evaluate(shifted(0.6 * GAP, -0.7 * GAP), np.zeros(6))[:6]
+    assert np.abs(force[1:3]).max() < 2.1 * law.forces.gear.fit.centring * GAP
 
 
 @pytest.mark.parametrize("angle", [0.0, 1.0, 2.5])
@@ -48,7 +48,7 @@ def test_a_bar_that_tilts_touches_at_both_ends_of_the_bush() -> None:
         pitch = shifted(-tilt * (fit.station + length / 2), 0.0)  # the middle of the bush stays
         pitch[5] = tilt
         force = law.evaluate(pitch, np.zeros(6))[:6]
-        assert (np.abs(force[1:3]).max() < 2.1 * CENTRING * GAP) == is_free
+        assert (np.abs(force[1:3]).max() < 2.1 * fit.centring * GAP) == is_free
 
 
 @pytest.mark.parametrize("rack", ["free", "flexible"])

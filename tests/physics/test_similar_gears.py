@@ -9,6 +9,7 @@ import rps_exudyn as rps
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
+from rps_exudyn.scenes import scene_named
 from verification.sampler import random_gear, with_laws
 from verification.similar import (
     ALONG_Z,
@@ -43,6 +44,16 @@ GEARS: dict[str, dict[str, object]] = {
         "rack.bow_angle": "40 deg",
         "bush.end_overhang": "60 mm",
     },
+    "loose": {
+        "bush.clearance": "0.06 mm",
+        "bush.drag": "10 N",
+        "pinion.helix_angle": "15 deg",
+    },
+    "supported": {
+        "pinion.helix_angle": "15 deg",
+        "pinion.axial_float": "0.05 mm",
+        "bearing.lower_clearance": "20 um",
+    },
     "falling": {
         f"{part}.{name}": value
         for part in ("mesh", "yoke", "bush", "bearing")
@@ -66,6 +77,7 @@ CASES = [
     for name in GEARS
     if (scene, name) != ("steering-torque", "falling")  # it jumps as friction falls: only dynamics follow
 ]
+OF_A_MIRROR = [case for case in CASES if case[1] != "supported"]  # whose upper bearing would be the lower one
 
 
 def gear_of(name: str) -> SteeringGear:
@@ -81,7 +93,7 @@ def run_of(scene: str, name: str) -> Result:
     return rps.run(scene, gear_of(name), fidelity="quasi-static")
 
 
-@pytest.mark.parametrize(("scene", "name"), CASES)
+@pytest.mark.parametrize(("scene", "name"), OF_A_MIRROR)
 def test_mirrored_gear_is_similar(scene: str, name: str) -> None:
     """The other hand of helix, teeth, bow and errors turns over what happens along Z and nothing else."""
     first, second = run_of(scene, name), rps.run(scene, mirrored(gear_of(name)), fidelity="quasi-static")
@@ -91,7 +103,8 @@ def test_mirrored_gear_is_similar(scene: str, name: str) -> None:
             continue
         sign = -1 if metric in ALONG_Z else 1
         found = sign * second.summary[SIDES.get(metric, metric)]
-        assert found == pytest.approx(value, rel=max(SAME_HAND, LARGEST.get(metric, 0)), abs=1e-9), metric
+        same = max(SAME_HAND, LARGEST.get(metric, 0))
+        assert found == pytest.approx(value, rel=same, abs=1e-9), metric
 
 
 @pytest.mark.parametrize(("scene", "name"), CASES)
@@ -116,20 +129,38 @@ def test_a_swing_begun_the_other_way_is_similar() -> None:
     assert {metric: share for metric, share in shares.items() if not abs(share) < 2e-3} == {}
 
 
+RANDOM = {  # scene -> gears, and by how much their metrics may differ
+    "free-pinion-torque": (2, SAME),
+    "radial-play": (2, SAME),
+    "input-shaft-play": (2, SAME),
+    "rack-push": (3, SAME),
+    "rack-on-rollers": (3, SAME),
+    "rack-lift": (3, SAME),
+    "load-test": (2, 0.02),  # 1e-3 N are much of the ripple of a gear with a preload of 55 N
+    "yoke-setting": (1, SAME),
+    "yoke-impact": (1, SAME),
+    "rattle": (1, SAME),
+    "reversal": (1, SAME),
+    "stick-slip": (1, 0.03),  # a rounding moves the instants at which the wheel sticks
+}
+
+
 @pytest.mark.long
-@pytest.mark.parametrize("scene", ["free-pinion-torque", "radial-play", "input-shaft-play"])
+@pytest.mark.parametrize("scene", RANDOM)
 def test_random_gears_are_similar(scene: str) -> None:
     """Gears of any kind and all their twins end in the same way, with the same metrics."""
-    for number in range(2):
+    gears, same = RANDOM[scene]
+    fidelity = "flank" if scene_named(scene).needs_inertia else "quasi-static"
+    for number in range(gears):
         rng = np.random.default_rng([9, number])
         gear = with_laws(rng, random_gear(rng, scene)).replace(NO_UNITS)
-        first = rps.run(scene, gear, fidelity="quasi-static")
+        first = rps.run(scene, gear, fidelity=fidelity)
         for twin in twins(gear, scene):
-            second = rps.run(scene, twin.gear, fidelity="quasi-static")
+            second = rps.run(scene, twin.gear, fidelity=fidelity)
             assert (second.status, second.codes) == (first.status, first.codes), twin.kind
             if first.status is Status.OK:
                 shares = twin.differences(first, second)
-                assert {metric: share for metric, share in shares.items() if not abs(share) < SAME} == {}
+                assert {metric: share for metric, share in shares.items() if not abs(share) < same} == {}
 
 
 @pytest.mark.quick
