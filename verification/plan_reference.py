@@ -21,11 +21,13 @@ import numpy as np
 from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.forces.external_load import TimedForce
 from rps_exudyn.forces.force_element import PLUNGER
+from rps_exudyn.forces.pinion_support import with_float
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SPREADS
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.law_by_scene import with_law
 from rps_exudyn.scenes.yoke_impact import shaken
 from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.balance import eigenvalues
@@ -97,12 +99,14 @@ class Expected:
 
 
 def expected(plan: ScenePlan) -> Expected:
-    """Return the right figures of a plan of any scene."""
+    """Return the right figures of a plan of any scene, by the contact law that the scene needs."""
+    law = scene_named(plan.scene).law
+    plan = replace(plan, gear=with_law(plan.gear, plan.fidelity, law))
     try:
         if plan.scene == "yoke-impact":
             return _shaken(replace(plan, fidelity=plan.fidelity.with_bending()))
         if plan.scene == "reversal":
-            return _swung(plan)
+            return _swung(replace(plan, fidelity=with_float(plan.gear, plan.fidelity)))
         return _turned(plan)
     except (NotFoundError, np.linalg.LinAlgError) as error:
         return Expected(cause=str(error))

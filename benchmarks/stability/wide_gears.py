@@ -3,7 +3,7 @@
 Gears and tests are drawn by `verification.sampler`, all their parts with the same friction law. Those that
 equilibria end `ok`, or refuse only because inertia matters, are run by dynamics (`flank`); where equilibria
 cannot show the scene, those that they end `ok` in turning steadily. Lost is a run that did not converge,
-diverged, crashed, or took more than 30 s of CPU time, equilibria included. A run that is stopped goes on
+diverged, crashed, or took more than 30 s of CPU time. A run that is stopped goes on
 where it was.
 """
 
@@ -68,7 +68,7 @@ def run(folder: Path, gears: int = GEARS, scenes: Iterable[str] = SCENES) -> Non
     for number, scene, law in product(range(gears), scenes, LAWS):
         if (scene, law, number) in known:
             continue
-        found = worker.do((scene, law, number), TIME_LIMIT)
+        found = worker.do((scene, law, number), TIME_LIMIT, TIME_LIMIT)
         found.setdefault("equilibria", found.get("status"))  # of a process that ended meanwhile
         rows.append({"scene": scene, "law": law, "number": number} | found)
         with (folder / DATA).open("w", newline="", encoding="utf-8") as file:

@@ -518,6 +518,8 @@ SPREADS = frozenset(
     if name.endswith(("_peak_to_peak", "_range", "_variation")) or name == "torque_tooth_order"
 )
 """Metrics of how far a signal varies, which vibration and the start of a motion change before its mean."""
+LOSS_SHARES = frozenset(name for name in _SUMMARY if name.startswith("loss_share_"))
+"""Metrics of who takes the work, which depend on how lines of contact share the load at each instant."""
 
 
 def _confirmation(name: str) -> Confirmation | None:

@@ -18,10 +18,10 @@ from rps_exudyn.analysis.curve import midpoints_added
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Remark, Status
-from rps_exudyn.results.quantities import ANOTHER_CYCLE, OTHER, SPREADS, SUMMARY
+from rps_exudyn.results.quantities import ANOTHER_CYCLE, LOSS_SHARES, OTHER, SPREADS, SUMMARY
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.refine import refine
-from rps_exudyn.scenes.remarks import unresolved_peaks
+from rps_exudyn.scenes.remarks import part_of_pitch, unresolved_peaks
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
@@ -39,7 +39,7 @@ MOST_FINER = {"equilibrium": 2, "generalized-alpha": 1}
 LEAST_ROLL = 1e-6  # range of a rack that does not roll [rad]
 LATE = 0.15  # half a step of the rack's rolling, over its range: of its rate 3 % are missed
 FIRST_ORDER = 2  # times what all instants miss of a curve with kinks, half of them miss ...
-SHOWN = 0.6  # ... and the part of it that a curve through them shows
+SHOWN = 0.8  # ... and the part of it that a curve through them shows
 NARROW_ZONE = 0.002  # of friction, over the smallest sliding speed: it moves no metric of a swing by 3 %
 AGREED = 0.4  # of a metric's tolerance: where curves have kinks, as much again or more is left
 SLOW = 2 * np.pi * 20 / 60  # speed of the pinion up to which teeth that enter hardly shake the gear [rad/s]
@@ -81,7 +81,9 @@ def run_and_confirm(
     drive = maneuvers[0].drive
     place = "pinion_angle" if drive.body == "pinion" else "rack_displacement"
     unseen = unresolved_peaks(fidelity, run, drive.signal, place)
-    return run.noting(unseen).without(SPREADS if unseen else ())
+    in_part = part_of_pitch(gear, fidelity, run.signals)
+    left_out = (SPREADS if unseen else frozenset()) | (LOSS_SHARES if in_part else frozenset())
+    return run.noting(unseen, in_part).without(left_out)
 
 
 def with_narrower_zone(fidelity: Fidelity, halvings: int) -> Fidelity:
