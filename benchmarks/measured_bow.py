@@ -2,7 +2,7 @@
 
 No measurement stands behind these numbers: the curves are those of the model for a gear of each seed, with
 white noise of 2 %, in steps that are not the fit's. Preload and friction of all of them are 17 to 25 % off
-what the fit expects; bow, angle error and runout are drawn with the deviations that it believes in, or less.
+what the fit expects; bow, angle error and runout are drawn with the deviations of its priors, or less.
 """
 
 from pathlib import Path
@@ -135,15 +135,15 @@ def table(folder: Path) -> str:
     cases, rows = [each for each in load_data(folder / DATA)["cases"] if each["converged"]], []
     for path, (unit, size) in SHOWN.items():
         own = [each["estimates"][path] for each in cases if path in each["estimates"]]
-        told = [each for each in own if each["verdict"] in PRINTED]
-        if not told:
+        printed = [each for each in own if each["verdict"] in PRINTED]
+        if not printed:
             continue
-        error = size * np.array([missed(path, each) for each in told])
-        half = size * np.median([(each["interval"][1] - each["interval"][0]) / 2 for each in told])
-        held = sum(holds(path, each) for each in told)
+        error = size * np.array([missed(path, each) for each in printed])
+        half = size * np.median([(each["interval"][1] - each["interval"][0]) / 2 for each in printed])
+        held = sum(holds(path, each) for each in printed)
         row = [f"`{path}` [{unit}]", f"{np.median(np.abs(error)):.2g}"]
         row += [f"{np.abs(error).max():.2g}", f"{half:.2g}"]
-        rows.append([*row, f"{held} of {len(told)}"])
+        rows.append([*row, f"{held} of {len(printed)}"])
     head = ("parameter", "median error", "largest", "median half interval", "interval holds")
     return markdown(head, rows)
 

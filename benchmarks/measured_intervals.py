@@ -2,7 +2,7 @@
 
 No measurement stands behind these numbers. The curves are not the package's (`verification.bench_curves`);
 the gear is the same in all of them. A cell in which fewer than 35 of 40 intervals hold is repeated with other
-seeds. Six tests are drawn from what a fit believes: levels by simulations, with friction that falls under
+seeds. Six tests are drawn from the priors of a fit: levels by simulations, with friction that falls under
 load and with another drag without yoke.
 """
 
@@ -114,7 +114,7 @@ def of_kind(cases: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def drawn(random: np.random.Generator) -> SteeringGear:
-    """A gear out of what a fit believes of the default one."""
+    """A gear out of a fit's priors of the default one."""
     gear = SteeringGear()
     changes = {
         path: gear.value_at(path) * np.exp(prior.sd * random.standard_normal())

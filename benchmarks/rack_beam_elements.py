@@ -1,7 +1,7 @@
 """The bar's free modes by Exudyn's own beam elements, against the modes that the package uses.
 
 Exudyn's cable elements (absolute nodal coordinates, plane, without shear) get the same stiffness and mass
-piece by piece. They know neither shear nor rotary inertia, so that they are compared with Timoshenko elements
+piece by piece. They have neither shear nor rotary inertia, so that they are compared with Timoshenko elements
 without both; the third column shows what shear and rotary inertia change.
 """
 

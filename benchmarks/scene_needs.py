@@ -111,7 +111,7 @@ class Metric:
     absolute: float = 0.0
 
     def moved(self, base: Result, other: Result) -> tuple[str, bool]:
-        """The change as a reader wants it, and whether it matters."""
+        """The change in the metric's unit or in per cent, and whether it matters."""
         if self.name not in other.summary or self.name not in base.summary:
             return "-", self.name in base.summary
         value, change = base.summary[self.name], other.summary[self.name] - base.summary[self.name]
@@ -239,7 +239,6 @@ NEEDS = {
     "yoke-impact": Need(
         "yoke-impact",
         [
-            Metric("impacts", absolute=0.5),
             Metric("impact_peak_force", fraction=0.05),
             Metric("impact_impulse", fraction=0.05),
             Metric("impact_force_rms", fraction=0.05),

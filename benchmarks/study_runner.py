@@ -91,14 +91,18 @@ def memory(folder: Path, sides: tuple[tuple[int, int, int], ...] = ((10, 10, 10)
 
 
 def scaling(folder: Path) -> Measured:
-    """Two processes against one, and what the machine allows at this time."""
-    file, rows = written(folder, "slow", SLOW), []
-    for repeat in range(2):
-        walls = [watched(file, folder / f"slow_{repeat}_{jobs}", jobs)["wall"] for jobs in (1, 2)]
-        found = f"{walls[0] / walls[1]:.2f} ({walls[0]:.1f} s and {walls[1]:.1f} s)"
-        rows.append(("two processes against one, 40 cases of a second", found))
-        rows.append(("two empty loops against one, at the same time", f"{2 * spinning(1) / spinning(2):.2f}"))
-    return rows
+    """Two processes against one, the quicker of two runs each, and what the machine allows at this time."""
+    file = written(folder, "slow", SLOW)
+    walls = [
+        min(watched(file, folder / f"slow_{repeat}_{jobs}", jobs)["wall"] for repeat in range(2))
+        for jobs in (1, 2)
+    ]
+    found = f"{walls[0] / walls[1]:.2f} ({walls[0]:.1f} s and {walls[1]:.1f} s)"
+    loops = f"{2 * spinning(1) / spinning(2):.2f}"
+    return [
+        ("two processes against one, 40 cases of a second", found),
+        ("two empty loops against one", loops),
+    ]
 
 
 def kills(folder: Path, number: int = 25) -> Measured:

@@ -1,50 +1,77 @@
-"""The ten-minute test: what a newcomer types, from the clone to the animation, each command with its time.
+"""The ten-minute test: what a newcomer does, from the clone to a notebook, each step's time and silence.
 
-Commands run as processes of their own in an empty folder. "Compiled" are commands after others have compiled
-what they need; "first" is one with an empty cache of kernels.
+Each step is a process of its own in a terminal and an empty folder. "Compiled" are steps after others have
+compiled what they need; "first" is one with an empty cache of kernels.
 """
 
+import json
 import os
+import pty
+import re
 import resource
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
-from time import perf_counter
+from time import monotonic
 from typing import Any
+from urllib.request import Request, urlopen
 
 import numpy as np
 
 from benchmarks.topic import ROOT, Topic, load_data, markdown, save_data
 
 DATA = "ten_minutes.json"
-LIMIT = 5.0  # of a compiled command [s]
 FIRST = "run"
+EXPLORE = "explore --no-browser"
 COMMANDS = (
     "init .",
     "run",
     'run --gear gears/paper.toml --set yoke.preload="400 N" --out own.h5',
-    "run --fidelity quasi-static --out fast.h5",
     "study preload.toml",
     "report preload",
     "report own.h5",
     "animate own.h5 --out own.html",
     "run --measured measured.csv --out compared.h5",
-    "fit examples/measured/made_up_free.csv --out fitted.toml",
-    "check",
+    "fit examples/measured/made_up_free.csv --out fitted.toml --report fitted.html",
+    "run --band --out band.h5",
+    "check --out check.html",
+    EXPLORE,
+    "report band.band.json --out band.html",
 )
+NOTEBOOK = "examples/first_steps.ipynb"
+CELLS = """
+import json, sys
+names = {}
+for cell in json.load(open(sys.argv[1], encoding="utf-8"))["cells"]:
+    if cell["cell_type"] == "code":
+        exec("".join(cell["source"]), names)
+        print("cell done", flush=True)
+"""
+SERVER = re.compile(r"server: (http\S+)")
+MOVES: tuple[dict[str, float], ...] = ({}, {"yoke.preload": 400})  # states of the explorer's sliders
 PAGES = {  # command -> the page that it writes
     "report preload": "preload/report.html",
     "report own.h5": "own.html",
+    "fit examples/measured/made_up_free.csv --out fitted.toml --report fitted.html": "fitted.html",
+    "check --out check.html": "check.html",
+    "report band.band.json --out band.html": "band.html",
     "animate own.h5 --out own.html": "own.html",
 }
 
 
 def run(
-    folder: Path, commands: Sequence[str] = COMMANDS, repeats: int = 2, first: bool = True, clone: bool = True
+    folder: Path,
+    commands: Sequence[str] = COMMANDS,
+    repeats: int = 2,
+    first: bool = True,
+    clone: bool = True,
+    notebook: bool = True,
 ) -> None:
     """Do all steps in an empty folder; keep the least times of some repeats."""
     steps: list[dict[str, Any]] = []
@@ -56,15 +83,20 @@ def run(
         if first:
             cache = {"NUMBA_CACHE_DIR": str(place / "cache")}
             steps.append(timed(f"rps-exudyn {FIRST}, compiling", command(FIRST), place, cache))
-        for line in commands:
+        named = [(f"rps-exudyn {line}", command(line)) for line in commands]
+        if notebook:
+            named.append((f"the cells of {NOTEBOOK}", [sys.executable, "-c", CELLS, NOTEBOOK]))
+        for name, process in named:
+            line = name.removeprefix("rps-exudyn ")
             if "--measured" in line:
                 write_measured(place / "measured.csv")
             tries = []
             for _ in range(repeats):
                 if line.startswith("study"):
                     shutil.rmtree(place / "preload", ignore_errors=True)  # what is there is not done again
-                tries.append(timed(f"rps-exudyn {line}", command(line), place, {}))
-            step = {**tries[0], **{name: min(each[name] for each in tries) for name in ("cpu", "wall")}}
+                tries.append(timed(name, process, place, {}, explore if line == EXPLORE else None))
+            least = {each: min(found[each] for found in tries) for each in ("cpu", "wall", "silence")}
+            step = {**tries[0], **least}
             print(step, flush=True)
             if line in PAGES:
                 step["kilobytes"] = (place / PAGES[line]).stat().st_size / 1e3
@@ -77,24 +109,61 @@ def command(line: str) -> list[str]:
     return [sys.executable, "-m", "rps_exudyn", *shlex.split(line)]
 
 
-def timed(name: str, process: list[str], place: Path, environment: dict[str, str]) -> dict[str, Any]:
-    """Run a process; return its name with CPU time of it and its children and elapsed time [s].
+Use = Callable[[str], bool]
+"""Called with all that a process has printed so far; returns whether it is to be interrupted."""
+
+
+def timed(
+    name: str, process: list[str], place: Path, environment: dict[str, str], use: Use | None = None
+) -> dict[str, Any]:
+    """Run a process in a terminal; return its name with CPU time of it and its children, elapsed time, and
+    the longest time without output [s].
 
     Raises:
         subprocess.CalledProcessError: it failed.
     """
     settings = surroundings() | environment
-    before, began = children(), perf_counter()
-    done = subprocess.run(process, cwd=place, env=settings, capture_output=True)
-    allowed = (0, 1) if name.endswith(" check") else (0,)  # 1: some limit is not kept
-    if done.returncode not in allowed:
-        raise subprocess.CalledProcessError(done.returncode, process, done.stdout, done.stderr)
-    return {"command": name, "cpu": children() - before, "wall": perf_counter() - began}
+    before, began, silences = children(), monotonic(), [0.0]
+    last = began
+    terminal, end = pty.openpty()
+    with subprocess.Popen(process, cwd=place, env=settings, stdin=end, stdout=end, stderr=end) as running:
+        os.close(end)
+        printed = ""
+        with suppress(OSError):  # how the end of a terminal is read
+            while found := os.read(terminal, 65536):
+                silences.append(monotonic() - last)
+                printed += found.decode(errors="replace")
+                if use and use(printed):
+                    use = None
+                    running.send_signal(signal.SIGINT)
+                last = monotonic()
+        os.close(terminal)
+        status = running.wait()
+    silences.append(monotonic() - last)
+    allowed = (0, 1) if " check" in name else (0,)  # 1: some limit is not kept
+    if status not in allowed:
+        raise subprocess.CalledProcessError(status, process, printed)
+    times = {"cpu": children() - before, "wall": monotonic() - began, "silence": max(silences)}
+    return {"command": name, **times}
+
+
+def explore(printed: str) -> bool:
+    """Once the server's address is printed, ask for all that its page asks for at first and after a slider
+    has moved."""
+    if (address := SERVER.search(printed)) is None:
+        return False
+    for number, state in enumerate(MOVES):
+        for path in ("sliders", "curve", "picture"):
+            content = json.dumps({"state": state, "number": number}).encode()
+            asked = Request(address[1] + path, content, {"Content-Type": "application/json"})
+            with urlopen(asked) as answer:
+                assert "problems" not in json.load(answer)
+    return True
 
 
 def surroundings() -> dict[str, str]:
     """Environment of a command of this checkout, whose bytecode is kept as that of an installed package."""
-    settings = {**os.environ, "PYTHONPATH": str(ROOT)}
+    settings = {**os.environ, "PYTHONPATH": str(ROOT), "TERM": "xterm"}
     settings.pop("PYTHONDONTWRITEBYTECODE", None)
     return settings
 
@@ -118,20 +187,21 @@ def steps_table(folder: Path) -> str:
     data = load_data(folder / DATA)
     rows = [
         [
-            f"`{step['command']}`",
+            f"`{step['command'].removeprefix('rps-exudyn ')}`",
             f"{step['cpu']:.1f}",
+            f"{step['silence']:.1f}",
             f"{step['kilobytes']:.0f}" if "kilobytes" in step else "",
         ]
         for step in data["steps"]
     ]
-    return markdown(["step", "CPU time s", "page kB"], rows)
+    return markdown(["step", "CPU time s", "longest silence s", "page kB"], rows)
 
 
 TOPIC = Topic(
-    "what a newcomer types, each command with its time",
+    "what a newcomer does, each step with its time",
     "3 min",
     "first_use",
     run,
-    {"commands": ("init .",), "repeats": 1, "first": False, "clone": False},
+    {"commands": ("init .",), "repeats": 1, "first": False, "clone": False, "notebook": False},
     {"ten_minutes": steps_table},
 )

@@ -1,7 +1,7 @@
 """What a digit costs and what it is worth: cost against numerical error, beside the other uncertainties.
 
 Cost and error are the measured points of the free pinion torque. An error far below that of the contact law,
-or below what is known of the gear, tells nothing about the gear.
+or below what is known of the gear, means nothing for the gear.
 """
 
 from collections.abc import Iterable, Mapping

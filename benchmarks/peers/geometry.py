@@ -56,7 +56,7 @@ def pieces(tooth: int, side: int, profile: int, axial: int) -> list[tuple[np.nda
 def flank_box(tooth: int, side: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return centre (3,), half sizes (3,) [m] and axes (3, 3) of a box under a rack flank, rack frame.
 
-    Its upper face is the flank's plane, larger than the flank: the samples know where contact ends.
+    Its upper face is the flank's plane, larger than the flank: the samples end where contact ends.
     """
     flank = BAR.flank(tooth, side)
     rise = np.cross(flank.normal, flank.trace)

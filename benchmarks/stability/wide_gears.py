@@ -86,18 +86,26 @@ def read(path: Path) -> list[dict[str, Any]]:
 
 
 def losses_table(folder: Path) -> str:
-    """Gears lost of those run, by scene and law."""
+    """Gears lost of those run, by law and scene; scenes that lose none stand in one line."""
     rows = read(folder / DATA)
-    head = ("scene", *(f"{model}, {law}" for model, law in product(("equilibria", "dynamics"), LAWS)))
-    lines = []
-    for scene in [*dict.fromkeys(row["scene"] for row in rows), ""]:
-        cells = [scene or "**all**"]
-        for model, law in product(("equilibria", "dynamics"), LAWS):
-            ends = [row[model] for row in rows if scene in ("", row["scene"]) and row["law"] == law]
-            ran = [each for each in ends if each]
+
+    def line(name: str, column: str, *values: str) -> tuple[str, ...]:
+        cells = []
+        for model in ("equilibria", "dynamics"):
+            ran = [row[model] for row in rows if row[model] and (not values or row[column] in values)]
             cells.append(f"{sum(each in LOST for each in ran)} of {len(ran)}")
-        lines.append(cells)
-    return markdown(head, lines)
+        return name, *cells
+
+    scenes = dict.fromkeys(row["scene"] for row in rows)
+    losing = {row["scene"] for row in rows if {row["equilibria"], row["dynamics"]} & {*LOST}}
+    others = [scene for scene in scenes if scene not in losing]
+    lines = [
+        line(each, column, each) for column, kinds in (("law", LAWS), ("scene", scenes)) for each in kinds
+    ]
+    lines = [each for each in lines if each[0] not in others]
+    if others:
+        lines.append(line(f"{len(others)} others", "scene", *others))
+    return markdown(("law, scene", "equilibria", "dynamics"), [*lines, line("**all**", "law")])
 
 
 TOPIC = Topic(

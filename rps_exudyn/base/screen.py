@@ -253,7 +253,8 @@ class _Compiling:
             from rps_exudyn.base.kernel_cache import cache_folders
 
             step = self._row.step
-            sentence = f"{step.done} force laws compiled in {step.seconds:.0f} s, once; later runs load them"
+            laws = "1 force law" if step.done == 1 else f"{step.done} force laws"
+            sentence = f"{laws} compiled in {step.seconds:.0f} s, once; later runs load them"
             folders = cache_folders()
             place = f" from {os.path.commonpath(folders)}" if folders else ""
             self._screen.say(f"{sentence}{place}.")

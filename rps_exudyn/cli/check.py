@@ -78,11 +78,12 @@ def check(
                 show(f"computing: {text}", fraction)
 
             sheet = list(judge(chosen, drawn, asked, torque, on_progress=report, jobs=processes))
-        article = requirement_article(sheet, chosen, torque, command_line())
-        if out is not None and out.suffix == ".html":
-            write_pages([with_gear(article, chosen)], out)
-        elif out is not None:
-            write_json(out, _as_dict(sheet, law) | {KEY: sheet_as_dict(article, chosen)})
+            report("sheet", 1.0)
+            article = requirement_article(sheet, chosen, torque, command_line())
+            if out is not None and out.suffix == ".html":
+                write_pages([with_gear(article, chosen)], out)
+            elif out is not None:
+                write_json(out, _as_dict(sheet, law) | {KEY: sheet_as_dict(article, chosen)})
         files = [out] if out is not None else []
         if json:
             print_json(_as_dict(sheet, law))

@@ -143,7 +143,8 @@ def fit(
             time_limit=TimeLimit.of(time_limit).seconds if time_limit is not None else float("inf"),
         )
     written: list[Path] = []
-    with named_if_interrupted(written):
+    with named_if_interrupted(written), printing(quiet), shown_progress() as show:
+        show("drawing", None)
         written.extend(_written_files(found, out, plot, report, series))  # keeps those before an interrupt
     if json:
         print_json(findings.fit_as_dict(found) | {"files": [str(file) for file in written]})
@@ -151,10 +152,9 @@ def fit(
         print_fit(found, written)
     elif not quiet:
         from rps_exudyn.cli.printed import print_sheet
-        from rps_exudyn.pages.report.fit_page import fit_article
+        from rps_exudyn.pages.report.fit_page import fit_head
 
-        sheet = fit_article(found, command_line()).sheet
-        print_sheet(sheet, written, "intervals, verdicts, budget, notes")
+        print_sheet(fit_head(found).sheet, written, "intervals, verdicts, budget, notes")
     return DONE if found.converged else FAILED
 
 

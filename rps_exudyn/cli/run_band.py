@@ -94,13 +94,15 @@ def do_band(
         band.nominal.save(files.out)
         written.append(files.out)
         content = band.as_dict()
-        again = Section("", [Fold("Make the band again", [CodeText(command_line())])])
-        article = result_article(band.nominal, files.out, [again], band)
-        write_json(table, content | {KEY: sheet_as_dict(article, band.nominal.gear)})
-        written.append(table)
-        if files.plot is not None:
-            save(band_figure(band), files.plot)
-            written.append(files.plot)
+        with shown_progress() as show:
+            show("drawing", None)
+            again = Section("", [Fold("Make the band again", [CodeText(command_line())])])
+            article = result_article(band.nominal, files.out, [again], band)
+            write_json(table, content | {KEY: sheet_as_dict(article, band.nominal.gear)})
+            written.append(table)
+            if files.plot is not None:
+                save(band_figure(band), files.plot)
+                written.append(files.plot)
         if as_json:
             del content["values"]  # the file has them
             nominal = result_as_dict(band.nominal) | measured_as_dict(compared)

@@ -12,12 +12,12 @@ from typing import get_args
 import pytest
 
 from rps_exudyn import load
-from rps_exudyn.pages.report.sheet import rounded
 from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
 from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import GEOMETRY, SUMMARY
 from rps_exudyn.results.result import Result
+from rps_exudyn.results.rounding import rounded
 from rps_exudyn.scenes import SCENE_NAMES
 from shell import Command
 

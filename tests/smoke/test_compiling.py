@@ -143,6 +143,7 @@ def compiling(monkeypatch: pytest.MonkeyPatch) -> None:
         "inference.fitting.prediction.Prediction.simulated",
         "pages.animation.animation_page.write_page",
         "pages.report.write_report.write_report",
+        "simulate.cases.processes.Processes.run",
     ):
         monkeypatch.setattr(f"rps_exudyn.{place}", begin)
     monkeypatch.setattr("rps_exudyn.cli.view.has_display", lambda: True)

@@ -17,9 +17,10 @@ from rps_exudyn.pages.report.html import (
     provenance_facts,
 )
 from rps_exudyn.pages.report.judged import ORDER, judgement, mark_of
-from rps_exudyn.pages.report.sheet import Row, listed, rounded
+from rps_exudyn.pages.report.sheet import Row, listed
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.provenance import provenance
+from rps_exudyn.results.rounding import rounded
 
 HEADS = ("requirement", "value and 90 % of the gears; grey is beyond the limit", "value", "limit")
 WORDS = {Mark.NOT_KEPT: "not kept", Mark.OPEN: "open", Mark.KEPT: "kept"}

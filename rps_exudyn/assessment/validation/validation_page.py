@@ -26,9 +26,10 @@ from rps_exudyn.pages.report.html import (
 )
 from rps_exudyn.pages.report.judged import ORDER, judgement, limits_of, mark_of
 from rps_exudyn.pages.report.pictures import picture
-from rps_exudyn.pages.report.sheet import Row, listed, rounded
+from rps_exudyn.pages.report.sheet import Row, listed
 from rps_exudyn.results.judged_row import ON_COMPARISONS, Verdict
 from rps_exudyn.results.provenance import provenance
+from rps_exudyn.results.rounding import rounded
 
 COLUMNS = (
     "row",

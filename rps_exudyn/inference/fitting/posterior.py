@@ -1,4 +1,4 @@
-"""Samples of what a fit knows, for bands of the fitted gear, whose parameters vary together.
+"""Samples of the posterior of a fit, for bands of the fitted gear, whose parameters vary together.
 
 Parameters of the level are normal in their logarithms, with the fit's covariance: nuisances, what the model
 of a weight may be wrong by, and repeatability are in it (the model's discrepancy, as Kennedy and O'Hagan name

@@ -71,7 +71,7 @@ def read_measured_torque(
 
     Args:
         path: a text, or an MDF 4, TDMS or MAT file.
-        columns: quantity -> "TITLE [unit]", where its header does not tell.
+        columns: quantity -> "TITLE [unit]", where its header has none.
         gear: whose travel per turn gives the angle where a file has the rack's travel instead.
 
     Raises:

@@ -31,6 +31,7 @@ from rps_exudyn.pages.charts.curves import (
 from rps_exudyn.pages.charts.style import scene_of
 from rps_exudyn.results.judged_row import Verdict
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
+from rps_exudyn.results.rounding import rounded_range
 from rps_exudyn.scenes import scene_named
 
 SHOWN = 6  # contributions by name
@@ -71,8 +72,8 @@ def _headline(band: Band) -> str:
     name = scene_named(band.nominal.scene).figure
     parts = [scene_of(band.nominal), band.method]
     if (found := band.figures.get(name)) is not None:
-        low, high = (SUMMARY[name].show(end) for end in (found.low, found.high))
-        parts.append(f"{name.replace('_', ' ')} {low} to {high} (90 %)")
+        shown = rounded_range(SUMMARY[name], found.low, found.high)
+        parts.append(f"{name.replace('_', ' ')} {shown} (90 %)")
     return " · ".join(parts)
 
 

@@ -19,8 +19,9 @@ from rps_exudyn.base.units import mm
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.quantities import SIGNALS, SUMMARY, Quantity
+from rps_exudyn.results.quantities import SIGNALS, Quantity
 from rps_exudyn.results.result import Result
+from rps_exudyn.results.rounding import rounded_metric
 from rps_exudyn.scenes import is_scene, scene_named
 
 PART_COLOURS = {
@@ -437,9 +438,7 @@ def _save_pixels(figure: Figure, path: Path) -> None:
 def head(figure: Figure, result: Result, subject: str, figures: Mapping[str, str]) -> None:
     """Write the headline; `figures` are the summary's names -> labels, skipped if they are not in it."""
     parts = [subject] + [
-        f"{label} {SUMMARY[name].show(result.summary[name])}"
-        for name, label in figures.items()
-        if name in result.summary
+        f"{label} {rounded_metric(result, name)}" for name, label in figures.items() if name in result.summary
     ]
     failure = "" if result.status is Status.OK else f"{result.status}: {result.message}"
     style.title(figure, f"{' · '.join(parts)}\n{about(result)}", failure)

@@ -11,8 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from queue import SimpleQueue
-from threading import Thread
+from queue import LifoQueue
 from typing import Any
 
 from rps_exudyn.base.compiling import CompileStep, CompilingProgress, listening
@@ -107,11 +106,11 @@ class Answering:
         self._works: dict[tuple[str, str], _Work] = {}
         self._prepared: defaultdict[Processes, set[str]] = defaultdict(set)  # scenes
         count = max(2, available_processors())
-        self._free: SimpleQueue[Processes] = SimpleQueue()
+        self._free: LifoQueue[Processes] = LifoQueue()  # those that have begun come first
         self._begun = [Processes(1, LONGEST) for _ in range(count)]
         for processes in self._begun:
             self._free.put(processes)
-        self._patient: dict[str, SimpleQueue[Processes]] = {kind: SimpleQueue() for kind in KINDS}
+        self._patient: dict[str, LifoQueue[Processes]] = {kind: LifoQueue() for kind in KINDS}
         for kind, queue in self._patient.items():
             for _ in range(count if kind == SIMULATION else 1):
                 queue.put(self._patient_processes())
@@ -124,12 +123,9 @@ class Answering:
             processes.__exit__()
 
     def warm_up(self) -> None:
-        """Compile here if need be, where a command shows it; the processes start in the background. Without
-        it, each starts and compiles with its first request."""
-        answer(SteeringGear(), Wish({}))
-        for _ in range(self._free.qsize()):
-            arguments = (self._free.get(), self._free, self.task(Wish({})))
-            Thread(target=self._ask, args=arguments, daemon=True).start()
+        """Start a process, which compiles if need be, where a command shows it; others start when they are
+        needed."""
+        self.computed(Wish({}), "", 0)
 
     def task(self, wish: Wish) -> Task:
         """The call that answers a state."""
@@ -201,7 +197,11 @@ class Answering:
             return self._ask(processes, queue, task)
 
     def _ask(
-        self, processes: Processes, free: "SimpleQueue[Processes]", task: Task, scene: str = ""
+        self,
+        processes: Processes,
+        free: "LifoQueue[Processes]",
+        task: Task,
+        scene: str = "",
     ) -> Answer:
         """The answer of a process, which is free afterwards; one that was cancelled has a successor. What is
         compiled for the `scene` of a curve is on no clock."""

@@ -1,7 +1,6 @@
 """The sliders of the page (parameter, range, step), and the answer to one state of them."""
 
 from dataclasses import dataclass
-from math import degrees, radians
 from time import perf_counter
 from typing import Any
 
@@ -14,14 +13,17 @@ from rps_exudyn.base.units import pretty, words
 from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.pages.report.sheet import REMARK, WORK_LOST, loss_shares, sheet_of
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import BY_SCENE, SteeringGear
-from rps_exudyn.results.law_error import law_error
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.law_error import error_of_law
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import GEOMETRY, PARTS, SIGNALS
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import SCENE_NAMES, scene_named
 from rps_exudyn.scenes.free_pinion_torque import SCENE
+from rps_exudyn.scenes.maneuver import StepLimits
+from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.simulate.run import simulate
+from rps_exudyn.simulate.run_plan import run_unchecked
 
 
 @dataclass(frozen=True)
@@ -108,8 +110,8 @@ MODELS = {
     "flank": " Dynamics by fidelity flank. Friction as given.",
 }
 SLOW = 0.25  # scenes that take longer are drafted while a slider moves [s]
-DRAFT_STEP = radians(6)  # of the pinion
-DRAFT = f"draft while a slider moves: contact law line, steps of {degrees(DRAFT_STEP):g}\N{DEGREE SIGN}"
+DRAFT = "draft while a slider moves, which no finer steps confirm"
+UNCONFIRMED = RunOptions(least_steps=StepLimits(halvings=0))
 MOST_POINTS = 3000  # of a curve
 SIZES = (
     "transverse_contact_ratio",
@@ -131,7 +133,7 @@ class Wish:
         scene: name of a scene.
         is_both_ways: whether the rig turns there and back.
         measured: bytes of a measured file, as base64.
-        is_draft: whether a slider moves, and a coarse answer will do until it rests.
+        is_draft: whether a slider moves, and an answer that nothing confirms will do until it rests.
     """
 
     state: Any
@@ -149,13 +151,14 @@ class Wish:
         if self.scene not in SCENE_NAMES:
             raise InputError(f"{units.shown(self.scene)} is no scene of this page.")
         path = {"test.path": "there-and-back"} if self.is_both_ways else {}
-        law = {"mesh.law": "line"} if self.is_draft and gear.mesh.law == BY_SCENE else {}
-        return gear.replace(settings_of(self.state) | path | law)
+        return gear.replace(settings_of(self.state) | path)
 
-    def fidelity(self) -> Fidelity:
-        """The scene's model; of a draft in coarse steps."""
+    def result(self, gear: SteeringGear) -> Result:
+        """Simulate a gear; a draft is one run through the scene, made once."""
         model = Fidelity.preset(fidelity_of(self.scene))
-        return model.replace({"step_angle": DRAFT_STEP}) if self.is_draft else model
+        if self.is_draft:
+            return run_unchecked(self.scene, gear, model, UNCONFIRMED)
+        return simulate(self.scene, gear, model)
 
 
 def scenes() -> dict[str, Answer]:
@@ -194,7 +197,7 @@ def simulated(gear: SteeringGear, wish: Wish) -> Answer:
     try:
         chosen = wish.gear(gear)
         shown = _described(chosen)
-        result = simulate(wish.scene, chosen, wish.fidelity())
+        result = wish.result(chosen)
     except InputError as error:
         return {"problems": list(error.problems)}
     except Exception as error:  # whatever a state nobody has tried does to a solver: the page goes on
@@ -225,7 +228,7 @@ def _described(gear: SteeringGear) -> Answer:
 
 def _drawn(result: Result) -> Answer:
     """Curves, rows of the sheet, losses."""
-    error = law_error(result.gear, result.fidelity)
+    error = error_of_law(result)
     signal = scene_named(result.scene).signal
     along = abscissa(result)
     return {

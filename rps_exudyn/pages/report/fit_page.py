@@ -31,13 +31,14 @@ from rps_exudyn.pages.report.html import (
 )
 from rps_exudyn.pages.report.judged import judgement
 from rps_exudyn.pages.report.pictures import WIDTHS, picture
-from rps_exudyn.pages.report.sheet import Row, interval, listed, rounded
+from rps_exudyn.pages.report.sheet import Row, listed
 from rps_exudyn.pages.report.sheet_file import KEY, sheet_as_dict, with_gear
 from rps_exudyn.pages.report.write_report import write_pages
 from rps_exudyn.parameters.names import named
 from rps_exudyn.results.judged_row import Verdict
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.results.rounding import interval, rounded
 
 COLUMNS = ("parameter", "value", "95 % interval", "prior", "verdict")
 HEADS = ("parameter", "bar: 95 % interval; grey: prior", "estimate", "verdict")
@@ -66,14 +67,17 @@ def write_fit_sheet(fit: Fit, out: Path, command: str) -> None:
         write_pages([with_gear(article, fit.gear)], out)
 
 
-def fit_article(fit: Fit, command: str) -> Article:
-    """What was found, its pictures, what it rests on; `command` makes it again."""
+def fit_head(fit: Fit) -> Article:
+    """The head of the sheet alone: what was found, in a few rows."""
     names = ", ".join(dict.fromkeys(each.name for each in fit.passes))
     tests = ", ".join(dict.fromkeys(each.test for each in fit.passes))
-    return Article(
-        title="Fit to measured curves",
-        lead=f"{names} · tests: {tests}",
-        rows=list(_rows(fit)),
+    return Article("Fit to measured curves", f"{names} · tests: {tests}", [], rows=list(_rows(fit)))
+
+
+def fit_article(fit: Fit, command: str) -> Article:
+    """What was found, its pictures, what it rests on; `command` makes it again."""
+    return replace(
+        fit_head(fit),
         sections=[
             Section("Parameters", list(_found(fit))),
             *(

@@ -18,10 +18,10 @@ from rps_exudyn.pages.animation.film import cutout, image_bytes
 from rps_exudyn.pages.animation.motion import Motion
 from rps_exudyn.pages.animation.parts import bearing_rings, picture_parts
 from rps_exudyn.pages.report.html import ForceArrow, GearPicture, Label
-from rps_exudyn.pages.report.sheet import rounded
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import Result
+from rps_exudyn.results.rounding import rounded
 from rps_exudyn.scenes.free_pinion_torque import SCENE
 from rps_exudyn.simulate.run import simulate
 

@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from math import inf, isfinite
 
 from rps_exudyn.pages.report.html import Judgement, Mark
-from rps_exudyn.pages.report.sheet import interval
 from rps_exudyn.results.judged_row import JudgedRow, Verdict
+from rps_exudyn.results.rounding import interval
 
 MARKS = {
     Verdict.PASS: Mark.KEPT,

@@ -6,16 +6,16 @@ sheet.title, [(row.value, row.words) for row in sheet.rows]
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from math import floor, isfinite, log10
 from typing import TYPE_CHECKING
 
-from rps_exudyn.base.units import pretty, short
+from rps_exudyn.base.units import short
 from rps_exudyn.parameters.gear import BY_SCENE
 from rps_exudyn.parameters.names import named
 from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status, sentences
-from rps_exudyn.results.quantities import LABELS, PARTS, SUMMARY, Quantity
+from rps_exudyn.results.quantities import LABELS, PARTS, SUMMARY
 from rps_exudyn.results.result import Result
+from rps_exudyn.results.rounding import error_of, rounded, rounded_range
 from rps_exudyn.scenes import is_scene, scene_named
 
 if TYPE_CHECKING:
@@ -25,19 +25,8 @@ if TYPE_CHECKING:
 MANY_CHANGES = 3  # parameters that are not named
 MOST_METRICS = 3  # of a scene
 MOST_ROWS = 6  # with title and files a sheet has 8 lines
-MEANS = (
-    "torque_mean",
-    "torque_mean_forward",
-    "torque_mean_backward",
-)  # with the law's error
 REMARK, WORK_LOST = "remark", "work lost"
 LEAST_SHARE = 0.005  # of the work lost, below which a part is not named
-NEGLIGIBLE = 1e-5  # of the unit that is shown: rounding errors of the solver
-SMALLER = {"N*m": ("N*mm", 1e3), "J": ("mJ", 1e3), "N*s": ("mN*s", 1e3), "mm": ("um", 1e3)}
-"""Display unit -> a smaller one, and how many of it are one of the other."""
-LARGER = {"N/m": ("N/um", 1e-6), "N/m^2": ("N/mm/um", 1e-9)}
-"""The same for large numbers."""
-MOST_SHOWN = 1e5  # in a unit that has a larger one
 
 
 @dataclass(frozen=True)
@@ -91,13 +80,12 @@ def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
     summary, first = result.summary, scene_named(result.scene).figure if is_scene(result.scene) else ""
     names = [name for name in dict.fromkeys((first, *LABELS)) if name in summary]
     names = names[:1] + [name for name in names[1:] if rounded(SUMMARY[name], summary[name])[:2] != "0 "]
-    law = law_error(result.gear, result.fidelity) if result.status is Status.OK else None
+    law = law_error(result.gear, result.fidelity)
     for name in names[:MOST_METRICS]:
         quantity, value = SUMMARY[name], summary[name]
         words = LABELS.get(name, quantity.long_name)
-        error: float | None = None
-        if law is not None and name in MEANS:
-            error = law.largest * abs(value)
+        error = error_of(result, name)
+        if law is not None and error:
             words += f" (±: error of contact law {law.law})" if band is None else ""
         if band is not None and name in band.figures:
             found = band.figures[name]
@@ -145,50 +133,6 @@ def _remark(result: Result) -> Iterable[Row]:
     if result.message:
         first, *others = sentences(result.message)
         yield Row(REMARK, first + f"; and {len(others)} more: --all" * bool(others))
-
-
-def rounded(quantity: Quantity, value: float, error: float | None = None, like: float | None = None) -> str:
-    """Return a value in its display unit with as many digits as its error deserves: one of the error's own;
-    without one two, from 100 up three.
-
-    Args:
-        quantity: of which it is a value.
-        value: SI.
-        error: either way, SI.
-        like: another value, SI, that is shown in the same unit.
-    """
-    if isinstance(value, int):
-        return str(value)
-    if not isfinite(value):
-        return "undetermined"
-    unit, size = quantity.display, float(quantity.displayed(value))
-    if abs(size) < NEGLIGIBLE:
-        size = 0.0
-    if error:
-        either = abs(float(quantity.displayed(error)))
-        digits = -floor(log10(either))
-        size, either, digits = round(size, digits), round(either, digits), max(digits, 0)
-        return f"{size:.{digits}f} ± {either:.{digits}f} {pretty(unit)}".replace("-", "−").strip()
-    chosen = abs(size if like is None else float(quantity.displayed(like)))
-    if 0 < chosen < 1e-2 and unit in SMALLER:
-        unit, size = SMALLER[unit][0], size * SMALLER[unit][1]
-    if chosen > MOST_SHOWN and unit in LARGER:
-        unit, size = LARGER[unit][0], size * LARGER[unit][1]
-    digits = 3 if abs(size) >= 100 else 2
-    places = max(0, digits - 1 - floor(log10(abs(size)))) if size else 0
-    return f"{float(f'{size:.{digits}g}'):.{places}f} {pretty(unit)}".replace("-", "−").strip()
-
-
-def rounded_range(quantity: Quantity, low: float, high: float) -> str:
-    """Two values with their unit once: "0.51 to 0.72 N m"."""
-    largest = max(low, high, key=abs)
-    return interval(rounded(quantity, low, like=largest), rounded(quantity, high, like=largest))
-
-
-def interval(low: str, high: str) -> str:
-    """Two numbers with their unit once, where it is the same: "0.5 to 0.7 N m"."""
-    unit = high.lstrip("−.0123456789")
-    return f"{low.removesuffix(unit)} to {high}" if low.endswith(unit) else f"{low} to {high}"
 
 
 LINE = 66  # letters of a line of the terminal beside its heading
