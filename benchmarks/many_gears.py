@@ -49,12 +49,6 @@ BOTH_TORQUES = ("torque_forward", "torque_reverse")
 KINDS = {
     "free": Kind("free torque, runout and one pitch"),
     "pitch": Kind("free torque, one tooth pitch", is_periodic=True),
-    "both": Kind(
-        "free torque, there and back",
-        means=("torque_mean_forward", "torque_mean_backward"),
-        settings={"test.path": "there-and-back"},
-    ),
-    "light": Kind("load test, 10 kg", "load-test", BOTH_TORQUES, beside="free_torque"),
     "heavy": Kind("load test, 40 kg", "load-test", BOTH_TORQUES, {"test.load_mass": "40 kg"}, "free_torque"),
     "push": Kind("rack push", "rack-push", ("push_force_mean",)),
 }

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from rps_exudyn.base.units import words
 from rps_exudyn.cli.output import DONE, FAILED, note, print_files, print_json, put, put_table, say
 from rps_exudyn.pages.report.sheet import Sheet, sheet_of
-from rps_exudyn.results.law_error import law_error
+from rps_exudyn.results.law_error import error_of_law
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import COUNTERS, SIGNALS, SUMMARY
 
@@ -62,7 +62,7 @@ def print_result(result: "Result", files: Iterable[Path] = ()) -> None:
     if result.message:
         put(result.message)
     put_table(("quantity", "value", "definition"), _summary_rows(result))
-    if result.status is Status.OK and (error := law_error(result.gear, result.fidelity)):
+    if error := error_of_law(result):
         put(error.sentence)
     put(", ".join([f"{result.cpu_s:.3g} s of CPU time", *_counts(result)]))
     print_files(files)

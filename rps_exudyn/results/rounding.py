@@ -3,8 +3,7 @@
 from math import floor, isfinite, log10
 
 from rps_exudyn.base.units import pretty
-from rps_exudyn.results.law_error import law_error
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.law_error import error_of_law
 from rps_exudyn.results.quantities import SUMMARY, Quantity
 from rps_exudyn.results.result import Result
 
@@ -20,9 +19,7 @@ MOST_SHOWN = 1e5  # in a unit that has a larger one
 
 def error_of(result: Result, name: str) -> float | None:
     """Return the error of a metric of a result either way, SI; None where none is known."""
-    if name not in MEANS or result.status is not Status.OK:
-        return None
-    law = law_error(result.gear, result.fidelity)
+    law = error_of_law(result) if name in MEANS else None
     return law.largest * abs(result.summary[name]) if law else None
 
 

@@ -16,6 +16,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted, Remark
+from rps_exudyn.results.quantities import SINGLE_RUNS_ONLY
 from rps_exudyn.scenes.maneuver import Maneuver, StepLimits, maneuvers_of_test
 from rps_exudyn.scenes.metric_confirmation import run_and_confirm
 from rps_exudyn.scenes.metrics import figures_of_motion
@@ -50,9 +51,10 @@ def load_test(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     gain = float(GearPair.of(gear).gain)
     turned = Turned(gear, loaded.signals, unloaded.signals, gain, weight, fidelity.step_angle)
     (further,) = _remarks(turned)
+    wants_face = fidelity.bends_teeth and options.wants(SINGLE_RUNS_ONLY)
 
     def metrics(signals: Signals) -> dict[str, float]:
-        on_face = face_loading(gear, signals) if fidelity.bends_teeth else {}
+        on_face = face_loading(gear, signals) if wants_face else {}
         return _metrics(replace(turned, signals=signals)) | on_face
 
     run = run_and_confirm(gear, fidelity, weighted, options, metrics, SCENE.figure, loaded)

@@ -9,6 +9,7 @@ not resolved by the finest steps, is left out, and a run whose own figure change
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -64,6 +65,10 @@ def run_and_confirm(
 
     steady = maneuvers[0].is_steady
 
+    def asked(signals: Signals) -> dict[str, Any]:
+        found = metrics(signals)
+        return {name: each for name, each in found.items() if name == figure or options.wants([name])}
+
     def made(halvings: int) -> SceneRun:
         finer = [each.halved(halvings) for each in maneuvers]
         model = fidelity if steady else with_narrower_zone(fidelity, halvings)
@@ -75,7 +80,7 @@ def run_and_confirm(
     else:
         always = always or (steady and gear.test.speed > SLOW)
     most = most_finer(fidelity, options)
-    run = confirmed(run, metrics, made, figure, most=most, always=always, smooth=steady)
+    run = confirmed(run, asked, made, figure, most=most, always=always, smooth=steady)
     if not steady:
         return run
     drive = maneuvers[0].drive
@@ -193,10 +198,10 @@ def unresolved(metrics: Metrics, signals: Signals, values: Mapping[str, Any]) ->
     return changes(values, {name: more[name] for name in values if name in more}, signals)
 
 
-def doubts(metrics: Metrics, signals: Signals, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return by how much a record's instants may miss metrics of a steady motion, over their tolerances."""
-    missed = {name: each / FIRST_ORDER for name, each in doubted(metrics, signals, values).items()}
-    between = unresolved(metrics, signals, values)
+def doubts(halves: Mapping[str, Any], between: Mapping[str, Any]) -> dict[str, Any]:
+    """Return by how much a record's instants may miss metrics of a steady motion, over their tolerances: by
+    what half of them change and what lies between them."""
+    missed = {name: each / FIRST_ORDER for name, each in halves.items()}
     return larger(missed, {name: each / SHOWN for name, each in between.items()})
 
 
@@ -230,11 +235,14 @@ def confirmed(
         return described
     begun = int(run.outcome.findings.get("halvings", 0))
 
+    @cache
     def between(each: SceneRun) -> dict[str, float]:
         return unresolved(metrics, each.signals, each.summary) if smooth else {}
 
+    @cache
     def missed(each: SceneRun) -> dict[str, float]:
-        return (doubts if smooth else doubted)(metrics, each.signals, each.summary)
+        halves = doubted(metrics, each.signals, each.summary)
+        return doubts(halves, between(each)) if smooth else halves
 
     def changed(coarse: SceneRun, fine: SceneRun) -> dict[str, float]:
         return changes(coarse.summary, fine.summary, fine.signals)
@@ -242,9 +250,10 @@ def confirmed(
     def made(coarse: SceneRun, times: int) -> SceneRun:
         assert finer is not None
         try:
-            return finer(begun + times).described(metrics)
+            run = finer(begun + times)
         except Interrupted:
             raise Interrupted(coarse) from None
+        return run.described(metrics) if run.ok else run  # the record of one that failed lacks motions
 
     def unsure(coarse: SceneRun, fine: SceneRun) -> float:
         change, between_fine = changed(coarse, fine), between(fine)

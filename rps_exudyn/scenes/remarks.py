@@ -66,7 +66,8 @@ def _yoke_stopped(gear: SteeringGear, signals: Signals) -> Iterator[Remark]:
         yield Remark(
             Code.YOKE_STOPPED,
             f"yoke.clearance = {1e6 * gear.yoke.clearance:.4g} um is closed, first at "
-            f"{first_angle(signals, force > 0)}; the yokenut carries up to {force.max():.4g} N",
+            f"{first_angle(signals, force > 0)}; the yokenut carries up to {force.max():.4g} N; "
+            "the error of the contact law is unknown there",
         )
 
 

@@ -1,6 +1,6 @@
 """A scene: one thing that the test rig does, with all that other files ask about it; options of its runs."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -24,11 +24,17 @@ class RunOptions:
         check: gives a finished run its outcome, with the arguments of `checks.after_run.validated`.
         least_steps: steps that a maneuver gets, however large the fidelity's step.
         halvings: how often the steps of every maneuver are halved, whatever chose them.
+        figures: metrics that steady motions confirm and return beside their own figure; None is all.
     """
 
     check: Callable[..., Outcome] = validated
     least_steps: StepLimits = field(default_factory=StepLimits)
     halvings: int = 0
+    figures: frozenset[str] | None = None
+
+    def wants(self, names: Iterable[str]) -> bool:
+        """Return whether any of these metrics is asked for."""
+        return self.figures is None or not self.figures.isdisjoint(names)
 
 
 DEFAULT_OPTIONS = RunOptions()

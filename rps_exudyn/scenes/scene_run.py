@@ -13,7 +13,7 @@ from rps_exudyn.solvers.settling import TOLERANCE
 Signals = dict[str, np.ndarray]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SceneRun:
     """Outcome, and what was recorded until then."""
 

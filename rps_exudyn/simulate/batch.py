@@ -22,6 +22,7 @@ from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.law_by_scene import with_law
+from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.simulate.together import UNSUPPORTED, Together, together, unsupported_reason
 
@@ -174,6 +175,23 @@ def batch(
         >>> gears.ok.tolist(), gears.summary["torque_mean"].round(2).tolist()
         ([True, True], [0.54, 0.69])
     """
+    return batch_of(scene, gear, values, fidelity, keep, ranges)
+
+
+def batch_of(
+    scene: str,
+    gear: SteeringGear,
+    values: Mapping[str, Sequence[Any] | np.ndarray],
+    fidelity: str | Fidelity,
+    keep: Literal["signals", "torque"],
+    ranges: Mapping[str, Sequence[float] | np.ndarray] | None,
+    options: RunOptions = DEFAULT_OPTIONS,
+) -> Batch:
+    """Simulate a table; arguments as of `batch`, and options of single runs.
+
+    Raises:
+        InputError: as `batch`.
+    """
     chosen_scene = scene_named(scene)
     if keep not in ("signals", "torque"):
         raise InputError(f"keep is {keep!r}; it must be signals or torque.")
@@ -185,7 +203,7 @@ def batch(
     found, single_run_reason = _together(scene, gear, values, chosen, ranges, kept)
     return Batch(
         tuple(
-            None if found is not None and found.ended[i] else _row(scene, gear, row, chosen)
+            None if found is not None and found.ended[i] else _row(scene, gear, row, chosen, options)
             for i, row in enumerate(rows)
         ),
         found,
@@ -232,10 +250,12 @@ def rows_of(values: Mapping[str, Sequence[Any] | np.ndarray]) -> list[dict[str, 
     return [dict(zip(values, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
-def _row(scene: str, gear: SteeringGear, settings: Mapping[str, Any], fidelity: Fidelity) -> Result:
+def _row(
+    scene: str, gear: SteeringGear, settings: Mapping[str, Any], fidelity: Fidelity, options: RunOptions
+) -> Result:
     try:
         varied = gear.replace(settings)
-        return simulate(scene, varied, fidelity)
+        return simulate(scene, varied, fidelity, options=options)
     except InputError as error:  # a value that is not allowed, a gear that cannot be built
         status, message = Status.INVALID, " ".join(error.problems)
     except Exception as error:

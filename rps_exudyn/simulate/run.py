@@ -25,6 +25,7 @@ from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.scenes.law_by_scene import with_law
+from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
 from rps_exudyn.simulate.accuracy_check import Wanted, kept_by
 from rps_exudyn.simulate.by_accuracy import Choice, beyond_in_run, choose, percent
 from rps_exudyn.simulate.cases.task import Task
@@ -91,8 +92,10 @@ def simulate(
     accuracy: str | None = None,
     robust: bool = False,
     time_limit: TimeLimit | None = None,
+    options: RunOptions = DEFAULT_OPTIONS,
 ) -> Result:
-    """Simulate a scene of a gear; arguments as of `run`.
+    """Simulate a scene of a gear; arguments as of `run`. The options are of runs of a model that is given,
+    without a time limit or fallback.
 
     Raises:
         InputError: no such scene or fidelity, or a gear or test that cannot exist.
@@ -113,7 +116,7 @@ def simulate(
     if robust:
         return run_with_fallback(scene, gear, chosen)
     if not (sentences := refused(tested_gear(gear), chosen, steady=scene_named(scene).steady)):
-        return run_unchecked(scene, gear, chosen)
+        return run_unchecked(scene, gear, chosen, options)
     message = "; ".join(sentences)
     return replace(
         failed(scene, gear, chosen, Status.INVALID, f"not run: {message}"),

@@ -25,6 +25,7 @@ from rps_exudyn.scenes.metric_confirmation import (
     LATE,
     MOST_FINER,
     changes,
+    doubted,
     doubts,
     every_second,
     larger,
@@ -350,7 +351,8 @@ class _Followed:
 
     def asks(self) -> np.ndarray:
         """Return whose metrics their own record doubts, (n,)."""
-        return self.is_off(doubts(self.metrics, self.signals, self.summary))
+        halves = doubted(self.metrics, self.signals, self.summary)
+        return self.is_off(doubts(halves, self.unresolved()))
 
     def change(self, finer: "_Followed") -> dict[str, np.ndarray]:
         """Return by how much metrics change from here to a finer run, over their tolerances."""

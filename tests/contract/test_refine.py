@@ -3,11 +3,16 @@
 import numpy as np
 import pytest
 
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Outcome, Status
 from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.metric_confirmation import confirmed, every_second, rolls_late, with_midpoints
 from rps_exudyn.scenes.refine import refine
+from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.simulate.run_plan import run_unchecked
 
 pytestmark = pytest.mark.quick
 
@@ -168,6 +173,37 @@ def test_half_of_the_instants_may_miss_twice_as_much_of_a_steady_motion() -> Non
         return int(run.outcome.findings.get("halvings", 0))
 
     assert (halvings(0.03), halvings(0.05)) == (0, 1)
+
+
+def test_metrics_that_are_asked_for_are_those_of_a_run_that_has_all() -> None:
+    """What is not asked for is neither there nor a reason for finer steps; a scene's own figure always is."""
+    gear, model = (
+        SteeringGear().replace({"mesh.law": "teeth", "test.turns": 1 / 6}),
+        Fidelity.preset("quasi-static"),
+    )
+    some = RunOptions(figures=frozenset({"efficiency_ratio"}))
+    whole, part = (run_unchecked("load-test", gear, model, each) for each in (RunOptions(), some))
+    assert set(part.summary) == {"efficiency_ratio", scene_named("load-test").figure}
+    assert part.findings.get("halvings", 0) < whole.findings["halvings"]
+    for name, value in part.summary.items():
+        assert value == pytest.approx(whole.summary[name], rel=1e-3)
+
+
+def test_a_finer_run_that_fails_midway_needs_no_metrics() -> None:
+    """Its record holds only a part of the motion; the coarse run stands, without what it cannot confirm."""
+
+    def made(times: int) -> SceneRun:
+        outcome = Outcome(Status.NO_CONVERGENCE if times else Status.OK)
+        return SceneRun(outcome, {"time": np.arange(4.0 if times else 40.0)})
+
+    def metrics(signals: dict[str, np.ndarray]) -> dict[str, float]:
+        if signals["time"].size < 10:
+            raise ValueError("a load test needs a record of raising and of lowering")
+        return {"efficiency_forward": 1.0 + (0.2 if signals["time"].size < 40 else 0.0)}
+
+    run = confirmed(made(0), metrics, made, "torque_mean", most=2, smooth=True)
+    assert run.ok
+    assert "efficiency_forward" not in run.summary
 
 
 def test_a_late_rolling_is_half_a_step_of_its_fastest_over_its_range() -> None:

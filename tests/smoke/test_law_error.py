@@ -11,10 +11,12 @@ import rps_exudyn as rps
 from benchmarks import tooth_compliance
 from benchmarks.topic import RESULTS, load_data
 from rps_exudyn.pages.charts.scene_figures import torque_figure
+from rps_exudyn.pages.report.sheet import sheet_of
 from rps_exudyn.pages.report.write_report import write_report
 from rps_exudyn.parameters.fidelity import PRESETS
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.law_error import MEASURED, law_error
+from rps_exudyn.results.law_error import MEASURED, error_of_law, law_error
+from rps_exudyn.results.outcome import Code
 from rps_exudyn.results.result import Result
 from rps_exudyn.simulate.by_accuracy import Setting, choose, knows_law
 from shell import Command
@@ -227,3 +229,13 @@ def test_expected_error_of_law_line_is_that_on_other_gears() -> None:
         missed += not error.mean_torque[0] <= found <= error.mean_torque[1]
         assert law_error(by_line.replace({"pinion.crowning": "8 um"}), FLANK) == MEASURED["line"]
     assert missed <= 1
+
+
+def test_a_yoke_that_touches_its_nut_has_no_known_error(made_up_result: Result) -> None:
+    """The force on the teeth then follows from their stiffness."""
+    stopped = dataclasses.replace(made_up_result, codes=(Code.YOKE_STOPPED.value,))
+    assert error_of_law(made_up_result) == law_error(made_up_result.gear, made_up_result.fidelity)
+    assert error_of_law(stopped) is None
+    assert band(stopped) is None
+    assert "±" in sheet_of(made_up_result).rows[0].value
+    assert "±" not in sheet_of(stopped).rows[0].value

@@ -38,6 +38,7 @@ from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.scenes.law_by_scene import SERIES, with_law
 from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
 from rps_exudyn.scenes.rack_lift import SCENE as RACK_LIFT
+from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.solvers.closed_form import GRAVITY, load_test
 
@@ -178,7 +179,15 @@ def _of_turning(
         start = -np.pi * gear.test.direction
         path = {"test.path": "there-and-back", "test.start_angle": start, "test.turns": 1.0}
     try:
-        band = quick_band(gear.replace(path), FOR_MEANS, inputs, samples, on_progress=on_progress, jobs=jobs)
+        band = quick_band(
+            gear.replace(path),
+            FOR_MEANS,
+            inputs,
+            samples,
+            on_progress=on_progress,
+            jobs=jobs,
+            options=RunOptions(figures=frozenset(TURNING.values())),
+        )
     except InputError as error:
         yield from (_not_evaluated(name, limits, error) for name in TURNING)
         return
@@ -195,7 +204,16 @@ def _of_efficiency(
     on_progress: OnProgress,
 ) -> RequirementRow:
     short = gear.replace({"test.path": "there-and-back", "test.turns": 2 / gear.pinion.teeth})
-    band = band_of_runs(LOAD_TEST.name, short, FOR_MEANS, inputs, samples, on_progress=on_progress, jobs=jobs)
+    band = band_of_runs(
+        LOAD_TEST.name,
+        short,
+        FOR_MEANS,
+        inputs,
+        samples,
+        on_progress=on_progress,
+        jobs=jobs,
+        options=RunOptions(figures=frozenset({"efficiency_ratio"})),
+    )
     judged = _from_band("efficiency_ratio", "efficiency_ratio", band, limits)
     weight = f"With {gear.test.load_mass:.4g} kg; the ratio is about 1 - (T_0 / W s')^2"
     if judged.verdict is Verdict.PASS:

@@ -35,6 +35,7 @@ from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.law_by_scene import SERIES, with_law
 from rps_exudyn.scenes.refine import refine
+from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
 from rps_exudyn.simulate.batch import Batch
 from rps_exudyn.simulate.run import simulate
 
@@ -139,6 +140,7 @@ def band_of_runs(
     on_progress: OnProgress | None = None,
     jobs: int = 1,
     time_limit: float = float("inf"),
+    options: RunOptions = DEFAULT_OPTIONS,
 ) -> Band:
     """Run the scene at `samples` points of the inputs, in up to `jobs` processes, and at their medians.
 
@@ -154,8 +156,8 @@ def band_of_runs(
     if not FEWEST <= samples <= MOST:
         raise InputError(f"the band has {samples} samples; it needs {FEWEST} to {MOST}.")
     points = Samples.drawn(inputs, samples, seed)
-    nominal = nominal_result(scene, gear, fidelity, inputs)
-    done = runs_of(points, nominal, fidelity, on_progress, jobs, time_limit)
+    nominal = nominal_result(scene, gear, fidelity, inputs, options)
+    done = runs_of(points, nominal, fidelity, on_progress, jobs, time_limit, options)
     drawn, curves = done.drawn, curve_quantiles(nominal.scene, done.curves)
     return Band(
         nominal=nominal,
@@ -165,13 +167,17 @@ def band_of_runs(
         figures=figure_quantiles(drawn),
         contributions=contributions_of(drawn),
         curves=curves,
-        numerical=numerical_error(nominal, fidelity),
+        numerical=numerical_error(nominal, fidelity, options),
         interrupted=done.interrupted,
     )
 
 
 def nominal_result(
-    scene: str, gear: SteeringGear, fidelity: Fidelity, inputs: Mapping[str, Distribution]
+    scene: str,
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    inputs: Mapping[str, Distribution],
+    options: RunOptions = DEFAULT_OPTIONS,
 ) -> Result:
     """Run the scene on the gear at the medians of its inputs.
 
@@ -180,7 +186,7 @@ def nominal_result(
     """
     gear = with_law(gear, fidelity, SERIES, inputs)
     medians = gear.replace({path: each.nominal for path, each in inputs.items()})
-    result = simulate(scene, medians, fidelity)
+    result = simulate(scene, medians, fidelity, options=options)
     if result.status is not Status.OK:
         raise InputError(
             f"a band needs a run at the medians of its inputs, which ends {result.status}: {result.message}."
@@ -204,6 +210,7 @@ def runs_of(
     on_progress: OnProgress | None,
     jobs: int,
     time_limit: float,
+    options: RunOptions = DEFAULT_OPTIONS,
 ) -> Runs:
     """Run the scene at all points, or until Ctrl-C.
 
@@ -215,7 +222,9 @@ def runs_of(
     seen = _Seen(nominal, fidelity, names)
     interrupted = False
     try:
-        with closing(runs_at(nominal.scene, nominal.gear, fidelity, points, jobs, time_limit)) as parts:
+        with closing(
+            runs_at(nominal.scene, nominal.gear, fidelity, points, jobs, time_limit, options)
+        ) as parts:
             for rows, part in parts:
                 seen.add(rows, part)
                 if on_progress is not None:
@@ -342,14 +351,16 @@ def curve_quantiles(scene: str, curves: np.ndarray | None) -> Curves | None:
     return Curves(scene_named(scene).signal, np.quantile(curves, LEVELS, axis=0))
 
 
-def numerical_error(nominal: Result, fidelity: Fidelity) -> dict[str, float]:
+def numerical_error(
+    nominal: Result, fidelity: Fidelity, options: RunOptions = DEFAULT_OPTIONS
+) -> dict[str, float]:
     """Return how far half the steps move each figure of the nominal run; {} of a model without steps."""
     if fidelity.solver == "closed-form":
         return {}
     halved = fidelity.replace({"step_angle": fidelity.step_angle / 2})
     refined = refine(
         nominal,
-        lambda coarse, _: simulate(coarse.scene, coarse.gear, halved),
+        lambda coarse, _: simulate(coarse.scene, coarse.gear, halved, options=options),
         1,
         usable=lambda result: result.status is Status.OK,
     )

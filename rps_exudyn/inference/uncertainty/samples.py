@@ -11,7 +11,8 @@ from rps_exudyn.inference.uncertainty.joint import JointInputs
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.simulate.batch import Batch, batch
+from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
+from rps_exudyn.simulate.batch import Batch, batch_of
 from rps_exudyn.simulate.cases.run_cases import run_cases
 from rps_exudyn.simulate.cases.task import Task
 from rps_exudyn.simulate.together import fewest, unsupported_reason
@@ -65,6 +66,7 @@ def runs_at(
     points: Samples,
     jobs: int = 1,
     time_limit: float = float("inf"),
+    options: RunOptions = DEFAULT_OPTIONS,
 ) -> Generator[tuple[range, Batch]]:
     """Yield the runs of the scene at the points, whatever their outcome, part by part as they end.
 
@@ -78,6 +80,7 @@ def runs_at(
         points: inputs of the runs.
         jobs: number of processes.
         time_limit: of a run, or of a part that is computed together [s].
+        options: of single runs.
 
     Returns:
         The numbers of a part's points, and its runs.
@@ -92,7 +95,7 @@ def runs_at(
         for rows in waiting:
             part = {path: column[rows.start : rows.stop] for path, column in values.items()}
             ranges = values if len(rows) > 1 else None
-            call = partial(batch, scene, gear, part, fidelity=fidelity, keep=keep, ranges=ranges)
+            call = partial(batch_of, scene, gear, part, fidelity, keep, ranges, options)
             tasks[Task(call)] = rows
         waiting = []
         for task, answer in run_cases(list(tasks), jobs, time_limit):

@@ -14,8 +14,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.pages.charts import style
 from rps_exudyn.pages.charts.curves import DIRECTIONS, Panel, add_measured, panels_over_angle
 from rps_exudyn.pages.charts.style import head, scene_of
-from rps_exudyn.results.law_error import LawError, law_error
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.law_error import LawError, error_of_law
 from rps_exudyn.results.quantities import SIGNALS, Quantity
 from rps_exudyn.results.result import MeasuredTorque, Result
 from rps_exudyn.scenes import is_scene, scene_named
@@ -90,17 +89,16 @@ def torque_figure(result: Result, measured: MeasuredTorque | None = None) -> Fig
     """The picture; signals that the result's fidelity does not have get no panel."""
     figure, panels = panels_over_angle(result, _FREE_TORQUE_PANELS, measured)
     both_ways = len(passes(result.signals)) > 1
-    law = law_error(result.gear, result.fidelity)
+    law = error_of_law(result)
     for panel in panels:
         if panel.name != "pinion_torque":
             continue
         means = _means_in(panel, result, both_ways)
-        banded = law is not None and result.status is Status.OK
-        if law is not None and banded:
+        if law is not None:
             _add_law_band(panel.axes, law, means)
         if not both_ways:
             for mean in means:
-                name = "_" if banded else "mean"  # the band's name has it
+                name = "_" if law else "mean"  # the band's name has it
                 panel.axes.axhline(_TORQUE.displayed(mean), **style.REFERENCE_LINE, label=name)
         style.name_curves(panel.axes)
     head(figure, result, scene_of(result), _BOTH_WAYS if both_ways else _ONE_WAY)

@@ -14,7 +14,7 @@ from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.pages.report.sheet import REMARK, WORK_LOST, loss_shares, sheet_of
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.law_error import law_error
+from rps_exudyn.results.law_error import error_of_law
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import GEOMETRY, PARTS, SIGNALS
 from rps_exudyn.results.result import Result
@@ -228,7 +228,7 @@ def _described(gear: SteeringGear) -> Answer:
 
 def _drawn(result: Result) -> Answer:
     """Curves, rows of the sheet, losses."""
-    error = law_error(result.gear, result.fidelity)
+    error = error_of_law(result)
     signal = scene_named(result.scene).signal
     along = abscissa(result)
     return {

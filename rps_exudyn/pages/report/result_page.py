@@ -45,7 +45,7 @@ from rps_exudyn.pages.report.pictures import WIDTHS, picture
 from rps_exudyn.pages.report.sheet import REMARK, WORK_LOST, Row, loss_shares, sheet_of
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.names import GEAR_FACTS, named
-from rps_exudyn.results.law_error import law_error
+from rps_exudyn.results.law_error import error_of_law
 from rps_exudyn.results.outcome import Status, sentences
 from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, LABELS, PARTS, SUMMARY, Quantity
 from rps_exudyn.results.result import Result
@@ -178,7 +178,7 @@ def _ripple(result: Result) -> Iterable[Section]:
     if result.scene != FREE_TURNING_SCENE.name or result.status is not Status.OK:
         return
     if (figure := ripple_figure(result)) is not None:
-        law = law_error(result.gear, result.fidelity)
+        law = error_of_law(result)
         caption = f"Mean of {result.gear.pinion.teeth} teeth."
         if law is not None:
             said = law.ripple.replace("its ripple", f"the ripple by law {law.law}")
@@ -211,7 +211,7 @@ def _details(result: Result, compared: Compared, path: Path) -> Iterable[PageBlo
     yield from _measured_fold(result, compared)
     yield from _numbers(result)
     yield Fold("Parameters", list(_parameters(result)))
-    if result.status is Status.OK and (error := law_error(result.gear, result.fidelity)):
+    if error := error_of_law(result):
         yield Fold("Error of the contact law", [Text(error.sentence)])
     yield Fold("Make it again", [provenance_facts(result.provenance), CodeText(_commands(path))])
 
@@ -264,7 +264,7 @@ def _caption(result: Result, band: Band | None) -> str:
     parts = ["Line: this gear"]
     if band is not None:
         parts.append(f"grey: {len(band.drawn.samples)} gears of a series")
-    elif law_error(result.gear, result.fidelity) and result.scene == FREE_TURNING_SCENE.name:
+    elif error_of_law(result) and result.scene == FREE_TURNING_SCENE.name:
         parts.append("grey: error of the contact law around the mean")
     if result.measured is not None:
         dots = f"dots: {short(result.measured.name, 40)}, filled towards −X"
