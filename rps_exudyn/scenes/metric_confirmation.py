@@ -250,9 +250,10 @@ def confirmed(
     def made(coarse: SceneRun, times: int) -> SceneRun:
         assert finer is not None
         try:
-            return finer(begun + times).described(metrics)
+            run = finer(begun + times)
         except Interrupted:
             raise Interrupted(coarse) from None
+        return run.described(metrics) if run.ok else run  # the record of one that failed lacks motions
 
     def unsure(coarse: SceneRun, fine: SceneRun) -> float:
         change, between_fine = changed(coarse, fine), between(fine)

@@ -189,6 +189,23 @@ def test_metrics_that_are_asked_for_are_those_of_a_run_that_has_all() -> None:
         assert value == pytest.approx(whole.summary[name], rel=1e-3)
 
 
+def test_a_finer_run_that_fails_midway_needs_no_metrics() -> None:
+    """Its record holds only a part of the motion; the coarse run stands, without what it cannot confirm."""
+
+    def made(times: int) -> SceneRun:
+        outcome = Outcome(Status.NO_CONVERGENCE if times else Status.OK)
+        return SceneRun(outcome, {"time": np.arange(4.0 if times else 40.0)})
+
+    def metrics(signals: dict[str, np.ndarray]) -> dict[str, float]:
+        if signals["time"].size < 10:
+            raise ValueError("a load test needs a record of raising and of lowering")
+        return {"efficiency_forward": 1.0 + (0.2 if signals["time"].size < 40 else 0.0)}
+
+    run = confirmed(made(0), metrics, made, "torque_mean", most=2, smooth=True)
+    assert run.ok
+    assert "efficiency_forward" not in run.summary
+
+
 def test_a_late_rolling_is_half_a_step_of_its_fastest_over_its_range() -> None:
     """Of a sine with n steps in a period pi / n; of many racks one each."""
     time = np.linspace(0.0, 1.0, 41)

@@ -7,6 +7,7 @@ import pytest
 from playwright import sync_api
 
 import rps_exudyn as rps
+from page_faults import page_faults
 from rps_exudyn.pages.animation.animation_page import write_page
 from rps_exudyn.pages.animation.motion import Factors, Motion
 from rps_exudyn.results.result import Result
@@ -47,6 +48,7 @@ def test_page_is_quiet_and_fits(browser: sync_api.Browser, address: str) -> None
         assert asked == [address]
         assert [text for text in said if DRIVER not in text] == []
         assert page.evaluate("document.documentElement.scrollWidth") <= viewport["width"]
+        assert page_faults(page) == []
         page.close()
 
 

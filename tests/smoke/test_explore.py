@@ -19,6 +19,7 @@ from playwright import sync_api
 import rps_exudyn as rps
 from measured_binary_files import READABLE as BINARY
 from measured_files import READABLE
+from page_faults import page_faults
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.pages.explore import sliders as answers
 from rps_exudyn.pages.explore.answering import CANCELLED, LONGEST, TOO_LONG, Answering
@@ -430,8 +431,8 @@ def test_slow_scene_is_drafted_while_a_slider_moves(browser: sync_api.Browser, s
 
 
 def test_page_in_a_browser(browser: sync_api.Browser, server: Explorer) -> None:
-    for viewport in ({"width": 390, "height": 800}, {"width": 1280, "height": 900}):
-        page = browser.new_page(viewport=viewport)  # type: ignore[arg-type]
+    for width, height in ((390, 800), (768, 1000), (1280, 900)):
+        page = browser.new_page(viewport={"width": width, "height": height})
         asked_for, said = watched(page)
         page.goto(server.address)
         page.locator("#chart polyline.now").wait_for()
@@ -449,7 +450,10 @@ def test_page_in_a_browser(browser: sync_api.Browser, server: Explorer) -> None:
         assert "nearest" in page.locator("#problems").inner_text()
         page.get_by_role("button", name="Back to the start").click()
         page.locator("#problems p").first.wait_for(state="detached")
+        page.locator("#picture img").wait_for()
+        page.evaluate("scrollTo(0, 0)")  # on a phone the chart stays in view, over what is scrolled
         assert said == []
         assert all(url.startswith((server.address, "data:")) for url in asked_for)
-        assert page.evaluate("document.documentElement.scrollWidth") <= viewport["width"]
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        assert page_faults(page) == []
         page.close()

@@ -68,7 +68,7 @@ def rendered(
         loader=FileSystemLoader(_FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True
     )
     return environment.get_template("page.html").render(
-        title=f"{scene_of(result)}, played",
+        title=f"{scene_of(result)}: animation",
         lead=about(result),
         notes=_notes(result, motion),
         still=f"data:image/webp;base64,{base64.b64encode(picture).decode('ascii')}",

@@ -3,10 +3,12 @@
 import base64
 import gzip
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import pretty
 from rps_exudyn.gears.gear_pair import GearPair
@@ -101,7 +103,7 @@ def _anchors(gear: SteeringGear, motion: Motion) -> Iterator[Anchor]:
     axis, half, along = pair.bar_axis_height, _shown_shaft(gear) / 2, pair.pinion_frame[:, 2]
     nut = axis + plunger_ends(gear)[1] + gear.yoke.clearance + gear.yoke.nut_thickness
     drag, friction = (_shown(gear, path) for path in ("bush.drag", "bearing.friction_torque"))
-    yoke, torque = (_mean(motion, signal) for signal in ("seat_force", "pinion_torque"))
+    yoke, torque = _mean(motion, "seat_force"), _mean_torque(motion)
     sides = [_mean(motion, f"mesh_normal_force_{side}") for side in ("drive", "coast")]
     teeth = " and ".join(each for each in sides if each)
     push = f"yoke {'presses with ' * bool(yoke)}{yoke}"
@@ -120,6 +122,12 @@ def _mean(motion: Motion, signal: str) -> str:
     if signal not in motion.signals:
         return ""
     return rounded(SIGNALS[signal], float(motion.signals[signal].mean()))
+
+
+def _mean_torque(motion: Motion) -> str:
+    """The mean torque of the first pass: that of both directions together is next to nothing."""
+    found = passes(motion.signals) if "pinion_angle" in motion.signals else []
+    return _mean(replace(motion, signals=found[0].signals) if len(found) > 1 else motion, "pinion_torque")
 
 
 def _shown(gear: SteeringGear, path: str) -> str:

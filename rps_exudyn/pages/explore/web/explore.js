@@ -155,7 +155,7 @@ function rest() {
     const image = make("img", { src: found.image, alt: found.alt });
     const labels = found.labels.map(({ name, value, part, side, left, top }) => {
       const label = make("span", { class: side });
-      label.append(make("b", { class: part }, name), ` ${value}`);
+      label.append(make("b", { class: part }, name), make("i", {}, ` ${value}`));
       label.style.left = `${left}%`;
       label.style.top = `${top}%`;
       return label;
