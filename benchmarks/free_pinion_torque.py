@@ -73,7 +73,7 @@ def row(name: str, results: dict[str, Result]) -> dict[str, Any]:
         "fidelity": name,
         "mean": summary["torque_mean"],
         "peak_to_peak": _over_mean(summary, "torque_peak_to_peak"),
-        "losses": {loss: summary[f"loss_share_{loss}"] for loss in LOSSES},
+        "losses": {loss: summary.get(f"loss_share_{loss}") for loss in LOSSES},
         "distance": torque.rms / torque.mean,
         "cpu_s": result.counters["solver_cpu"],
         "counters": {name: result.counters.get(name) for name in ("steps", "newton_iterations", "jacobians")},
@@ -129,9 +129,9 @@ def losses_table(folder: Path) -> str:
     return markdown(head, rows)
 
 
-def _share(value: float) -> str:
-    """A share in percent; rounding has no sign."""
-    return f"{100 * round(value, 3) + 0.0:.1f} %"
+def _share(value: float | None) -> str:
+    """A share in percent, "" if it is not known; rounding has no sign."""
+    return "" if value is None else f"{100 * round(value, 3) + 0.0:.1f} %"
 
 
 TOPIC = Topic(
