@@ -183,4 +183,9 @@ def test_instants_between_those_of_the_test_are_left_out(monkeypatch: pytest.Mon
     twist = column.output(result["wheel_angle"]) - result["pinion_angle"]
     torque = result["wheel_torque"] / column.ratio(result["wheel_angle"])
     settled = column.stiffness * twist + column.damping * np.gradient(twist, result["time"])
-    assert settled == pytest.approx(torque, abs=0.02 * np.ptp(torque))
+    jumps = (
+        np.abs(np.diff(result["pinion_angle"])) > 0.1
+    )  # there the wheel's inertia takes a part of the torque
+    smooth = ~(np.append(jumps, False) | np.insert(jumps, 0, False))
+    assert smooth.mean() > 0.99
+    assert settled[smooth] == pytest.approx(torque[smooth], abs=0.02 * np.ptp(torque))
