@@ -13,7 +13,7 @@ The error of law "line" on plain flanks follows the truncation t of the pinion's
 
     T_line / T = 1 + (1.41 - 5.44 t) / 100 +- 0.75 %,    t = (r_p + (x + 1) m - r_a) / m,
 
-which covers 13 of 14 gears, each left out of the formula's fit.
+which holds on ten of the eleven gears, and on nine if each is left out of the formula's fit.
 """
 
 from collections.abc import Mapping
