@@ -54,7 +54,6 @@ SHOWN = {
         "impacts",
         "impact_peak_force",
         "impact_impulse",
-        "impact_duration",
         "impact_speed",
         "impact_contact_share",
     ),
@@ -102,7 +101,7 @@ def figures(title: str, result: Result, names: Sequence[str]) -> dict[str, Any]:
     """Return what is published of a run: figures of its summary [SI], message, cost, work balance."""
     return {
         "title": title,
-        "figures": {name: result.summary[name] for name in names},
+        "figures": {name: result.summary[name] for name in names if name in result.summary},
         "message": result.message,
         "solver_cpu_s": result.counters["solver_cpu"],
         "cpu_s": result.cpu_s,
