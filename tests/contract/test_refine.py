@@ -14,8 +14,6 @@ from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.simulate.run_plan import run_unchecked
 
-pytestmark = pytest.mark.quick
-
 
 def halved(error: float, times: int) -> float:
     assert error == pytest.approx(4.0 ** (1 - times))
