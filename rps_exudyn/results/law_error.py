@@ -105,7 +105,7 @@ def error_of_law(result: "Result") -> LawError | None:
     """Return the error of the contact law in a run that ended ok; None where the yoke touches its nut.
 
     There the force on the teeth follows from their stiffness, not from the preload: the laws differ by up to
-    70 % on random gears with runout.
+    a third on random gears with runout (`benchmarks/law_on_gears.py`).
     """
     if result.status is not Status.OK or Code.YOKE_STOPPED in result.codes:
         return None

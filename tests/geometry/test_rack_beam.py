@@ -23,8 +23,6 @@ from rps_exudyn.gears.rack_beam import RackBeam, RackModes, TimoshenkoBeam
 from rps_exudyn.gears.solids import rack_solid
 from rps_exudyn.parameters.gear import SteeringGear
 
-pytestmark = pytest.mark.quick
-
 GEAR = SteeringGear()
 HEIGHT = {"rack.reference_height": "8.5 mm"}  # which would follow from the module
 SOLID = {"free": ((232.9, 632.2, 1257.6), (255.3, 702.0, 1366.0)), "cantilever": (28.776e-3, 27.459e-3)}
