@@ -36,6 +36,11 @@ class Curve:
         return np.concatenate(found)
 
 
+def durations(time: np.ndarray) -> np.ndarray:
+    """Return for how long each instant of a record stands, halfway to its neighbours (n,) [s]."""
+    return np.diff(np.concatenate([time[:1], (time[1:] + time[:-1]) / 2, time[-1:]]))
+
+
 def _smooth(time: np.ndarray, values: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
     """A smooth interpolant that stays between its values where steps of time are uneven."""
     # half a second, which runs that compare nothing are spared

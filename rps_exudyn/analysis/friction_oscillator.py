@@ -144,7 +144,8 @@ def sticking_speed(model: Oscillator, fastest: float = 100.0) -> float:
 def describe_stick_slip(signals: Signals, speed: float) -> dict[str, float]:
     """The summary's figures of a gear behind a wheel that turns at a speed [rad/s] from rest on.
 
-    Amplitudes and frequency are those of the record's later half; the breakaway is that of its beginning.
+    Amplitudes and frequency are those of the record's later half, the frequency where the gear sticks there;
+    the breakaway is that of its beginning.
     """
     time, twist, torque = (signals[name] for name in ("time", "column_twist", "column_torque"))
     later = time >= time[-1] * SETTLED
@@ -162,7 +163,7 @@ def describe_stick_slip(signals: Signals, speed: float) -> dict[str, float]:
         "breakaway_ratio": peak / running,
     }
     starts = _rising(turning[later] - np.mean(turning[later]))
-    if starts.size > 1:
+    if still > 0 and starts.size > 1:  # vibration without sticking has no frequency that steps agree on
         figures["stick_slip_frequency"] = (starts.size - 1) / float(np.ptp(time[later][starts]))
     return figures
 

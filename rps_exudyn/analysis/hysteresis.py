@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from rps_exudyn.analysis.curve import durations
 from rps_exudyn.analysis.passes import Pass, Signals, both_directions, passes, turning_points
 from rps_exudyn.analysis.torque import mean
 
@@ -114,6 +115,6 @@ def _running_torque(each: Pass) -> float:
     torque = each.signals["pinion_torque"]
     time = each.signals.get("time", np.arange(torque.size))
     order = np.argsort(torque)
-    weight = np.diff(np.concatenate([time[:1], (time[1:] + time[:-1]) / 2, time[-1:]]))[order]
+    weight = durations(time)[order]
     middle = np.cumsum(weight) - weight / 2  # share of the time with less torque
     return float(np.interp(weight.sum() / 2, middle, torque[order]))

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rps_exudyn.analysis.curve import durations
 from rps_exudyn.analysis.passes import Signals
 from rps_exudyn.analysis.rack_motion import NEEDED, rack_poses
 from rps_exudyn.base.compiled import called
@@ -117,17 +118,18 @@ def face_loading(gear: SteeringGear, signals: Signals) -> dict[str, float]:
     """Return how the more loaded flanks bear their load along the face, from the contact forces; {} where the
     record lacks the rack's motions or carries no load, and by law area, which has no lines.
 
-    face_load_factor       largest over mean load per face width, averaged over the record, which has whole
-                           tooth pitches: K_H-beta of ISO 6336-1
+    face_load_factor       largest over mean load per face width, averaged over the record's time, which has
+                           whole tooth pitches: K_H-beta of ISO 6336-1
     load_centre            Z of the mean load, from the middle of the face [m]
     contact_pressure_max   largest Hertzian pressure away from the lines' ends [Pa]
     """
     if not {*NEEDED, "pinion_angle"} <= {*signals} or gear.mesh.contact_law == "area":
         return {}
     loads, pair = load_distribution(gear, signals), GearPair.of(gear)
-    side = max((-1, +1), key=lambda each: float(loads.force_on(each).sum()))
+    load = loads.load * loads.length * durations(signals["time"])[loads.instant]
+    side = max((-1, +1), key=lambda each: float(load[loads.side == each].sum()))
     chosen = (loads.side == side) & (loads.load > 0)
-    force, face = (loads.load * loads.length)[chosen], loads.face[chosen]
+    force, face = load[chosen], loads.face[chosen]
     if not force.size:
         return {}
     half = loads.length[chosen, None] * np.cos(pair.beta_b) / 2  # of a station, along the face

@@ -44,7 +44,7 @@ class Confirmation:
 
 
 HALF_STEPS = "half the steps"
-ANOTHER_CYCLE = "half the steps and another cycle before"
+ANOTHER_CYCLE = "half the steps, twice the stations and another cycle before"
 MEAN, OTHER = 0.02, 0.05  # tolerances of means of torque and force, and of all others
 
 
@@ -364,7 +364,9 @@ _SUMMARY = {
         "stick-slip: half the range of column_torque over the later half of the record"
     ),
     "stick_slip_frequency": Quantity(
-        "Hz", "Hz", "stick-slip: frequency of the pinion's speed over the later half of the record"
+        "Hz",
+        "Hz",
+        "stick-slip: frequency of the pinion's speed over the later half of the record, if it sticks there",
     ),
     "stick_share": _ratio(
         "stick-slip: share of the record's later half in which the pinion turns at less than 2 % of "
@@ -520,6 +522,10 @@ SPREADS = frozenset(
 """Metrics of how far a signal varies, which vibration and the start of a motion change before its mean."""
 LOSS_SHARES = frozenset(name for name in _SUMMARY if name.startswith("loss_share_"))
 """Metrics of who takes the work, which depend on how lines of contact share the load at each instant."""
+
+WITHOUT_FINER_STEPS = frozenset({"reversal_angle"})
+"""Metrics that are left out where they change, but for which no steps are halved: the stations of a line turn
+about one after the other, so that the torque comes to its running value in stairs, whatever the steps."""
 
 
 def _confirmation(name: str) -> Confirmation | None:

@@ -3,8 +3,9 @@
 Every second instant of a record shows what its steps miss of means, a curve through the instants, with its
 kinks, what its extremes miss between them, at the cost of reading the record again; a steady motion is made
 again only where these doubt a metric, or where equilibria take the rack's rolling late. A motion to and fro,
-or with impacts, is made again in half the steps, a swing from another cycle before. What still changes, or is
-not resolved by the finest steps, is left out, and a run whose own figure changes is invalid.
+or with impacts, is made again in half the steps with twice the stations of a line and half the zone of
+friction, a swing from another cycle before. What still changes, or is not resolved by the finest steps, is
+left out, and a run whose own figure changes is invalid.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -19,7 +20,15 @@ from rps_exudyn.analysis.curve import midpoints_added
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Remark, Status
-from rps_exudyn.results.quantities import ANOTHER_CYCLE, LOSS_SHARES, OTHER, SPREADS, SUMMARY
+from rps_exudyn.results.quantities import (
+    ANOTHER_CYCLE,
+    LOSS_SHARES,
+    OTHER,
+    SPREADS,
+    SUMMARY,
+    WITHOUT_FINER_STEPS,
+)
+from rps_exudyn.scenes.checks.needs_finer import FINEST
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.remarks import part_of_pitch, unresolved_peaks
@@ -71,7 +80,7 @@ def run_and_confirm(
 
     def made(halvings: int) -> SceneRun:
         finer = [each.halved(halvings) for each in maneuvers]
-        model = fidelity if steady else with_narrower_zone(fidelity, halvings)
+        model = fidelity if steady else with_finer_friction(fidelity, halvings)
         return run_maneuver(gear, model, finer, options)
 
     run = first or run_maneuver(gear, fidelity, maneuvers, options)
@@ -91,11 +100,13 @@ def run_and_confirm(
     return run.noting(unseen, in_part).without(left_out)
 
 
-def with_narrower_zone(fidelity: Fidelity, halvings: int) -> Fidelity:
+def with_finer_friction(fidelity: Fidelity, halvings: int) -> Fidelity:
     """Return the model of a motion that stops in finer steps: a zone of friction in which what should rest
-    creeps is halved with them, for what it changes."""
+    creeps is halved with them, and the stations of a line, which turn about one after the other, are
+    doubled."""
     zone = max(fidelity.zone_ratio / 2**halvings, min(fidelity.zone_ratio, NARROW_ZONE))
-    return fidelity if zone == fidelity.zone_ratio else fidelity.replace({"zone_ratio": zone})
+    stations = max(fidelity.strip_stations, min(FINEST, fidelity.strip_stations * 2**halvings))
+    return fidelity.replace({"zone_ratio": zone, "strip_stations": stations})
 
 
 def most_finer(fidelity: Fidelity, options: RunOptions) -> int:
@@ -259,7 +270,8 @@ def confirmed(
         change, between_fine = changed(coarse, fine), between(fine)
         if smooth and not always and not _beyond(larger(change, missed(fine)), 1.0):
             return 0.0
-        return max(0.0, *change.values(), *(AGREED * each for each in between_fine.values()))
+        asking = (each for name, each in change.items() if name not in WITHOUT_FINER_STEPS)
+        return max(0.0, *asking, *(AGREED * each for each in between_fine.values()))
 
     first = missed(described)
     refined = refine(
@@ -273,7 +285,8 @@ def confirmed(
     )
     finest = refined.finest
     if refined.confirmed and refined.times == 1 and not smooth:
-        return _counted(described, refined.runs, 0)
+        left = _beyond(changed(described, finest), 1.0)
+        return _left_out(_counted(described, refined.runs, 0), left, figure)
     if refined.times and refined.failed is None:
         left = _beyond(larger(changed(refined.runs[-2], finest), between(finest)), 1.0)
     else:
@@ -363,7 +376,7 @@ def run_swing(
 
     def made(halvings: int) -> SceneRun:
         earlier = settled.begun_earlier(1) if halvings else settled
-        model = with_narrower_zone(fidelity, halvings)
+        model = with_finer_friction(fidelity, halvings)
         return run_maneuver(gear, model, earlier.halved(halvings), options=options)
 
     return confirmed(run, metrics, made, figure, most=most_finer(fidelity, options), always=True)

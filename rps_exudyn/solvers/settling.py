@@ -18,7 +18,8 @@ Tangent = Callable[[np.ndarray], np.ndarray]  # -> (n, n)
 SETTLING_STEPS = 600
 PATIENCE, PROGRESS = 150, 0.9  # steps over which the least force must fall to that share: what settles at
 # last may first stand still for more than 50 steps
-TYPICAL_APPROACH = 15e-6  # of the rack under the yoke's preload [m]
+TYPICAL_APPROACH = 15e-6  # of the rack under the yoke's preload [m] ...
+LEAST_APPROACH = 15e-9  # ... and of the stiffest teeth
 
 
 MAX_STEPS = 60
@@ -80,10 +81,6 @@ def static_approach(load: float, law: Any, ideal: np.ndarray, pool: np.ndarray, 
     if load == 0:
         return -offset
     balance = Balance(law, ideal, pool)
-    x, y, rest = np.zeros(1), np.array([offset - TYPICAL_APPROACH]), np.zeros(1)
-    ready(find_approach)(ready(law), np.array([load]), x, y, ideal, pool, balance.works, rest)
-    if rest[0] <= CLOSE:
-        return -float(y[0])
     q, still = np.zeros(8), np.zeros(8)
 
     def unbalanced(place: np.ndarray) -> np.ndarray:
@@ -91,7 +88,14 @@ def static_approach(load: float, law: Any, ideal: np.ndarray, pool: np.ndarray, 
         balance.force(q, still)
         return np.asarray(balance.works[0]["out"][1:3] - np.array([0.0, load]))
 
-    place, residual = settled(unbalanced, np.array([0.0, offset - TYPICAL_APPROACH]), np.ones(2))
+    begun = np.array([0.0, offset - TYPICAL_APPROACH])
+    while not np.isfinite(unbalanced(begun)).all() and offset - begun[1] > LEAST_APPROACH:
+        begun[1] = (offset + begun[1]) / 2  # stiff teeth have no law so deep
+    x, y, rest = begun[:1].copy(), begun[1:].copy(), np.zeros(1)
+    ready(find_approach)(ready(law), np.array([load]), x, y, ideal, pool, balance.works, rest)
+    if rest[0] <= CLOSE:
+        return -float(y[0])
+    place, residual = settled(unbalanced, begun, np.ones(2))
     if residual > 1e-3 * max(load, 1.0):
         raise InputError(
             f"yoke.preload is {load:g} N, more than the teeth carry within the range of their contact law, "

@@ -167,6 +167,16 @@ def test_figures_of_a_made_up_record() -> None:
     assert figures["stick_slip_amplitude"] == pytest.approx(0.01 / 6, rel=0.03)
 
 
+def test_vibration_without_sticking_has_no_frequency() -> None:
+    """Which of its waves count depends on the steps: 24 or 46 Hz of one random gear."""
+    time = np.linspace(0, 0.2, 20001)
+    angle = time + 1e-4 * np.sin(2 * np.pi * 100 * time)
+    signals = {"time": time, "pinion_angle": angle, "column_twist": time - angle, "column_torque": time}
+    figures = describe_stick_slip(signals, 1.0)
+    assert figures["stick_share"] == 0
+    assert "stick_slip_frequency" not in figures
+
+
 @pytest.mark.parametrize("law", ["stribeck", "bristle"])
 def test_limit_of_the_whole_gear_is_the_predicted_one(law: str) -> None:
     """The damping at which a small vibration neither grows nor decays, within 10 % at 1.5 rad/s: it grows at
