@@ -372,7 +372,8 @@ class _Following:
         if k == 0:
             pitch = 2 * np.pi / self.pair.teeth / abs(self.speed) if self.speed else 0.0
             settling = self.settling(0, rows.coordinates[0], 0.0)
-            rows.coordinates[0], rows.rates[0] = beginning(settling, pitch, SETTLING_STEPS)
+            memory = self.balance.memory if self.balance.has_bristles else None
+            rows.coordinates[0], rows.rates[0] = beginning(settling, pitch, SETTLING_STEPS, memory)
             return True
         if self.searched(k) and not self.snaps(k):
             self.unbalanced = max(self.unbalanced, self.residual)
