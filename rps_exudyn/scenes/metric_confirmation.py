@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.analysis.curve import midpoints_added
+from rps_exudyn.analysis.passes import at_instants
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Remark, Status
@@ -155,7 +156,7 @@ def every_second(signals: Signals, stride: int = 2) -> Signals:
     in `stride`."""
     parts = [np.append(np.arange(i.start, i.stop - 1, stride), i.stop - 1) for i in _parts(signals["time"])]
     kept = np.concatenate(parts)
-    return {name: values[..., kept] for name, values in signals.items()}
+    return {name: at_instants(values, kept) for name, values in signals.items()}
 
 
 def with_midpoints(signals: Signals) -> Signals:

@@ -1,5 +1,7 @@
 """A swing is recorded in cycles that are all alike, in steps short enough for how the rack rolls over."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -50,7 +52,15 @@ def test_an_ordinary_swing_is_made_once_in_the_steps_asked_for() -> None:
     result = made(ScenePlan("reversal", SteeringGear(), STILL))
     assert "halvings" not in result.findings
     assert unclosed(result.signals, maneuver) < 0.5
-    assert len(result.signals["time"]) == 1 + sum(maneuver.divided[maneuver.lead :])
+    assert len(result.signals["time"]) == 1 + maneuver.parts - maneuver.lead  # whose run-in is not divided
+
+
+def test_cycles_before_a_swing_are_divided_as_its_last_one() -> None:
+    gear = SteeringGear().replace({"test.cycles": 2})
+    once, swing = (swing_maneuver(each, STILL.step_angle) for each in (SteeringGear(), gear))
+    assert once.begun_earlier(1) == replace(swing, lead=swing.lead + swing.steps // 2, steps=once.steps)
+    assert once.halved(2).parts == 4 * once.parts
+    assert np.all(np.diff(once.time) > 0)
 
 
 @pytest.mark.parametrize("ratio", [0.02, 0.1, 0.3])
@@ -72,8 +82,8 @@ def test_cycles_before_the_record_keep_its_steps() -> None:
     """The record's instants are those without them, some periods later."""
     maneuver = swing_maneuver(SteeringGear(), STILL.step_angle)
     earlier = maneuver.begun_earlier(2)
-    recorded = sum(maneuver.divided[maneuver.lead :]) + 1
-    assert sum(earlier.divided[earlier.lead :]) + 1 == recorded
+    recorded, more = (int(np.sum(each.time >= each.record_start)) for each in (maneuver, earlier))
+    assert recorded == more
     assert earlier.time[-recorded:] - 2 * maneuver.drive.period == pytest.approx(
         maneuver.time[-recorded:], abs=1e-9
     )
