@@ -95,6 +95,9 @@ def test_contributions_of_a_sum_and_of_a_product() -> None:
     assert max(together.fractions.values()) < 0.02  # four errors of chance
     assert together.together > 0.95
     assert contributions(u, np.ones(1024), names) is None
+    whole = contributions(u[:9], x[:9, 0] * x[:9, 1], {"all": [0, 1, 2, 3]})
+    assert whole is not None
+    assert whole.fractions == {"all": 1.0}  # nothing else varies
 
 
 def test_band_of_one_input_is_the_input() -> None:
