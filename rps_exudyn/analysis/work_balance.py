@@ -1,6 +1,7 @@
 """Balance of work: what drive and load put in, what is lost at each place, and what is missing."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -42,7 +43,7 @@ def describe_losses(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
     shares: dict[str, float] = {}
     for place, names in PLACES.items():
         if any(name in lost for name in names):
-            taken = sum(lost.get(name, 0.0) for name in names)
+            taken: Any = sum(lost.get(name, 0.0) for name in names)
             if np.ndim(taken) and names[0].endswith(
                 "_damping"
             ):  # without which a gear alone has no such work
