@@ -1,16 +1,19 @@
 """A benchmark topic: a run that leaves data and pictures in a folder, and tables written from the data."""
 
+import csv
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from rps_exudyn.base.files import write_json
+from rps_exudyn.base.files import replacing, write_json
 from rps_exudyn.results.provenance import provenance
 
 ROOT = Path(__file__).parents[1]
 RESULTS = ROOT / "results"
+
+Row = TypeVar("Row")
 
 Table = Callable[[Path], str]
 """Folder of a topic's data -> Markdown."""
@@ -34,6 +37,21 @@ def markdown(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     return "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines)
 
 
+Columns = Mapping[str, str | Callable[[Any], object]]
+"""Head of a column -> what makes its cell of a row: a format of the row's fields, or a function."""
+
+
+def table_of(rows: Iterable[Any], columns: Columns) -> str:
+    """A table in Markdown with a line for each of these rows."""
+    makers = [each.format_map if isinstance(each, str) else each for each in columns.values()]
+    return markdown(list(columns), [[make(row) for make in makers] for row in rows])
+
+
+def rows_table(file: str, key: str, columns: Columns) -> Table:
+    """The table of the rows that stand under a key of a data file."""
+    return lambda folder: table_of(load_data(folder / file)[key], columns)
+
+
 def digits(value: float, count: int = 2) -> str:
     """A number to `count` significant digits, without exponent: 152 -> "150"."""
     return f"{float(f'{value:.{count}g}'):.12g}"
@@ -51,3 +69,29 @@ def save_data(path: Path, content: Mapping[str, Any]) -> None:
 def load_data(path: Path) -> Any:
     """Return the content of a JSON data file."""
     return json.loads(path.read_text(encoding="utf-8"))
+
+
+def save_rows(path: Path, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Write rows as a table of comma-separated values, whole or not at all."""
+    with (
+        replacing(path) as partial,
+        partial.open("w", newline="", encoding="utf-8", errors="replace") as file,
+    ):
+        csv.writer(file, lineterminator="\n").writerows([columns, *rows])
+
+
+def load_rows(path: Path) -> list[dict[str, str]]:
+    """Return the rows of such a table; none if there is no file."""
+    if not path.exists():
+        return []
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def shown(rows: Iterable[Row]) -> list[Row]:
+    """All rows, each printed as it comes."""
+    found = []
+    for row in rows:
+        print(row, flush=True)
+        found.append(row)
+    return found

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatter
 
-from benchmarks.accuracy_speed.measurement import FAMILIES, PRESET_FAMILIES, Measurement, Point
+from benchmarks.accuracy_speed.measurement import PRESET_FAMILIES, Measurement, Point
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import PRESETS
 from rps_exudyn.results.law_error import LawError
@@ -60,7 +60,7 @@ def work_precision_figure(measurement: Measurement) -> Figure:
     in_decades(axes)
     floor = measurement.reference.uncertainty
     drawn = [point for point in measurement.points if point.ok and np.isfinite(point.error)]
-    for family in FAMILIES:
+    for family in STYLES:
         _draw_family(axes, family, [point for point in drawn if point.family == family], floor)
     _mark_defaults(axes, drawn, floor)
     _draw_failures(axes, [point for point in measurement.points if not point.ok])

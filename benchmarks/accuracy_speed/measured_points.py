@@ -13,7 +13,6 @@ from pathlib import Path
 from types import MappingProxyType
 
 from benchmarks.accuracy_speed.chart import work_precision_figure
-from benchmarks.accuracy_speed.convergence import fitted_orders
 from benchmarks.accuracy_speed.loop_points import loop_points
 from benchmarks.accuracy_speed.measurement import (
     Measurement,
@@ -123,11 +122,11 @@ def measure_scene(
             continue
         warm_up(scene, plan)
         point = measure_point(plan, reference_for(plan, reference), repeats)
-        cost, error = f"{1e3 * point.cost:10.3f} ms", f"{point.rms:9.4f} %"
-        print(f"{point.status:15s} {cost} {error}  {plan.study}: {plan.label}", flush=True)
+        print(
+            f"{point.status:15s} {1e3 * point.cost:10.3f} ms {point.rms:9.4f} %  {plan.study}: {plan.label}"
+        )
         measurement.points.append(point)
         measurement.save(file)
-    measurement.orders = fitted_orders(measurement)
     measurement.save(file)
     style.save(work_precision_figure(measurement), file.with_suffix(".png"))
 
@@ -221,7 +220,7 @@ BUILT = {"explicit": explicit_points, "faceted": faceted_points, "loop": loop_po
 COARSE = {"generators": over_generators(40, as_run(still("3 deg"))), "strips": as_run(by_strips("3 deg"))}
 
 TOPIC = Topic(
-    "cost and error of every model of every scene: charts, fronts, orders, references",
+    "cost and error of every model of every scene: charts, fronts, references",
     "30 min",
     "accuracy_speed",
     run,
