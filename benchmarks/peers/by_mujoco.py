@@ -89,7 +89,8 @@ class MuJoCo:
 
         spec = mujoco.MjSpec()
         option = spec.option
-        option.timestep, option.gravity = self.step, (0, 0, 0)
+        option.timestep = self.step
+        option.gravity = 0, -PRELOAD / RACK_MASS, 0  # the preload: the pinion cannot move along Y
         option.impratio = self.impratio
         option.cone = getattr(mujoco.mjtCone, f"mjCONE_{self.cone.upper()}")
         option.solver, option.tolerance, option.iterations = mujoco.mjtSolver.mjSOL_NEWTON, 1e-10, 50
@@ -106,18 +107,11 @@ class MuJoCo:
         self._add_boxes(rack)
         stiffness = self._add_flanks(spec, pinion)
         model = spec.compile()
-        weight = model.body_invweight0[[1, 2], 0].sum()
-        factor = IMPEDANCE * (1 - IMPEDANCE) * weight
-        per = -factor * stiffness
-        boxes = model.ngeom - len(stiffness)
-        of_rack = np.flatnonzero(model.geom_bodyid == 2)
+        per = -IMPEDANCE * (1 - IMPEDANCE) * model.body_invweight0[[1, 2], 0].sum() * stiffness
         of_pinion = np.flatnonzero(model.geom_bodyid == 1)
-        assert len(of_rack) == boxes
         model.geom_solref[of_pinion, 0] = per
         model.geom_solref[of_pinion, 1] = per * self.damping / IMPEDANCE
-        # a constant force on the rack
-        model.qpos_spring[2] = 0.0
-        return _pressed(model)
+        return model
 
     def _add_boxes(self, rack: Any) -> None:
         import mujoco
@@ -125,15 +119,9 @@ class MuJoCo:
         for tooth in TEETH:
             for group, side in enumerate(SIDES):
                 centre, half, axes = flank_box(tooth, side)
-                rack.add_geom(
-                    type=mujoco.mjtGeom.mjGEOM_BOX,
-                    pos=centre,
-                    size=half,
-                    quat=_quaternion(axes),
-                    contype=0,
-                    conaffinity=1 << group,
-                    **_surface(),
-                )
+                of = {"contype": 0, "conaffinity": 1 << group, **_surface()}
+                box = {"type": mujoco.mjtGeom.mjGEOM_BOX, "pos": centre, "size": half}
+                rack.add_geom(quat=_quaternion(axes), **box, **of)
 
     def _add_flanks(self, spec: Any, pinion: Any) -> np.ndarray:
         """Add the pinion's flanks; return the stiffness of each piece [N/m], in order."""
@@ -144,13 +132,9 @@ class MuJoCo:
             common = {"contype": 1 << SIDES.index(side), "conaffinity": 0, "priority": 1, **_surface()}
             if self.kind == "spheres":
                 fits = np.sqrt(1 - RADIUS / found.curvature_radii)
-                for point, normal in zip(found.points, found.normals, strict=True):
-                    pinion.add_geom(
-                        type=mujoco.mjtGeom.mjGEOM_SPHERE,
-                        pos=point - RADIUS * normal,
-                        size=(RADIUS, 0, 0),
-                        **common,
-                    )
+                sphere = {"type": mujoco.mjtGeom.mjGEOM_SPHERE, "size": (RADIUS, 0, 0), **common}
+                for centre in found.points - RADIUS * found.normals:
+                    pinion.add_geom(pos=centre, **sphere)
                 stiffness += list(STIFFNESS * found.areas * fits)
                 continue
             for number, (corners, area) in enumerate(pieces(tooth, side, self.profile, self.axial)):
@@ -180,9 +164,3 @@ def _quaternion(axes: np.ndarray) -> np.ndarray:
     found = np.empty(4)
     mujoco.mju_mat2Quat(found, np.ascontiguousarray(axes).ravel())
     return found
-
-
-def _pressed(model: Any) -> Any:
-    """A gravity that is the preload: only the rack has weight along Y, the pinion cannot move there."""
-    model.opt.gravity[:] = 0.0, -PRELOAD / RACK_MASS, 0.0
-    return model

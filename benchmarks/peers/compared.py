@@ -56,15 +56,15 @@ def peers_table(folder: Path) -> str:
     shown = [
         (row.program, row.label, f"{row.error:.2g}", digits(row.whole_s))
         for program in dict.fromkeys(row.program for row in rows)
-        for row in front_of([row for row in rows if row.ok and row.program == program])[-1:]
+        for row in front_of([row for row in rows if row.ok and row.program == program], whole)[-1:]
     ]
     return markdown(("program", "settings", "error %", "whole run CPU s"), shown)
 
 
-def front_of(rows: Sequence[Row]) -> list[Row]:
+def front_of(rows: Sequence[Row], time: Time) -> list[Row]:
     """Rows that no other one beats in both time and error, quickest first."""
-    best = pareto_front(np.array([row.whole_s for row in rows]), np.array([row.error for row in rows]))
-    return sorted((row for row, one in zip(rows, best, strict=True) if one), key=whole)
+    best = pareto_front(np.array([time(row) for row in rows]), np.array([row.error for row in rows]))
+    return sorted((row for row, one in zip(rows, best, strict=True) if one), key=time)
 
 
 def ratios_table(folder: Path) -> str:
@@ -100,11 +100,8 @@ def search_table(folder: Path) -> str:
 def versions_table(folder: Path) -> str:
     """Versions of the programs, and those that are missing."""
     content = load_data(folder / DATA)
-    rows = [
-        *content["versions"].items(),
-        *((name, f"left out: {why}") for name, why in content["absent"].items()),
-    ]
-    return markdown(("program", "version"), rows)
+    absent = {name: f"left out: {why}" for name, why in content["absent"].items()}
+    return markdown(("program", "version"), (content["versions"] | absent).items())
 
 
 TABLES = {

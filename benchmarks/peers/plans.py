@@ -53,10 +53,4 @@ SEARCHED: list[Method] = [
 ]
 """Candidates, each run over one tooth pitch; those on the front of their family go into the rounds."""
 
-FINEST: dict[str, Method] = {
-    "MuJoCo, spheres": MuJoCo("spheres", 54, 36, 2e-4, 1e-4),
-    "Drake, hydroelastic": Drake(1e-6, 2.5e-4),
-}
-"""What each peer tends to: its difference from the reference is one of models, not of numbers."""
-
 MOST = 4  # settings of a peer's family in the rounds

@@ -31,9 +31,9 @@ CHORD_ERRORS = {"pinion": 8e-6, "rack": 4e-5}
 """Of the published solids [m], which are small so. The rack's flanks are planes, and exact in any mesh."""
 
 
-def run(folder: Path, methods: Mapping[str, Method] | None = None) -> None:
+def run(folder: Path, methods: Mapping[str, Method] = FINE) -> None:
     """Write the folder's files."""
-    found = reference(methods or FINE)
+    found = reference(methods)
     torque = at_angles(found)
     save_data(
         folder / PARAMETERS,

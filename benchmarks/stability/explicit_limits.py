@@ -24,7 +24,7 @@ from benchmarks.stability.stable_step import (
     stable_step,
     state_matrix,
 )
-from benchmarks.topic import Topic, load_data, markdown, save_data
+from benchmarks.topic import Topic, load_data, markdown, save_data, shown
 from rps_exudyn.forces.bush import bush_chain, resting_segments
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.solids import bush_segment_solid
@@ -49,15 +49,12 @@ class Limit:
     at: str
     measured: float
     predicted: float
-    by_frequency: float | None = None  # predicted from omega_max alone ...
-    by_damping: float | None = None  # ... and from c_max alone
 
 
 def _about(predicted: float) -> tuple[float, float]:
     """Steps well below and above a prediction, powers of four: where bisection looks is not its choice."""
-    return 4.0 ** np.floor(np.log(predicted / 1.5) / np.log(4)), 4.0 ** np.ceil(
-        np.log(predicted * 1.5) / np.log(4)
-    )
+    low, high = np.log([predicted / 1.5, predicted * 1.5]) / np.log(4)
+    return 4.0 ** np.floor(low), 4.0 ** np.ceil(high)
 
 
 # --- Exudyn's explicit solvers ----------------------------------------------------------------------
@@ -86,7 +83,7 @@ def ball_held_by_friction() -> Iterator[Limit]:
             return bool(abs(mbs.systemData.GetODE2Coordinates_t()[0]) < 0.01 * STICK_ZONE)
 
         limit = bisected(sticks, *_about(predicted))
-        yield Limit("stick of a ball", solver, limit, predicted, by_damping=predicted)
+        yield Limit("stick of a ball", solver, limit, predicted)
 
 
 def chain_alone() -> Iterator[Limit]:
@@ -102,7 +99,6 @@ BALL = 0.01  # [kg]
 
 def _ball(stiffness: float, friction: float = 0.0, slip: float = 0.0) -> Any:
     """Pressed 0.4 mm deep; it slides along x with `slip` [m/s]."""
-    import exudyn as exu
     from exudyn.itemInterface import (
         Force,
         MarkerBodyPosition,
@@ -113,8 +109,7 @@ def _ball(stiffness: float, friction: float = 0.0, slip: float = 0.0) -> Any:
         ObjectMassPoint,
     )
 
-    exu.config.printToConsole, exu.config.suppressWarnings = False, True
-    mbs = exu.SystemContainer().AddSystem()
+    mbs = _system()
     plate = mbs.AddMarker(MarkerBodyRigid(bodyNumber=mbs.AddObject(ObjectGround())))
     contact = mbs.AddGeneralContact()
     contact.verboseMode, contact.sphereSphereContact = 0, False
@@ -134,12 +129,16 @@ def _ball(stiffness: float, friction: float = 0.0, slip: float = 0.0) -> Any:
     return mbs
 
 
-def _chain(segments: int) -> Any:
+def _system() -> Any:
     import exudyn as exu
 
     exu.config.printToConsole, exu.config.suppressWarnings = False, True
+    return exu.SystemContainer().AddSystem()
+
+
+def _chain(segments: int) -> Any:
     gear = GEAR.replace({"bush.segments": segments})
-    mbs, parts = exu.SystemContainer().AddSystem(), bush_chain(gear)
+    mbs, parts = _system(), bush_chain(gear)
     rest = resting_segments(gear, parts, np.array([1e-3, 1e-3, 1e-3, 1e-5, 1e-5, 1e-5]), parts.end_station)
     solid = bush_segment_solid(gear).mass_properties
     height = GearPair.of(gear).bar_axis_height
@@ -194,7 +193,7 @@ def _march(mbs: Any, step: float, steps: int, solver: str) -> None:
 class Gears:
     """One parameter of a driven gear at several values."""
 
-    line: str
+    varied: str
     driven: str  # "pinion", "rack", whose pinion is free, or "nothing": the pinion is held
     path: str  # of the gear's parameter or, after "fidelity.", of a choice
     values: tuple[float, ...]
@@ -203,56 +202,21 @@ class Gears:
     choices: Mapping[str, Any] = field(default_factory=dict)  # of the fidelity besides
 
 
+OF_SLIDING = "{:g} of the sliding speed"
 SPHERES = {"mesh": "general-contact", "profile_samples": 20, "axial_samples": 14}
+SOFT = (5e12, 2e13, 1e14)
 LINES = (
-    Gears(
-        "rack driven, contact stiffness",
-        "rack",
-        "mesh.stiffness",
-        (1e12, 5e12, 2e13, 1e14, 5e14),
-        "{:g} N/m³",
-    ),
-    Gears(
-        "rack driven, spheres, contact stiffness",
-        "rack",
-        "mesh.stiffness",
-        (5e12, 2e13, 1e14),
-        "{:g} N/m³",
-        choices=SPHERES,
-    ),
-    Gears("pinion driven, seat stiffness", "pinion", "yoke.seat_stiffness", (2e7, 2e8, 2e9), "{:g} N/m"),
-    Gears("pinion driven, plunger mass", "pinion", "yoke.plunger_mass", (0.006, 0.06, 0.6), "{:g} g", 1e-3),
-    Gears(
-        "rack driven, pinion density",
-        "rack",
-        "pinion.density",
-        (785.0, 2500.0, 7850.0, 78500.0),
-        "{:g} kg/m³",
-    ),
-    Gears("rack driven, mesh damping", "rack", "mesh.damping", (1e-6, 1e-5, 1e-4, 1e-3), "{:g} µs", 1e-6),
-    Gears(
-        "pinion driven, speed",
-        "pinion",
-        "test.speed",
-        tuple(n * RPM for n in (0.5, 3, 15, 60, 300)),
-        "{:g} rpm",
-        RPM,
-    ),
-    Gears(
-        "pinion driven, friction zone",
-        "pinion",
-        "fidelity.zone_ratio",
-        (0.01, 0.1, 1.0),
-        "{:g} of the sliding speed",
-    ),
-    Gears(
-        "pinion held, friction zone",
-        "nothing",
-        "fidelity.zone_ratio",
-        (0.01, 0.03, 0.1, 0.3, 1.0),
-        "{:g} of the sliding speed",
-    ),
+    Gears("contact stiffness", "rack", "mesh.stiffness", (1e12, 5e12, 2e13, 1e14, 5e14), "{:g} N/m³"),
+    Gears("spheres, contact stiffness", "rack", "mesh.stiffness", SOFT, "{:g} N/m³", choices=SPHERES),
+    Gears("seat stiffness", "pinion", "yoke.seat_stiffness", (2e7, 2e8, 2e9), "{:g} N/m"),
+    Gears("plunger mass", "pinion", "yoke.plunger_mass", (0.006, 0.06, 0.6), "{:g} g", 1e-3),
+    Gears("pinion density", "rack", "pinion.density", (785.0, 2500.0, 7850.0, 78500.0), "{:g} kg/m³"),
+    Gears("mesh damping", "rack", "mesh.damping", (1e-6, 1e-5, 1e-4, 1e-3), "{:g} µs", 1e-6),
+    Gears("speed", "pinion", "test.speed", tuple(n * RPM for n in (0.5, 3, 15, 60, 300)), "{:g} rpm", RPM),
+    Gears("friction zone", "pinion", "fidelity.zone_ratio", (0.01, 0.1, 1.0), OF_SLIDING),
+    Gears("friction zone", "nothing", "fidelity.zone_ratio", (0.01, 0.03, 0.1, 0.3, 1.0), OF_SLIDING),
 )
+DRIVES = {"rack": "rack driven", "pinion": "pinion driven", "nothing": "pinion held"}
 
 
 def on_the_gear(lines: Sequence[Gears] = LINES) -> Iterator[Limit]:
@@ -262,7 +226,7 @@ def on_the_gear(lines: Sequence[Gears] = LINES) -> Iterator[Limit]:
             driven = DrivenGear.of(line.driven, line.path, value, line.choices)
             limit = bisected(driven.calms, *_about(driven.predicted))
             at = line.show.format(round(value / line.unit, 9))
-            yield Limit(line.line, at, limit, driven.predicted, *simple_limits(driven.motion))
+            yield Limit(f"{DRIVES[line.driven]}, {line.varied}", at, limit, driven.predicted)
 
 
 @dataclass(frozen=True, eq=False)
@@ -324,10 +288,7 @@ PARTS: tuple[Callable[[], Iterator[Limit]], ...] = (
 
 def run(folder: Path, parts: Sequence[Callable[[], Iterator[Limit]]] = PARTS) -> None:
     """Bisect all limits of these parts."""
-    limits = []
-    for limit in (limit for part in parts for limit in part()):
-        limits.append(asdict(limit))
-        print(limit, f"{limit.measured / limit.predicted:.3f}", flush=True)
+    limits = shown(asdict(limit) for part in parts for limit in part())
     save_data(folder / DATA, {"limits": limits})
     draw_limits(limits, folder / "explicit.png")
 
@@ -337,13 +298,9 @@ def limits_table(folder: Path) -> str:
     limits, rows = load_data(folder / DATA)["limits"], []
     for line in dict.fromkeys(limit["line"] for limit in limits):
         own = [limit for limit in limits if limit["line"] == line]
-        rows.append(
-            (
-                line,
-                f"{_span([1e6 * limit['predicted'] for limit in own], '.3g')}",
-                _span([limit["measured"] / limit["predicted"] for limit in own], ".2f"),
-            )
-        )
+        predicted = [1e6 * limit["predicted"] for limit in own]
+        ratios = [limit["measured"] / limit["predicted"] for limit in own]
+        rows.append((line, _span(predicted, ".3g"), _span(ratios, ".2f")))
     return markdown(("line", "predicted µs", "measured / predicted"), rows)
 
 
