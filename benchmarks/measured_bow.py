@@ -11,16 +11,15 @@ from typing import Any, Literal
 import numpy as np
 from matplotlib.figure import Figure
 
+from benchmarks.measure import run_ok
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.inference.fitting.bench_tests import measurement_of
 from rps_exudyn.inference.fitting.fit import fit
 from rps_exudyn.inference.fitting.fitted import Fit
 from rps_exudyn.inference.fitting.unknowns import CURVED, USUAL
 from rps_exudyn.pages.charts import style
-from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.judged_row import Verdict
-from rps_exudyn.simulate.run import simulate
 from verification.made_up_curves import FREE, TRUE, WHITE, measured_curve, with_noise
 
 DATA, PICTURE = "fit_bow.json", "fit_bow.png"
@@ -57,20 +56,13 @@ def gear_of(random: np.random.Generator) -> SteeringGear:
 
 
 def curve_of(gear: SteeringGear, turns: float, random: np.random.Generator) -> Any:
-    """Its free torque to and fro over these turns about the middle, with noise and an offset of the angle.
-
-    Raises:
-        RuntimeError: the simulation fails.
-    """
+    """Its free torque to and fro over these turns about the middle, with noise and an offset of the angle."""
     test = {"test.path": "there-and-back", "test.start_angle": -turns * np.pi, "test.turns": turns}
-    result = simulate("free-pinion-torque", gear.replace(test), Fidelity.preset("quasi-static"))
-    if result.status != "ok":
-        raise RuntimeError(f"{result.status}: {result.message}")
+    result = run_ok("free-pinion-torque", gear.replace(test), "quasi-static")
     curve = {"pinion_angle": result["pinion_angle"], "value": result["pinion_torque"]}
     curve = with_noise(curve, WHITE, random)
-    return measured_curve(
-        {**curve, "pinion_angle": curve["pinion_angle"] + OFFSET * random.standard_normal()}, FREE
-    )
+    curve["pinion_angle"] = curve["pinion_angle"] + OFFSET * random.standard_normal()
+    return measured_curve(curve, FREE)
 
 
 def case(seed: int, turns: float, free: tuple[str, ...]) -> dict[str, Any]:
@@ -100,8 +92,6 @@ def of_fit(gear: SteeringGear, found: Fit) -> dict[str, Any]:
         "converged": found.converged,
         "simulations": found.simulations,
         "cpu_s": found.cpu_s,
-        "others": [sentence for sentence in found.warnings if "nearly as well" in sentence],
-        "found": [path for path in found.found if path in ("yoke.preload", "mesh.friction", "yoke.friction")],
     }
 
 
@@ -140,10 +130,9 @@ def table(folder: Path) -> str:
             continue
         error = size * np.array([missed(path, each) for each in printed])
         half = size * np.median([(each["interval"][1] - each["interval"][0]) / 2 for each in printed])
-        held = sum(holds(path, each) for each in printed)
-        row = [f"`{path}` [{unit}]", f"{np.median(np.abs(error)):.2g}"]
-        row += [f"{np.abs(error).max():.2g}", f"{half:.2g}"]
-        rows.append([*row, f"{held} of {len(printed)}"])
+        held = f"{sum(holds(path, each) for each in printed)} of {len(printed)}"
+        numbers = np.median(np.abs(error)), np.abs(error).max(), half
+        rows.append([f"`{path}` [{unit}]", *(f"{each:.2g}" for each in numbers), held])
     head = ("parameter", "median error", "largest", "median half interval", "interval holds")
     return markdown(head, rows)
 

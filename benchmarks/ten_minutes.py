@@ -24,7 +24,7 @@ from urllib.request import Request, urlopen
 
 import numpy as np
 
-from benchmarks.topic import ROOT, Topic, load_data, markdown, save_data
+from benchmarks.topic import ROOT, Columns, Topic, rows_table, save_data
 
 DATA = "ten_minutes.json"
 FIRST = "run"
@@ -182,26 +182,17 @@ def write_measured(path: Path) -> None:
     path.write_text(f"pinion_angle [deg]; pinion_torque [N m]\n{rows}\n", encoding="utf-8")
 
 
-def steps_table(folder: Path) -> str:
-    """Every step with its times."""
-    data = load_data(folder / DATA)
-    rows = [
-        [
-            f"`{step['command'].removeprefix('rps-exudyn ')}`",
-            f"{step['cpu']:.1f}",
-            f"{step['silence']:.1f}",
-            f"{step['kilobytes']:.0f}" if "kilobytes" in step else "",
-        ]
-        for step in data["steps"]
-    ]
-    return markdown(["step", "CPU time s", "longest silence s", "page kB"], rows)
-
-
+STEPS: Columns = {
+    "step": lambda step: f"`{step['command'].removeprefix('rps-exudyn ')}`",
+    "CPU time s": "{cpu:.1f}",
+    "longest silence s": "{silence:.1f}",
+    "page kB": lambda step: f"{step['kilobytes']:.0f}" if "kilobytes" in step else "",
+}
 TOPIC = Topic(
     "what a newcomer does, each step with its time",
     "3 min",
     "first_use",
     run,
     {"commands": ("init .",), "repeats": 1, "first": False, "clone": False, "notebook": False},
-    {"ten_minutes": steps_table},
+    {"ten_minutes": rows_table(DATA, "steps", STEPS)},
 )
