@@ -71,6 +71,11 @@ def load_data(path: Path) -> Any:
     return json.loads(path.read_text(encoding="utf-8"))
 
 
+def begun(path: Path) -> Any:
+    """Return what a run before this one left in a JSON file; {} if there is none."""
+    return load_data(path) if path.exists() else {}
+
+
 def save_rows(path: Path, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
     """Write rows as a table of comma-separated values, whole or not at all."""
     with (

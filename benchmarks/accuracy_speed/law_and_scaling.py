@@ -12,9 +12,9 @@ from scipy.interpolate import CubicSpline
 
 from benchmarks.accuracy_speed.chart import law_band_figure, scaling_figure
 from benchmarks.accuracy_speed.measurement import Measurement, load_measurement
-from benchmarks.accuracy_speed.tables import LAW_HEAD, LIMITS, SCALING_HEAD, law_rows, scaling_rows
+from benchmarks.accuracy_speed.tables import LIMITS, laws_table, scaling_table
 from benchmarks.measure import least_time, run_ok
-from benchmarks.topic import Topic, load_data, markdown, save_data
+from benchmarks.topic import Topic, save_data
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -114,8 +114,5 @@ TOPIC = Topic(
     "accuracy_speed",
     run,
     {"angles": 7, "turns": (0.05, 0.1), "cases": (1, 2), "step": "10 deg"},
-    {
-        "contact_laws": lambda folder: markdown(LAW_HEAD, law_rows(load_data(folder / LIMITS))),
-        "scaling": lambda folder: markdown(SCALING_HEAD, scaling_rows(load_data(folder / LIMITS))),
-    },
+    {"contact_laws": laws_table, "scaling": scaling_table},
 )

@@ -6,7 +6,7 @@ from time import process_time
 from typing import Any
 
 import rps_exudyn as rps
-from benchmarks.topic import Topic, digits, load_data, markdown, save_data
+from benchmarks.topic import Columns, Topic, digits, load_data, save_data, table_of
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
@@ -71,20 +71,16 @@ def cost(fidelity: Fidelity, settings: dict[str, Any], turns: float, repeats: in
     }
 
 
-def cost_table(folder: Path) -> str:
-    """Every case."""
-    rows = [
-        (name, digits(case["run_ms"], 3), f"{case['before_percent'] + case['after_percent']:.2g}")
-        for name, case in load_data(folder / DATA)["cases"].items()
-    ]
-    return markdown(("run", "CPU ms", "checks, %"), rows)
-
-
+COLUMNS: Columns = {
+    "run": lambda row: row[0],
+    "CPU ms": lambda row: digits(row[1]["run_ms"], 3),
+    "checks, %": lambda row: f"{row[1]['before_percent'] + row[1]['after_percent']:.2g}",
+}
 TOPIC = Topic(
     "what the checks before and after a run cost",
     "30 s",
     "stability",
     run,
     {"cases": ("equilibria, a tooth pitch",), "repeats": 2},
-    {"check_cost": cost_table},
+    {"check_cost": lambda folder: table_of(load_data(folder / DATA)["cases"].items(), COLUMNS)},
 )

@@ -170,7 +170,7 @@ def explicit_map(
     """
     unit = 1 / axis_quantity(_axis(path)).displayed(1.0)
     gears = [DrivenGear.of(driven, path, value * unit, choices) for value in x]
-    cell = _calm_cell if driven == "nothing" else _driven_cell
+    cell = _held_cell if driven == "nothing" else _driven_cell
     cells = [[str(cell(gear, 1e-6 * h)) for gear in gears] for h in steps]
     limits = 1e6 * np.array([(gear.predicted, *simple_limits(gear.motion)) for gear in gears])
     names = "linearised gear", "2.83 / omega_max", "2.79 / c_max"
@@ -178,7 +178,7 @@ def explicit_map(
     return StabilityMap(title, _label(_axis(path)), "step [µs]", list(x), list(steps), cells, [], lines)
 
 
-def _calm_cell(gear: DrivenGear, step: float) -> Cell:
+def _held_cell(gear: DrivenGear, step: float) -> Cell:
     return Cell.RIGHT if gear.calms(step) else Cell.WRONG
 
 
@@ -201,21 +201,11 @@ def _driven_cell(gear: DrivenGear, step: float) -> Cell:
 # --- the bush's chain in Exudyn ---------------------------------------------------------------------
 def chain_map(segments: Sequence[float], steps: Sequence[float]) -> StabilityMap:
     """Steps [us] of velocity Verlet; it calls every explosion a success."""
-    cells = [
-        [str(Cell.RIGHT if chain_is_bounded(int(n), 1e-6 * h) else Cell.WRONG) for n in segments]
-        for h in steps
-    ]
-    limits = [2e6 / chain_frequency(int(n)) for n in segments]
-    return StabilityMap(
-        "Verlet, the chain alone",
-        "bush.segments",
-        "step [µs]",
-        list(segments),
-        list(steps),
-        cells,
-        [],
-        [Line("2 / omega_max", limits)],
-    )
+    kinds = {True: str(Cell.RIGHT), False: str(Cell.WRONG)}
+    cells = [[kinds[chain_is_bounded(int(n), 1e-6 * h)] for n in segments] for h in steps]
+    lines = [Line("2 / omega_max", [2e6 / chain_frequency(int(n)) for n in segments])]
+    names = "Verlet, the chain alone", "bush.segments", "step [µs]"
+    return StabilityMap(*names, list(segments), list(steps), cells, [], lines)
 
 
 # --- spheres ----------------------------------------------------------------------------------------
@@ -224,12 +214,8 @@ COMPILED_DEPTH = 2  # radii at which the compiled spheres pass, where Exudyn's p
 
 def depth_limit(gear: SteeringGear, fidelity: Fidelity) -> float:
     """Preload at which the deepest sphere is as deep as its radius [N]."""
-    radius = sphere_radius(GearPair.of(gear))
-
-    def spare(preload: float) -> float:
-        return radius - DEEPEST * mean_depth(gear.replace({"yoke.preload": preload}))
-
-    return float(brentq(spare, 0.0, 1e6))
+    deepest = sphere_radius(GearPair.of(gear)) / DEEPEST
+    return float(brentq(lambda p: deepest - mean_depth(gear.replace({"yoke.preload": p})), 0.0, 1e6))
 
 
 def compiled_depth_limit(gear: SteeringGear, fidelity: Fidelity) -> float:

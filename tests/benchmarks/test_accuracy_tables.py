@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from benchmarks.accuracy_speed.measurement import Measurement, Point, load_measurement
-from benchmarks.accuracy_speed.tables import scaling_rows
+from benchmarks.accuracy_speed.tables import LIMITS, scaling_table
 from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.parameters.fidelity import Fidelity
 from verification.work_precision import Reference
@@ -46,6 +46,7 @@ def test_a_stopped_measurement_keeps_its_failures(stopped: Measurement, tmp_path
     assert [(each.status, each.message) for each in failed] == [("no-convergence", "<no equilibrium>")]
 
 
-def test_cost_grows_with_a_fitted_exponent() -> None:
+def test_cost_grows_with_a_fitted_exponent(tmp_path: Path) -> None:
     content = {"scaling": {"turns": [[1, 2, 4], [0.1, 0.4, 1.6]]}}
-    assert scaling_rows(content) == [("turns", "1 to 4", "0.1 to 1.6", "2.00")]
+    (tmp_path / LIMITS).write_text(json.dumps(content))
+    assert scaling_table(tmp_path).splitlines()[-1] == "| turns | 1 to 4 | 0.1 to 1.6 | 2.00 |"
