@@ -83,10 +83,5 @@ WEIGHTS: Columns = {
     "self-locking below kg": "{locks_below:.3g}",
 }
 TOPIC = Topic(
-    "load test: ratio of efficiencies over weight and free torque, by the closed form",
-    "10 s",
-    "scenes",
-    run,
-    {"masses": MASSES[::8]},
-    {"weights": rows_table(DATA, "weights", WEIGHTS)},
+    "10 s", "scenes", run, {"masses": MASSES[::8]}, {"weights": rows_table(DATA, "weights", WEIGHTS)}
 )

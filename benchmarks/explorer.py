@@ -110,7 +110,6 @@ def scenes_table(folder: Path) -> str:
 
 
 TOPIC = Topic(
-    "answers of the explorer to random states, and their time",
     "3 min",
     "first_use",
     run,

@@ -103,7 +103,6 @@ def _percent(value: float | None, none: str) -> str:
 
 
 TOPIC = Topic(
-    "one turn of the default gear by every fidelity: torque, losses, distance from the full model, cost",
     "2 min",
     "free_pinion_torque",
     run,

@@ -82,7 +82,6 @@ def costs_table(folder: Path) -> str:
 
 
 TOPIC = Topic(
-    "meshes of the pinion: deviation from the exact flank, faces, cost; picture of the gear",
     "20 s",
     "geometry",
     run,

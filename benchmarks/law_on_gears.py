@@ -143,7 +143,6 @@ def differences_table(folder: Path) -> str:
 
 
 TOPIC = Topic(
-    "the laws of contact on random gears: loads found at every angle, and means that differ",
     "10 min",
     "contact_laws",
     run,
@@ -152,9 +151,10 @@ TOPIC = Topic(
 )
 
 SPHERES_ALONE = Topic(
-    "spheres beside law line on random gears, a part of `law_on_gears`",
     "2 min",
     "contact_laws",
     run_spheres,
     {"gears": 1},
+    {},
+    about="spheres beside law line on random gears, a part of `law_on_gears`",
 )

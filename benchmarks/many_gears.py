@@ -143,7 +143,6 @@ COLUMNS: Columns = {
     "of peaks to peaks, ranges [%]": lambda row: digits(100 * row["spread_largest"]),
 }
 TOPIC = Topic(
-    "many gears together beside single runs",
     "5 min",
     "study_runner",
     run,

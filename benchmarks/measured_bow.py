@@ -163,7 +163,6 @@ def picture(cases: list[dict[str, Any]]) -> Figure:
 
 
 TOPIC = Topic(
-    "bow and angle error fitted to made-up curves over the travel: errors, coverage, cost",
     "20 min",
     "fit",
     run,

@@ -221,7 +221,6 @@ def _found(path: str, cell: Mapping[str, Any]) -> str:
 
 
 TOPIC = Topic(
-    "intervals of level, runout and preload against 18 kinds of noise and rig of an independent model",
     "12 min",
     "fit",
     run,

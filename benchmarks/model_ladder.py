@@ -118,7 +118,6 @@ def times_table(folder: Path) -> str:
 
 
 TOPIC = Topic(
-    "from the paper's model down: what each simplification saves and loses",
     "3 min",
     "free_pinion_torque",
     run,

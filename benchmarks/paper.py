@@ -163,8 +163,7 @@ def weight_for_ratio() -> tuple[str, bool]:
 
 
 @paper(
-    "Figures 16, 17",
-    f"that ratio with {LOAD:g} kg, and torques up to {LARGEST_TORQUE:g} N m, of one gear",
+    "Figures 16, 17", f"that ratio with {LOAD:g} kg, and torques up to {LARGEST_TORQUE:g} N m, of one gear"
 )
 def torque_for_ratio() -> tuple[str, bool]:
     """Free torque at which the paper's weight has the paper's ratio."""
@@ -231,10 +230,5 @@ FINDINGS: Columns = {
     "": lambda row: "holds" if row["agrees"] else "**does not hold**",
 }
 TOPIC = Topic(
-    "what the paper states beside what the default gear gives, contradictions computed",
-    "10 s",
-    "scenes",
-    run,
-    {"statements": STATEMENTS[:4]},
-    {"paper": rows_table(DATA, "findings", FINDINGS)},
+    "10 s", "scenes", run, {"statements": STATEMENTS[:4]}, {"paper": rows_table(DATA, "findings", FINDINGS)}
 )

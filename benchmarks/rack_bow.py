@@ -113,7 +113,6 @@ def _cell(case: dict[str, Any]) -> str:
 
 
 TOPIC = Topic(
-    "a rack that is not straight: torque's variation over bow and clearance, and where the yoke stops",
     "1 min",
     "flexible_rack",
     run,

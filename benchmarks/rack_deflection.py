@@ -107,7 +107,6 @@ def _box(x: float, y: float, width: float, height: float) -> Rectangle:
 
 
 TOPIC = Topic(
-    "line of the rack under a force across its end, radial play and lift",
     "10 s",
     "flexible_rack",
     run,

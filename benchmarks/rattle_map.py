@@ -81,10 +81,5 @@ def rattle_table(folder: Path) -> str:
 
 
 TOPIC = Topic(
-    "rattle over force and frequency of the road",
-    "2 min",
-    "flexible_rack",
-    run,
-    {"forces": (1500.0,), "frequencies": (100.0,)},
-    {"rattle": rattle_table},
+    "2 min", "flexible_rack", run, {"forces": (1500.0,), "frequencies": (100.0,)}, {"rattle": rattle_table}
 )

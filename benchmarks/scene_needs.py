@@ -261,7 +261,6 @@ def first_scene_table(folder: Path) -> str:
 
 
 TOPIC = Topic(
-    "what each scene needs of the model: one thing after another left out",
     "10 min",
     "scenes",
     run,

@@ -177,7 +177,6 @@ TOY = {
     "laws": ("mean torque, off the formula",),
 }
 TOPIC = Topic(
-    "every scene with the default gear: figures, pictures, laws, cost",
     "30 s",
     "scenes",
     run,

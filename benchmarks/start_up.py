@@ -64,7 +64,6 @@ def _named(line: str) -> str:
 
 
 TOPIC = Topic(
-    "start of the commands, kernels compiled and not",
     "3 min",
     "first_use",
     run,

@@ -250,7 +250,6 @@ STICKING: Columns = {
 
 
 TOPIC = Topic(
-    "stick-slip of gear and column: maps, limits measured and predicted, methods",
     "2 min",
     "stick_slip",
     run,

@@ -82,10 +82,5 @@ COLUMNS: Columns = {
     "failed": "{failed}",
 }
 TOPIC = Topic(
-    "cost of a study over the number of its cases",
-    "5 min",
-    "study_runner",
-    run,
-    {"counts": (2, 4)},
-    {"study_scaling": rows_table(DATA, "rows", COLUMNS)},
+    "5 min", "study_runner", run, {"counts": (2, 4)}, {"study_scaling": rows_table(DATA, "rows", COLUMNS)}
 )

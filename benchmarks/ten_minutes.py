@@ -189,7 +189,6 @@ STEPS: Columns = {
     "page kB": lambda step: f"{step['kilobytes']:.0f}" if "kilobytes" in step else "",
 }
 TOPIC = Topic(
-    "what a newcomer does, each step with its time",
     "3 min",
     "first_use",
     run,

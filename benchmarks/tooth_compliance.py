@@ -352,7 +352,6 @@ def draw(course: Sequence[Any], path: Path) -> None:
 
 TINY = Division(flank=1, along=2, half_tooth=1, fillet=1, root=1, core=1)
 TOPIC = Topic(
-    "the laws of elastic teeth against finite elements of whole teeth, on named gears",
     "5 min",
     "tooth_compliance",
     run,

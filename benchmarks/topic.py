@@ -2,6 +2,7 @@
 
 import csv
 import json
+import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,12 +24,17 @@ Table = Callable[[Path], str]
 class Topic:
     """One subject that is measured and published."""
 
-    shows: str
     takes: str  # CPU time of a full run, for a reader
     folder: str  # below the results' folder
     run: Callable[..., None]  # run(folder, **sizes) writes data and pictures; its defaults are published
     toy: Mapping[str, Any] = field(default_factory=dict)  # sizes of a run in seconds
     tables: Mapping[str, Table] = field(default_factory=dict)  # name of a marked region -> its content
+    about: str = ""
+
+    @property
+    def shows(self) -> str:
+        """What it shows: `about`, or what its module says first."""
+        return self.about or (sys.modules[self.run.__module__].__doc__ or "").partition("\n")[0]
 
 
 def markdown(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:

@@ -70,7 +70,6 @@ def _written(each: Input) -> str:
 
 TOY = ["undercut-limit", "iso-single-stiffness", "bush-stiffness", "bar-frequency-y", "paper-point-contact"]
 TOPIC = Topic(
-    "rows of manuals, standards and closed forms against the package, with verdicts",
     "40 s",
     "validation",
     run,

@@ -109,7 +109,6 @@ def of_cases(counts: Sequence[int]) -> Series:
 
 
 TOPIC = Topic(
-    "what the contact law leaves open; cost against the size of the problem",
     "1 min",
     "accuracy_speed",
     run,

@@ -220,7 +220,6 @@ BUILT = {"explicit": explicit_points, "faceted": faceted_points, "loop": loop_po
 COARSE = {"generators": over_generators(40, as_run(still("3 deg"))), "strips": as_run(by_strips("3 deg"))}
 
 TOPIC = Topic(
-    "cost and error of every model of every scene: charts, fronts, references",
     "30 min",
     "accuracy_speed",
     run,

@@ -119,11 +119,4 @@ def worth_table(folder: Path) -> str:
     return table_of(data["cheapest"], columns)
 
 
-TOPIC = Topic(
-    "what a digit of the torque costs, beside the uncertainties of contact law and inputs",
-    "5 s",
-    "accuracy_speed",
-    run,
-    {"runs": 12},
-    {"digits_worth": worth_table},
-)
+TOPIC = Topic("5 s", "accuracy_speed", run, {"runs": 12}, {"digits_worth": worth_table})

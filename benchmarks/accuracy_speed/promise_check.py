@@ -119,7 +119,6 @@ def check_table(folder: Path) -> str:
 
 
 TOPIC = Topic(
-    "promises of --accuracy kept on other gears, under tests from the wide ranges",
     "30 min",
     "accuracy_speed",
     run,

@@ -212,14 +212,8 @@ def factor_of(rows: list[dict[str, Any]], table: dict[str, Any]) -> float:
 
 TWO = {name: SCENES[LAW_SCENE].methods[name] for name in ("equilibria", "dynamics")}
 TOPIC = Topic(
-    "the table behind --accuracy: errors of settings on random gears under random tests",
     "40 min",
     "accuracy_speed",
     run,
-    {
-        "scenes": {LAW_SCENE: Measured(STEADY[:2], TWO)},
-        "gears": 2,
-        "laws": (),
-        "table": Path(TABLE.name),
-    },
+    {"scenes": {LAW_SCENE: Measured(STEADY[:2], TWO)}, "gears": 2, "laws": (), "table": Path(TABLE.name)},
 )

@@ -127,8 +127,4 @@ def facets_table(folder: Path) -> str:
     return markdown(("family", "facets, material left over", "torque, RMS", "mean"), rows)
 
 
-TABLES = {
-    "models": models_table,
-    "accuracy_scenes": scenes_table,
-    "facets": facets_table,
-}
+TABLES = {"models": models_table, "accuracy_scenes": scenes_table, "facets": facets_table}

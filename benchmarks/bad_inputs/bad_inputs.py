@@ -29,9 +29,9 @@ from rps_exudyn.pages.explore.sliders import Wish
 from rps_exudyn.parameters.gear import SteeringGear
 
 DATA = "bad_inputs.csv"
-COLUMNS = tuple(
-    ["topic", "arguments", "status", "traceback", "lost", "beyond_limit_s", "left_alive", "outside", "said"]
-)
+COLUMNS = (
+    "topic", "arguments", "status", "traceback", "lost", "beyond_limit_s", "left_alive", "outside", "said",
+)  # fmt: skip
 LATE = 2.0  # [s] that nothing may be alive beyond its limit
 LIMITED = """
 import resource, signal, sys
@@ -189,11 +189,4 @@ def inputs_table(folder: Path) -> str:
     return markdown(head, [*(each for each in lines if any(each[3:])), line("**all**", rows)])
 
 
-TOPIC = Topic(
-    "bad inputs of every kind, and what becomes of them",
-    "10 min",
-    "bad_inputs",
-    run,
-    {"every": 25, "alone": False},
-    {"bad_inputs": inputs_table},
-)
+TOPIC = Topic("10 min", "bad_inputs", run, {"every": 25, "alone": False}, {"bad_inputs": inputs_table})

@@ -170,11 +170,4 @@ def damaged_table(folder: Path) -> str:
     return markdown(("file", "damaged", "noticed and named", "tracebacks"), [*lines, total])
 
 
-TOPIC = Topic(
-    "damaged files of studies, and whether readers notice",
-    "2 min",
-    "bad_inputs",
-    run,
-    {"count": 6},
-    {"damaged_files": damaged_table},
-)
+TOPIC = Topic("2 min", "bad_inputs", run, {"count": 6}, {"damaged_files": damaged_table})

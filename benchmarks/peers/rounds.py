@@ -20,7 +20,7 @@ NEEDED = {"MuJoCo": ("mujoco", "mujoco"), "Drake": ("pydrake", "drake")}
 
 NOT_TO_BE_HAD = {
     "Chrono": "the package index holds only its reserved name without content (projectchrono 0.0.0), and "
-    "another project by the name pychrono",
+    "another project by the name pychrono"
 }
 
 

@@ -104,11 +104,4 @@ def reference_table(folder: Path) -> str:
     return markdown(("reference", ""), rows)
 
 
-TOPIC = Topic(
-    "the scene of the peers as a benchmark for any program: geometry, parameters, curve, measure",
-    "20 s",
-    "peers/benchmark",
-    run,
-    {"methods": COARSE},
-    {"peer_reference": reference_table},
-)
+TOPIC = Topic("20 s", "peers/benchmark", run, {"methods": COARSE}, {"peer_reference": reference_table})

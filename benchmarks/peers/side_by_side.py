@@ -84,19 +84,13 @@ def best(search: Sequence[Row], most: int = plans.MOST) -> list[Row]:
 
 
 TOY = {"own": plans.OF_PACKAGE[:2], "searched": (), "methods": COARSE, "rounds": 1}
-TOPIC = Topic(
-    "the same gear in MuJoCo and Drake: time against error (needs the extra [peers])",
-    "20 min",
-    "peers",
-    run,
-    TOY,
-    TABLES,
-)
+TOPIC = Topic("20 min", "peers", run, TOY, TABLES)
 
 AGAIN = Topic(
-    "the rounds of `peers` again, with the settings that its search found (needs the extra [peers])",
     "5 min",
     "peers",
     partial(run, search_again=False),
     TOY,
+    {},
+    about="the rounds of `peers` again, with the settings that its search found (needs the extra [peers])",
 )

@@ -77,7 +77,6 @@ COLUMNS: Columns = {
     "checks, %": lambda row: f"{row[1]['before_percent'] + row[1]['after_percent']:.2g}",
 }
 TOPIC = Topic(
-    "what the checks before and after a run cost",
     "30 s",
     "stability",
     run,

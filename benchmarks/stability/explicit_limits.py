@@ -308,11 +308,4 @@ def _span(values: Sequence[float], form: str) -> str:
     return f"{min(values):{form}} to {max(values):{form}}"
 
 
-TOPIC = Topic(
-    "the largest stable step of explicit methods, bisected, beside the predicted one",
-    "7 min",
-    "stability",
-    run,
-    {"parts": (ball_pressed,)},
-    {"explicit_limits": limits_table},
-)
+TOPIC = Topic("7 min", "stability", run, {"parts": (ball_pressed,)}, {"explicit_limits": limits_table})

@@ -154,7 +154,6 @@ def _worst(steps: Sequence[dict[str, Any]], name: str) -> str:
 
 
 TOPIC = Topic(
-    "the largest right step of implicit methods, bisected",
     "2 min",
     "stability",
     run,

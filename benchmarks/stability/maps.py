@@ -317,11 +317,4 @@ def cells_table(folder: Path) -> str:
     return markdown(("map", "method", *list(Cell)[:4], "wrong and not flagged"), rows)
 
 
-TOPIC = Topic(
-    "maps over step, tolerance, stiffness, preload: right, wrong, failed, and predicted limits",
-    "15 min",
-    "stability",
-    run,
-    {"maps": {"toy_map": toy_map}},
-    {"stability_maps": cells_table},
-)
+TOPIC = Topic("15 min", "stability", run, {"maps": {"toy_map": toy_map}}, {"stability_maps": cells_table})

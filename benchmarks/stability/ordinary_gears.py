@@ -45,8 +45,7 @@ def run(folder: Path, gears: int = 10_000) -> None:
                 values = {path: float(column[i]) for path, column in table.items()}
                 odd.append({"status": result.status.value, "message": result.message, **values})
         save_data(
-            folder / DATA,
-            {"gears": begin + count, "cpu_s": cpu, "counts": dict(counts), "not_ok": odd},
+            folder / DATA, {"gears": begin + count, "cpu_s": cpu, "counts": dict(counts), "not_ok": odd}
         )
 
 
@@ -59,11 +58,4 @@ def counts_table(folder: Path) -> str:
     return markdown(("ordinary gears over a turn", "number"), rows)
 
 
-TOPIC = Topic(
-    "10 000 ordinary gears by equilibria: how many are lost",
-    "6 min",
-    "stability",
-    run,
-    {"gears": 3},
-    {"ordinary_gears": counts_table},
-)
+TOPIC = Topic("6 min", "stability", run, {"gears": 3}, {"ordinary_gears": counts_table})

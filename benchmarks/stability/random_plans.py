@@ -399,10 +399,5 @@ def losses_table(folder: Path) -> str:
 
 
 TOPIC = Topic(
-    f"{PLANS} random plans compared with references: right, refused, failed, silently wrong",
-    "5 h",
-    "stability",
-    run,
-    {"plans": 2},
-    {"random_plans": verdicts_table, "lost_plans": losses_table},
+    "5 h", "stability", run, {"plans": 2}, {"random_plans": verdicts_table, "lost_plans": losses_table}
 )

@@ -108,11 +108,4 @@ def losses_table(folder: Path) -> str:
     return markdown(("law, scene", "equilibria", "dynamics"), [*lines, line("**all**", "law")])
 
 
-TOPIC = Topic(
-    f"{GEARS} gears of the wide population a scene and friction law: how many runs are lost",
-    "2 h",
-    "stability",
-    run,
-    {"gears": 1, "scenes": (STEADY,)},
-    {"wide_gears": losses_table},
-)
+TOPIC = Topic("2 h", "stability", run, {"gears": 1, "scenes": (STEADY,)}, {"wide_gears": losses_table})
