@@ -6,7 +6,6 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from benchmarks.flank_deviation import flank_deviation
 from benchmarks.measure import least_time
 from benchmarks.topic import Columns, Topic, digits, load_data, markdown, rows_table, save_data
 from rps_exudyn.gears.gear_pair import GearPair
@@ -16,6 +15,7 @@ from rps_exudyn.gears.pinion_mesh import flank_patch, pinion_mesh
 from rps_exudyn.gears.solids import rack_solid
 from rps_exudyn.pages.charts.geometry import draw_geometry
 from rps_exudyn.parameters.gear import SteeringGear
+from verification.flank_deviation import flank_deviation
 from verification.shaping import shaped_pinion
 
 GEAR = SteeringGear()

@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from benchmarks.measure import run_ok
-from benchmarks.topic import Topic, load_data, markdown, save_data
+from benchmarks.topic import Topic, begun, load_data, markdown, save_data
 from rps_exudyn.inference.fitting.bench_tests import measurement_of
 from rps_exudyn.inference.fitting.fit import fit
 from rps_exudyn.inference.fitting.fitted import Fit
@@ -29,7 +29,7 @@ WHOLE = 3.8  # turns
 
 def run(folder: Path, seeds: int = 24, turns: float = WHOLE, free: tuple[str, ...] = CURVED) -> None:
     """Fit a gear of each seed; keep and draw the errors. A run that was stopped goes on where it was."""
-    cases = begun(folder / DATA, seeds, turns)
+    cases = kept(folder / DATA, seeds, turns)
     for seed in range(len(cases), seeds):
         cases.append(case(seed, turns, free))
         print(seed, cases[-1]["simulations"], round(cases[-1]["cpu_s"], 1), flush=True)
@@ -37,13 +37,11 @@ def run(folder: Path, seeds: int = 24, turns: float = WHOLE, free: tuple[str, ..
     style.save(picture(cases), folder / PICTURE)
 
 
-def begun(file: Path, seeds: int, turns: float) -> list[dict[str, Any]]:
+def kept(file: Path, seeds: int, turns: float) -> list[dict[str, Any]]:
     """The cases of a run that was stopped; none where the last one came to its end."""
-    if not file.exists():
-        return []
-    before = load_data(file)
-    cases: list[dict[str, Any]] = before["cases"]
-    return cases if before["turns"] == turns and len(cases) < seeds else []
+    before = begun(file)
+    cases: list[dict[str, Any]] = before.get("cases", [])
+    return cases if before.get("turns") == turns and len(cases) < seeds else []
 
 
 def gear_of(random: np.random.Generator) -> SteeringGear:

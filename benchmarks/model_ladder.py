@@ -11,7 +11,7 @@ from typing import Any
 
 import rps_exudyn as rps
 from benchmarks.measure import quickest
-from benchmarks.topic import Topic, digits, load_data, markdown, save_data
+from benchmarks.topic import Topic, begun, digits, load_data, markdown, save_data
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 
@@ -60,7 +60,7 @@ REFERENCE = FLANK.replace({"step_angle": FLANK.step_angle / 4, "strip_stations":
 def run(folder: Path, rungs: Sequence[str] = tuple(RUNGS), scenes: Sequence[str] = tuple(SCENES)) -> None:
     """Measure these rungs in these scenes; what was measured of other rungs stays."""
     file = folder / DATA
-    rows = load_data(file)["rows"] if file.exists() else {}
+    rows = begun(file).get("rows", {})
     reference = {scene: metrics(measured(scene, REFERENCE)) for scene in scenes}
     for name in rungs:
         print(name, flush=True)

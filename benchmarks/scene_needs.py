@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import rps_exudyn as rps
-from benchmarks.topic import Topic, load_data, markdown, save_data
+from benchmarks.topic import Topic, begun, load_data, markdown, save_data
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -164,7 +164,7 @@ NEEDS = {
 def run(folder: Path, cases: Sequence[str] = tuple(NEEDS), changes: Sequence[str] = tuple(CHANGES)) -> None:
     """Measure what is missing of these changes of these cases; delete needs.json to measure all again."""
     file = folder / DATA
-    needs = load_data(file)["needs"] if file.exists() else {}
+    needs = begun(file).get("needs", {})
     for name in cases:
         head = ["change", *(f"`{metric}`" for metric in NEEDS[name].names), "CPU s"]
         before = needs.get(name, {})

@@ -132,10 +132,8 @@ def map_picture(data: dict[str, Any]) -> Figure:
         axes.plot(data["speeds"], falling, color="black", linestyle="--", label="limit, falling friction")
         for cell in data["tried"]:
             if each["ratio"] == 1.2 and cell["travel"] == each["travel"] and "share" in cell:
-                fill = "black" if cell["share"] > 0 else "white"
-                axes.plot(
-                    cell["speed"], cell["ratio"], "o", color="black", markerfacecolor=fill, markersize=6
-                )
+                look: Any = {"markerfacecolor": "black" if cell["share"] > 0 else "white", "markersize": 6}
+                axes.plot(cell["speed"], cell["ratio"], "o", color="black", **look)
         axes.set_ylim(shown)
         law = f"bristles {1e6 * each['travel']:g} µm" if each["travel"] else "speed alone"
         axes.set_title(f"static ratio {each['ratio']:g}, {law}", fontsize=9)
@@ -157,15 +155,14 @@ def _within(limit: Sequence[float | None], shown: tuple[float, float]) -> np.nda
 # --- limits ------------------------------------------------------------------------------------------
 def bisected(travel: float, speed: float) -> dict[str, Any]:
     """The limit of the whole gear's steady sliding, measured and predicted [N m s/rad]."""
-    gear = gear_with(1.2, travel, speed=speed)
-    predicted = one_inertia_damping(gear)
-    case: dict[str, Any] = {"travel": travel, "speed": speed, "predicted": predicted}
-    with_guides = sliding_damping(gear, Fidelity.preset("flank"))
-    case["with_guides"] = with_guides if np.isfinite(with_guides) else None
-    if not np.isfinite(predicted):
-        return {**case, "predicted": None, "message": "stable without damping"}
+    gear, model = gear_with(1.2, travel, speed=speed), Fidelity.preset("flank")
+    found = {"predicted": one_inertia_damping(gear), "with_guides": sliding_damping(gear, model)}
+    case: dict[str, Any] = {"travel": travel, "speed": speed}
+    case |= {name: value if np.isfinite(value) else None for name, value in found.items()}
+    if case["predicted"] is None:
+        return case | {"message": "stable without damping"}
     try:
-        return case | {"measured": measured_damping(gear, Fidelity.preset("flank"), predicted)}
+        return case | {"measured": measured_damping(gear, model, case["predicted"])}
     except ArithmeticError as error:
         return case | {"message": str(error)}
 

@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from benchmarks.accuracy_speed.chart import STYLES, in_decades
+from benchmarks.accuracy_speed.chart import STYLES, front, in_decades
 from benchmarks.accuracy_speed.measurement import Point, load_measurement
 from benchmarks.accuracy_speed.tables import cheapest
 from benchmarks.topic import Columns, Topic, digits, load_data, save_data, table_of
@@ -22,7 +22,6 @@ from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import MEASURED
-from verification.work_precision import pareto_front
 
 POINTS, DATA, PICTURE = "free-pinion-torque.h5", "overview.json", "overview.png"
 SHOWN = {
@@ -74,9 +73,9 @@ def overview_figure(points: Iterable[Point], uncertain: Mapping[str, float]) -> 
     in_decades(axes)
     every = [point for point in points if np.isfinite(point.error)]
     for family, name in SHOWN.items():
-        front = _front([point for point in every if point.family == family])
         colour, marker = STYLES[family]
-        axes.plot(*front, marker + "-", color=colour, markersize=6, label=name)
+        best = front([point for point in every if point.family == family])
+        axes.plot(*best, marker + "-", color=colour, markersize=6, label=name)
     _mark(axes, uncertain)
     axes.set_xlim(0.001, 100)
     axes.set_xlabel("numerical error of the torque, RMS over the motion [% of the mean]")
@@ -84,14 +83,6 @@ def overview_figure(points: Iterable[Point], uncertain: Mapping[str, float]) -> 
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, frameon=False)
     style.title(figure, "Free pinion torque: what a digit costs, and what it is worth")
     return figure
-
-
-def _front(points: list[Point]) -> tuple[np.ndarray, np.ndarray]:
-    """Error [%] and cost [s] of the points that no other beats, by error."""
-    error, cost = (np.array([getattr(point, name) for point in points]) for name in ("error", "cost"))
-    front = pareto_front(cost, error)
-    order = np.argsort(error[front])
-    return error[front][order], cost[front][order]
 
 
 def _mark(axes: Axes, uncertain: Mapping[str, float]) -> None:

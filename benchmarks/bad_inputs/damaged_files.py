@@ -87,8 +87,7 @@ def trial(study: Path, rng: np.random.Generator) -> tuple[str, str, bool, str]:
     with tempfile.TemporaryDirectory() as temporary:
         copy = Path(shutil.copytree(study, Path(temporary) / "study"))
         cases = sorted((copy / "cases").glob("*.h5"))
-        candidates = [cases[int(rng.integers(len(cases)))]] * 4
-        candidates += [copy / name for name in ("study.json", "table.h5")]
+        candidates = [cases[int(rng.integers(len(cases)))]] * 4 + [copy / "study.json", copy / "table.h5"]
         path = candidates[int(rng.integers(len(candidates)))]
         kind = str(rng.choice(list(DAMAGES), p=WEIGHTS))
         before, content = CaseTable.of(Store.open(copy)), path.read_bytes()

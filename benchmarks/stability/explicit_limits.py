@@ -6,7 +6,7 @@ classical Runge-Kutta (`verification.runge_kutta`): explicit solvers of Exudyn h
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
@@ -15,15 +15,6 @@ from typing import Any
 import numpy as np
 
 from benchmarks.stability.chart import draw_limits
-from benchmarks.stability.stable_step import (
-    disturbance_dies,
-    explicit_euler,
-    largest_damping,
-    largest_frequency,
-    runge_kutta_4,
-    stable_step,
-    state_matrix,
-)
 from benchmarks.topic import Topic, load_data, markdown, save_data, shown
 from rps_exudyn.forces.bush import bush_chain, resting_segments
 from rps_exudyn.gears.gear_pair import GearPair
@@ -32,38 +23,34 @@ from rps_exudyn.multibody.bodies import add_chain
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.prescribed_motion import DrivenBody, Steady, travel_per_radian
+from verification import stable_step as theory
 from verification.law_area import by_law
 from verification.runge_kutta import FreeMotion
 from verification.stability import bisected
+from verification.stable_step import explicit_euler, runge_kutta_4, stable_step
 
 DATA = "explicit.json"
 GEAR = by_law(SteeringGear(), "area")  # whose stiffness is varied
 RPM = np.pi / 30
 
 
-@dataclass(frozen=True)
-class Limit:
-    """A bisected limit of the step and the predicted one [s]."""
-
-    line: str
-    at: str
-    measured: float
-    predicted: float
+Limit = dict[str, Any]
 
 
-def _about(predicted: float) -> tuple[float, float]:
-    """Steps well below and above a prediction, powers of four: where bisection looks is not its choice."""
+def limit_of(line: str, at: str, holds: Callable[[float], bool], predicted: float) -> Limit:
+    """Bisect a limit of the step, beside the predicted one [s], from powers of four: where it looks first is
+    not the prediction's choice."""
     low, high = np.log([predicted / 1.5, predicted * 1.5]) / np.log(4)
-    return 4.0 ** np.floor(low), 4.0 ** np.ceil(high)
+    measured = bisected(holds, 4.0 ** np.floor(low), 4.0 ** np.ceil(high))
+    return {"line": line, "at": at, "measured": measured, "predicted": predicted}
 
 
 # --- Exudyn's explicit solvers ----------------------------------------------------------------------
 def ball_pressed() -> Iterator[Limit]:
     """A ball of 10 g on a plate in GeneralContact, by velocity Verlet: 2 / omega."""
     for stiffness in (1e5, 1e6, 1e7, 1e8):
-        predicted = 2 / np.sqrt(stiffness / BALL)
-        limit = bisected(partial(_ball_is_bounded, stiffness), *_about(predicted))
-        yield Limit("Verlet, ball on a plate", f"{stiffness:g} N/m", limit, predicted)
+        holds, predicted = partial(_ball_is_bounded, stiffness), 2 / np.sqrt(stiffness / BALL)
+        yield limit_of("Verlet, ball on a plate", f"{stiffness:g} N/m", holds, predicted)
 
 
 STICK_ZONE = 1e-3  # [m/s]
@@ -75,23 +62,20 @@ def ball_held_by_friction() -> Iterator[Limit]:
     stiffness, friction = 1e5, 0.5
     rate = friction * 0.4e-3 * stiffness / (BALL * STICK_ZONE)
     for solver, growth in STICK_LIMITS.items():
-        predicted = stable_step(np.array([[-rate]]), growth)
 
         def sticks(h: float, solver: str = solver) -> bool:
             mbs = _ball(stiffness, friction, 0.01 * STICK_ZONE)
             _march(mbs, h, 400, solver)
             return bool(abs(mbs.systemData.GetODE2Coordinates_t()[0]) < 0.01 * STICK_ZONE)
 
-        limit = bisected(sticks, *_about(predicted))
-        yield Limit("stick of a ball", solver, limit, predicted)
+        yield limit_of("stick of a ball", solver, sticks, stable_step(np.array([[-rate]]), growth))
 
 
 def chain_alone() -> Iterator[Limit]:
     """The bush's chain alone, by velocity Verlet: 2 / omega_max."""
     for segments in (1, 2, 5, 10, 25):
-        predicted = 2 / chain_frequency(segments)
-        limit = bisected(partial(chain_is_bounded, segments), *_about(predicted))
-        yield Limit("Verlet, bush as a chain", f"{segments} segments", limit, predicted)
+        holds, predicted = partial(chain_is_bounded, segments), 2 / chain_frequency(segments)
+        yield limit_of("Verlet, bush as a chain", f"{segments} segments", holds, predicted)
 
 
 BALL = 0.01  # [kg]
@@ -99,18 +83,10 @@ BALL = 0.01  # [kg]
 
 def _ball(stiffness: float, friction: float = 0.0, slip: float = 0.0) -> Any:
     """Pressed 0.4 mm deep; it slides along x with `slip` [m/s]."""
-    from exudyn.itemInterface import (
-        Force,
-        MarkerBodyPosition,
-        MarkerBodyRigid,
-        MarkerNodePosition,
-        NodePoint,
-        ObjectGround,
-        ObjectMassPoint,
-    )
+    from exudyn import itemInterface as items
 
     mbs = _system()
-    plate = mbs.AddMarker(MarkerBodyRigid(bodyNumber=mbs.AddObject(ObjectGround())))
+    plate = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=mbs.AddObject(items.ObjectGround())))
     contact = mbs.AddGeneralContact()
     contact.verboseMode, contact.sphereSphereContact = 0, False
     contact.frictionProportionalZone = STICK_ZONE
@@ -120,11 +96,13 @@ def _ball(stiffness: float, friction: float = 0.0, slip: float = 0.0) -> Any:
     corners = np.array([[-1.0, -1, 0], [3, -1, 0], [-1, 3, 0]])
     contact.AddTrianglesRigidBodyBased(plate, 1e6 * stiffness, 0.0, 0, corners.tolist(), [[0, 1, 2]])
     rates = [slip, 0, 1e-9]
-    node = mbs.AddNode(NodePoint(referenceCoordinates=[0.1, 0.1, 0.6e-3], initialVelocities=rates))
-    body = mbs.AddObject(ObjectMassPoint(mass=BALL, nodeNumber=node))
-    contact.AddSphereWithMarker(mbs.AddMarker(MarkerBodyPosition(bodyNumber=body)), 1e-3, stiffness, 0.0, 0)
-    marker = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
-    mbs.AddLoad(Force(markerNumber=marker, loadVector=[0, 0, -0.4e-3 * stiffness]))  # which holds it there
+    node = mbs.AddNode(items.NodePoint(referenceCoordinates=[0.1, 0.1, 0.6e-3], initialVelocities=rates))
+    body = mbs.AddObject(items.ObjectMassPoint(mass=BALL, nodeNumber=node))
+    on_body = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body))
+    contact.AddSphereWithMarker(on_body, 1e-3, stiffness, 0.0, 0)
+    marker = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node))
+    held = [0, 0, -0.4e-3 * stiffness]
+    mbs.AddLoad(items.Force(markerNumber=marker, loadVector=held))
     mbs.Assemble()
     return mbs
 
@@ -224,9 +202,8 @@ def on_the_gear(lines: Sequence[Gears] = LINES) -> Iterator[Limit]:
     for line in lines:
         for value in line.values:
             driven = DrivenGear.of(line.driven, line.path, value, line.choices)
-            limit = bisected(driven.calms, *_about(driven.predicted))
             at = line.show.format(round(value / line.unit, 9))
-            yield Limit(f"{DRIVES[line.driven]}, {line.varied}", at, limit, driven.predicted)
+            yield limit_of(f"{DRIVES[line.driven]}, {line.varied}", at, driven.calms, driven.predicted)
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,11 +234,11 @@ class DrivenGear:
     @property
     def predicted(self) -> float:
         """Largest stable step of RK4 [s]."""
-        return stable_step(state_matrix(self.motion), runge_kutta_4)
+        return stable_step(theory.state_matrix(self.motion), runge_kutta_4)
 
     def calms(self, step: float) -> bool:
         """Return whether a disturbance dies at that step [s]."""
-        return disturbance_dies(self.motion, step, self.zone)
+        return theory.disturbance_dies(self.motion, step, self.zone)
 
 
 def _drive(gear: SteeringGear, driven: str) -> Steady:
@@ -272,7 +249,7 @@ def _drive(gear: SteeringGear, driven: str) -> Steady:
 
 def simple_limits(motion: FreeMotion) -> tuple[float, float]:
     """Stable steps of RK4 for omega_max and for c_max alone [s]: an oscillator, a damper."""
-    frequency, damping = largest_frequency(motion), largest_damping(motion)
+    frequency, damping = theory.largest_frequency(motion), theory.largest_damping(motion)
     oscillator = np.array([[0.0, 1.0], [-(frequency**2), 0.0]])
     return stable_step(oscillator, runge_kutta_4), stable_step(np.array([[-damping]]), runge_kutta_4)
 
@@ -288,7 +265,7 @@ PARTS: tuple[Callable[[], Iterator[Limit]], ...] = (
 
 def run(folder: Path, parts: Sequence[Callable[[], Iterator[Limit]]] = PARTS) -> None:
     """Bisect all limits of these parts."""
-    limits = shown(asdict(limit) for part in parts for limit in part())
+    limits = shown(limit for part in parts for limit in part())
     save_data(folder / DATA, {"limits": limits})
     draw_limits(limits, folder / "explicit.png")
 

@@ -23,7 +23,6 @@ from benchmarks.stability.explicit_limits import (
     chain_is_bounded,
     simple_limits,
 )
-from benchmarks.stability.stable_step import STEPS
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.bush import bush_chain
@@ -58,6 +57,7 @@ from verification.stability import (
     reference,
     run_and_check,
 )
+from verification.stable_step import STEPS
 
 PLANS = Path(__file__).parent / "plans"
 TIME_LIMIT = 30.0  # CPU time of a cell, and of its reference [s]
