@@ -15,7 +15,6 @@ from benchmarks.measure import run_ok
 from benchmarks.topic import Topic, begun, load_data, markdown, save_data
 from rps_exudyn.inference.fitting.bench_tests import measurement_of
 from rps_exudyn.inference.fitting.fit import fit
-from rps_exudyn.inference.fitting.fitted import Fit
 from rps_exudyn.inference.fitting.unknowns import CURVED, USUAL
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
@@ -70,11 +69,6 @@ def case(seed: int, turns: float, free: tuple[str, ...]) -> dict[str, Any]:
     if "rack.bow" not in free:
         gear = gear.replace({"rack.bow": 0.0})
     found = fit(measurement_of([curve_of(gear, turns, random)]), free=(*USUAL, *free), other_law=False)
-    return of_fit(gear, found) | {"seed": seed}
-
-
-def of_fit(gear: SteeringGear, found: Fit) -> dict[str, Any]:
-    """What is kept of a fit."""
     estimates = {
         each.path: {
             "true": gear.value_at(each.path),
@@ -85,12 +79,8 @@ def of_fit(gear: SteeringGear, found: Fit) -> dict[str, Any]:
         for each in found.estimates
         if each.path in CURVED or each.path.startswith(("pinion.runout", "rack.bow"))
     }
-    return {
-        "estimates": estimates,
-        "converged": found.converged,
-        "simulations": found.simulations,
-        "cpu_s": found.cpu_s,
-    }
+    kept = {name: getattr(found, name) for name in ("converged", "simulations", "cpu_s")}
+    return {"estimates": estimates, "seed": seed, **kept}
 
 
 def missed(path: str, estimate: dict[str, Any]) -> float:

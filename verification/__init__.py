@@ -1,6 +1,6 @@
 """Independent methods, references, and where methods fail. For benchmarks and tests.
 
-references         methods of a scene that must agree, and the reference they give
+references         methods of a scene that must agree, and the reference they give; `variants`, `limited`
 runs               measured runs of a scene, their headline signal and its errors
 work_precision     errors of curves, Pareto fronts
 population         random gears that promises are made for

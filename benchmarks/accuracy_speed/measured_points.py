@@ -16,7 +16,6 @@ from benchmarks.accuracy_speed.chart import work_precision_figure
 from benchmarks.accuracy_speed.loop_points import loop_points
 from benchmarks.accuracy_speed.measurement import Measurement, PlannedPoint, load_measurement, measure_point
 from benchmarks.accuracy_speed.tables import TABLES
-from benchmarks.accuracy_speed.variants import VARIANTS, of_family, reference_of_variant
 from benchmarks.topic import Topic
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -32,6 +31,7 @@ from verification.flywheel import explicit_run
 from verification.law_area import by_law
 from verification.references import Method, as_run, by_strips, over_generators, reference_of, still
 from verification.runs import SceneReference, run_scene
+from verification.variants import VARIANTS, of_family, reference_of_variant
 from verification.work_precision import Reference
 
 PLANS = Path(__file__).parent / "plans"
@@ -116,9 +116,7 @@ def measure_scene(
             continue
         warm_up(scene, plan)
         point = measure_point(plan, reference_for(plan, reference), repeats)
-        shown = (
-            f"{point.status:15s} {1e3 * point.cost:10.3f} ms {point.rms:9.4f} %  {plan.study}: {plan.label}"
-        )
+        about = f"{1e3 * point.cost:10.3f} ms {point.rms:9.4f} %  {plan.study}: {plan.label}"
         print(f"{point.status:15s}", about, flush=True)
         measurement.points.append(point)
         measurement.save(file)

@@ -12,7 +12,6 @@ from typing import Any
 import h5py
 import numpy as np
 
-from benchmarks.accuracy_speed.variants import variant_of
 from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.base.files import replacing
 from rps_exudyn.base.hdf5 import opened
@@ -21,6 +20,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes.scene_run import SceneRun
 from verification.runs import SceneReference, revolutions, run_scene
+from verification.variants import variant_of
 from verification.work_precision import Reference
 
 FILETYPE = "rps_exudyn-work-precision"

@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.accuracy_speed.limited import cpu_limit
 from benchmarks.accuracy_speed.promise_scenes import SCENES, Measured
 from benchmarks.topic import Topic, begun, load_data, markdown, save_data
 from rps_exudyn.base.errors import InputError
@@ -26,6 +25,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.simulate.by_accuracy import choose, known_scenes
 from rps_exudyn.simulate.run import simulate
+from verification.limited import cpu_limit
 from verification.scene_truth import Truth, truth_of
 from verification.wide_tests import gears_under_tests
 

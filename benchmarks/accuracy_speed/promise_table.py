@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.accuracy_speed.limited import cpu_limit
 from benchmarks.accuracy_speed.promise_scenes import SCENES, STEADY, Measured, Setting
 from benchmarks.topic import Topic, begun
 from rps_exudyn.base.files import write_json
@@ -26,6 +25,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.scenes.maneuver import whole_periods
 from rps_exudyn.simulate.by_accuracy import TABLE, beyond_in_run, beyond_promise
+from verification.limited import cpu_limit
 from verification.runs import revolutions, run_scene
 from verification.scene_truth import truth_of
 from verification.wide_tests import gears_under_tests

@@ -1,6 +1,7 @@
 """Tables about the peers, from the stored rows: errors, times, ratios at equal error, versions."""
 
 from collections.abc import Callable, Sequence
+from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
@@ -17,14 +18,9 @@ ASKED = {"quasi-static": 10.0, "flank": 10.0, "full": 1.0}
 Time = Callable[[Row], float]
 
 
-def whole(row: Row) -> float:
-    """Time of a whole run [s]."""
-    return row.whole_s
-
-
-def loop(row: Row) -> float:
-    """Time of the solver's loop [s]."""
-    return row.loop_s
+whole: Time = attrgetter("whole_s")
+loop: Time = attrgetter("loop_s")
+"""Times of a whole run, and of the solver's loop [s]."""
 
 
 def peers_of(rows: Sequence[Row]) -> list[str]:

@@ -89,18 +89,11 @@ def maps_of(
 
         cells = [[cell_and_flag(plan_of(a, b), methods) for a in _rising(x)] for b in _rising(y)]
         plans = [plan_of(a, _rising(y)[0]) for a in _rising(x)]
-        maps.append(
-            StabilityMap(
-                _title(plans, x),
-                _label(x),
-                _label(y),
-                _displayed(x),
-                _displayed(y),
-                [[str(cell) for cell, _ in row] for row in cells],
-                [[flag for _, flag in row] for row in cells],
-                [Line(label, [at(p.gear, p.fidelity) for p in plans]) for label, at in lines.items()],
-            )
-        )
+        limits = [Line(label, [at(p.gear, p.fidelity) for p in plans]) for label, at in lines.items()]
+        kinds_of_cells = [[str(cell) for cell, _ in row] for row in cells]
+        flags = [[flag for _, flag in row] for row in cells]
+        axes = _label(x), _label(y), _displayed(x), _displayed(y)
+        maps.append(StabilityMap(_title(plans, x), *axes, kinds_of_cells, flags, limits))
     return maps
 
 
