@@ -33,9 +33,7 @@ def run(folder: Path, states: int = 200, moves: int = 20) -> None:
         moved = [SLIDERS[i] for i in rng.choice(len(SLIDERS), count, replace=False)]
         answers.append(asked(gear, moved, rng))
     kinds = Counter(kind for kind, _ in answers)
-    single = {}
-    for slider in SLIDERS:
-        single[slider.path] = spread(asked(gear, [slider], rng) for _ in range(moves))
+    single = {each.path: spread(asked(gear, [each], rng) for _ in range(moves)) for each in SLIDERS}
     by_scene: dict[str, dict[str, dict[str, float]]] = {}
     for scene in (name for name, each in scenes().items() if not each["dynamic"]):
         for is_draft in (False, True):

@@ -100,7 +100,6 @@ def spheres_against_line(gear: SteeringGear) -> dict[str, Any]:
     }
 
 
-# --- tables ------------------------------------------------------------------------------------------
 def differences(rows: Sequence[dict[str, Any]], one: str, other: str, figure: str) -> np.ndarray:
     """Relative differences of a figure where both runs have it, in %."""
     pairs = [(row[one], row[other]) for row in rows]

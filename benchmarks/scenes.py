@@ -149,7 +149,6 @@ LAWS: dict[str, Callable[[str], float]] = {
 }
 
 
-# --- tables ------------------------------------------------------------------------------------------
 def _shown(row: Mapping[str, Any]) -> str:
     figures = list(row["figures"].items())[:2]
     return ", ".join(f"{name.replace('_', ' ')} {SUMMARY[name].show(x)}" for name, x in figures)

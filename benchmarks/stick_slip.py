@@ -214,7 +214,6 @@ def method_picture(found: list[dict[str, Any]]) -> Figure:
     return figure
 
 
-# --- tables ------------------------------------------------------------------------------------------
 def limits_table(folder: Path) -> str:
     """Measured and predicted limits of friction that depends on speed alone."""
     cases = load_data(folder / DATA)["limits"]

@@ -72,11 +72,11 @@ def torque(angle: np.ndarray, law: dict[str, object], step: str) -> np.ndarray:
 def of_points(measurement: Measurement) -> Series:
     """Cost per revolution over the spheres of general contact, and over the segments of the bush."""
     found: dict[str, list[tuple[float, float]]] = {}
-    for point in measurement.points:
-        if point.ok and point.study == "general_contact":
+    for point in (each for each in measurement.points if each.ok):
+        if point.study == "general_contact":
             spheres = float(point.fidelity.profile_samples * point.fidelity.axial_samples)
             found.setdefault("spheres of a flank, general contact", []).append((spheres, point.cost))
-        if point.ok and point.study == "bush" and "step_angle 1 " in point.label:
+        if point.study == "bush" and "step_angle 1 " in point.label:
             segments = float(point.label.split()[1].strip(","))
             found.setdefault("segments of the bush, flank contact", []).append((segments, point.cost))
     return {name: tuple(np.array(rows).T) for name, rows in found.items() if len(rows) > 2}

@@ -113,7 +113,6 @@ def fidelity_of(setting: Setting, gear: SteeringGear) -> Fidelity:
     return Fidelity.preset(preset).replace({**step, **changes})
 
 
-# --- the table -------------------------------------------------------------------------------------
 def publish(
     scene: str, measured: Measured, raw: dict[str, Any], gears: list[SteeringGear], path: Path
 ) -> None:

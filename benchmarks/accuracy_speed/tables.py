@@ -22,12 +22,11 @@ MODELS = {
     "quasi_static_teeth": (f"step_angle 1 °, {DEFAULT_STRIPS}",),
     "flank_bending": ("rack.modes 8, step_angle 1 °",),
     "quasi_static_bending": ("rack.modes 8, step_angle 1 °",),
-    "flank_stribeck": ("step_angle 1 °",),
-    "quasi_static_stribeck": ("step_angle 1 °",),
-    "flank_bristles": ("step_angle 1 °",),
-    "quasi_static_bristles": ("step_angle 1 °",),
-    "flank_four_bristles": ("step_angle 1 °",),
-    "quasi_static_four_bristles": ("step_angle 1 °",),
+    **{
+        f"{preset}_{law}": ("step_angle 1 °",)
+        for law in ("stribeck", "bristles", "four_bristles")
+        for preset in ("flank", "quasi_static")
+    },
     "loop": ("step_angle 5 °",),
     "closed_form": ("",),
 }
@@ -92,7 +91,6 @@ def _cheapest_of(points: Sequence[Point], kind: str, error: float) -> Point | No
     return cheapest(points, (family,), error)
 
 
-# --- contact law and size ----------------------------------------------------------------------------
 def laws_table(folder: Path) -> str:
     """Mean torque and ripple by every law."""
     content = load_data(folder / LIMITS)

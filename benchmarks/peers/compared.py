@@ -45,7 +45,6 @@ def ratios(rows: Sequence[Row], preset: str, peer: str, time: Time) -> list[floa
     return found
 
 
-# --- tables ------------------------------------------------------------------------------------------
 def peers_table(folder: Path) -> str:
     """Errors and times of each program's most accurate setting."""
     rows = from_data(load_data(folder / DATA)["rows"])

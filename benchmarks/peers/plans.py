@@ -8,16 +8,9 @@ from benchmarks.peers.by_package import Package
 from benchmarks.peers.scene import Method
 
 FULL = (
-    (8, 8, 8),
-    (10, 8, 8),
-    (10, 8, 6),
-    (12, 8, 5),
-    (14, 10, 4),
-    (19, 13, 4),
-    (27, 18, 3),
-    (36, 24, 3),
+    (8, 8, 8), (10, 8, 8), (10, 8, 6), (12, 8, 5), (14, 10, 4), (19, 13, 4), (27, 18, 3), (36, 24, 3),
     (27, 18, 1),
-)
+)  # fmt: skip
 """Spheres along the profile and the face, steps in degrees."""
 
 OF_PACKAGE: list[Method] = [

@@ -81,7 +81,6 @@ def write_geometry(folder: Path) -> None:
             partial.write_bytes(mesh.export(file_type="stl"))
 
 
-# --- tables ------------------------------------------------------------------------------------------
 def reference_table(folder: Path) -> str:
     """Mean and variation of the reference, and how far its methods differ."""
     found = load_data(folder / PARAMETERS)["reference"]

@@ -254,7 +254,6 @@ def simple_limits(motion: FreeMotion) -> tuple[float, float]:
     return stable_step(oscillator, runge_kutta_4), stable_step(np.array([[-damping]]), runge_kutta_4)
 
 
-# --- all --------------------------------------------------------------------------------------------
 PARTS: tuple[Callable[[], Iterator[Limit]], ...] = (
     ball_pressed,
     ball_held_by_friction,

@@ -191,7 +191,6 @@ def _driven_cell(gear: DrivenGear, step: float) -> Cell:
     return Cell.INACCURATE if error > INACCURATE else Cell.RIGHT
 
 
-# --- the bush's chain in Exudyn ---------------------------------------------------------------------
 def chain_map(segments: Sequence[float], steps: Sequence[float]) -> StabilityMap:
     """Steps [us] of velocity Verlet; it calls every explosion a success."""
     kinds = {True: str(Cell.RIGHT), False: str(Cell.WRONG)}
@@ -201,7 +200,6 @@ def chain_map(segments: Sequence[float], steps: Sequence[float]) -> StabilityMap
     return StabilityMap(*names, list(segments), list(steps), cells, [], lines)
 
 
-# --- spheres ----------------------------------------------------------------------------------------
 COMPILED_DEPTH = 2  # radii at which the compiled spheres pass, where Exudyn's pass at one
 
 
@@ -222,7 +220,6 @@ DEPTHS: dict[str, Predict] = {
 }
 
 
-# --- all --------------------------------------------------------------------------------------------
 def round_off(gear: SteeringGear, fidelity: Fidelity) -> float:
     """Round-off of the segments' places times the chain's largest stiffness, over the preload."""
     stiffest = max(connection.stiffness[0] for connection in bush_chain(gear).connections)

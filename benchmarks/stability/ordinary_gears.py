@@ -17,13 +17,8 @@ from rps_exudyn.parameters.gear import SteeringGear
 from verification.population import ERRORS, RANGES
 
 SEED = 8
-GEOMETRY = (
-    "pinion.normal_module",
-    "pinion.pressure_angle",
-    "pinion.helix_angle",
-    "pinion.face_width",
-    "rack.tooth_angle",
-)
+OF_PINION = ("normal_module", "pressure_angle", "helix_angle", "face_width")
+GEOMETRY = ("rack.tooth_angle", *(f"pinion.{name}" for name in OF_PINION))
 DRAWN = {path: span for path, span in sorted({**RANGES, **ERRORS}.items()) if path not in GEOMETRY}
 TOGETHER = 100  # gears handed over at a time
 DATA = "ordinary_gears.json"
