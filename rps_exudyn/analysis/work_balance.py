@@ -33,11 +33,12 @@ def losses(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
 
 
 def describe_losses(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
-    """The summary's loss fractions of all work lost; {} if none was."""
+    """The summary's loss fractions of all work lost; {} if none was, nan of such a gear among many."""
     lost = losses(signals)
-    whole = sum(lost.values())
-    if not np.all(np.asarray(whole) > 0):
+    whole = np.asarray(sum(lost.values()))
+    if not np.any(whole > 0):
         return {}
+    whole = number_of(np.where(whole > 0, whole, np.nan))
     return {
         f"loss_share_{place}": sum(lost.get(name, 0.0) for name in names) / whole
         for place, names in PLACES.items()

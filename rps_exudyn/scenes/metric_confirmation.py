@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.analysis.curve import midpoints_added
+from rps_exudyn.analysis.passes import at_instants
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Remark, Status
@@ -155,7 +156,7 @@ def every_second(signals: Signals, stride: int = 2) -> Signals:
     in `stride`."""
     parts = [np.append(np.arange(i.start, i.stop - 1, stride), i.stop - 1) for i in _parts(signals["time"])]
     kept = np.concatenate(parts)
-    return {name: values[..., kept] for name, values in signals.items()}
+    return {name: at_instants(values, kept) for name, values in signals.items()}
 
 
 def with_midpoints(signals: Signals) -> Signals:
@@ -344,6 +345,7 @@ CYCLES_UNDER_TORQUE = (2, 6, 14, 30, 62)  # ... and one that a torque drives ...
 TRIES_OF_INVALID = 3  # ... of which so many are tried where a check fails
 CLOSED = 0.01  # of the largest torque, by which a cycle may end elsewhere than it began ...
 IN_PLACE = 0.002  # ... and of the rack's travel: a drift this slow goes on for ten cycles and more
+VIBRATES = 50  # times its range that a torque goes up and down in a record: smoothly it goes 2 to 6 times
 
 
 def run_swing(
@@ -366,7 +368,24 @@ def run_swing(
         model = with_narrower_zone(fidelity, halvings)
         return run_maneuver(gear, model, earlier.halved(halvings), options=options)
 
-    return confirmed(run, metrics, made, figure, most=most_finer(fidelity, options), always=True)
+    run = confirmed(run, metrics, made, figure, most=most_finer(fidelity, options), always=True)
+    return _with_cause(run, fidelity, maneuver.drive.signal)
+
+
+def _with_cause(run: SceneRun, fidelity: Fidelity, signal: str) -> SceneRun:
+    """Return a swing that a check fails with the cause in its message, where it vibrates: bristles of the
+    teeth turn about too slowly across the sliding to damp vibration, which friction then excites."""
+    dynamic = fidelity.solver == "generalized-alpha"
+    if not (dynamic and run.outcome.status is Status.INVALID and signal in run.signals):
+        return run
+    times = float(np.abs(np.diff(run.signals[signal])).sum() / (np.ptp(run.signals[signal]) or np.inf))
+    if not times > VIBRATES:
+        return run
+    cause = (
+        f"{run.outcome.message}; the gear vibrates, its {signal} goes up and down by {times:.0f} times its "
+        "range: longer steps damp that, and the fidelity quasi-static has no vibration"
+    )
+    return replace(run, outcome=replace(run.outcome, message=cause))
 
 
 def _from_earlier(

@@ -94,7 +94,7 @@ def runs_at(
         tasks: dict[Task, range] = {}
         for rows in waiting:
             part = {path: column[rows.start : rows.stop] for path, column in values.items()}
-            ranges = values if len(rows) > 1 else None
+            ranges = None if singly else values
             call = partial(batch_of, scene, gear, part, fidelity, keep, ranges, options)
             tasks[Task(call)] = rows
         waiting = []
