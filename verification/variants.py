@@ -13,14 +13,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
-from verification.references import (
-    Method,
-    as_run,
-    by_strips,
-    moving,
-    reference_of,
-    slowly,
-)
+from verification.references import Method, as_run, by_strips, moving, reference_of, slowly
 from verification.runs import SceneReference
 
 
