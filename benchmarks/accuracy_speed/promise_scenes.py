@@ -13,10 +13,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from benchmarks.accuracy_speed.limited import cpu_limit
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
+from verification.limited import cpu_limit
 from verification.references import SHAKEN, STRIPS, by_strips
 from verification.runs import run_scene
 from verification.scene_truth import Made, Make, by_model, impact_in_parts
@@ -71,12 +71,7 @@ def moving(step: str, **changes: Any) -> Make:
 
 def shortly(make: Make, seconds: float) -> Make:
     """Method: another one that fails where it takes more CPU time than this [s]."""
-
-    def limited(scene: str, gear: SteeringGear) -> Made:
-        with cpu_limit(seconds):
-            return make(scene, gear)
-
-    return limited
+    return cpu_limit(seconds)(make)
 
 
 def of_short_tests(make: Make, seconds: float) -> Make:

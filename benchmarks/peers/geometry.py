@@ -7,7 +7,7 @@ from scipy.spatial import ConvexHull
 
 from benchmarks.peers.scene import APPROACH, PAIR
 from rps_exudyn.gears.helicoid import Flank
-from rps_exudyn.gears.pinion_mesh import PinionMesh, pinion_mesh
+from rps_exudyn.gears.pinion_mesh import pinion_mesh
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.tooth_contact.mean_depth import axial_reach, contact_ends
@@ -93,14 +93,9 @@ def rack_tooth(tooth: int) -> tuple[np.ndarray, np.ndarray]:
     return vertices, faces
 
 
-def pinion(chord_error: float) -> PinionMesh:
-    """Return the package's closed mesh of the pinion within `chord_error` [m]."""
-    return pinion_mesh(PAIR, chord_error)
-
-
 def pinion_flanks(chord_error: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the flanks of that mesh alone: vertices (n, 3) [m] and triangles (m, 3)."""
-    mesh = pinion(chord_error)
+    """Return the flanks of the package's mesh within `chord_error` [m]: vertices (n, 3), triangles (m, 3)."""
+    mesh = pinion_mesh(PAIR, chord_error)
     faces = np.concatenate([patch.faces for patch in mesh.flanks.values()])
     used, faces = np.unique(faces, return_inverse=True)
     return mesh.vertices[used], faces.reshape(-1, 3)

@@ -8,16 +8,9 @@ from benchmarks.peers.by_package import Package
 from benchmarks.peers.scene import Method
 
 FULL = (
-    (8, 8, 8),
-    (10, 8, 8),
-    (10, 8, 6),
-    (12, 8, 5),
-    (14, 10, 4),
-    (19, 13, 4),
-    (27, 18, 3),
-    (36, 24, 3),
+    (8, 8, 8), (10, 8, 8), (10, 8, 6), (12, 8, 5), (14, 10, 4), (19, 13, 4), (27, 18, 3), (36, 24, 3),
     (27, 18, 1),
-)
+)  # fmt: skip
 """Spheres along the profile and the face, steps in degrees."""
 
 OF_PACKAGE: list[Method] = [
@@ -52,11 +45,5 @@ SEARCHED: list[Method] = [
     Drake(3e-6, 1e-3, longest=2e-3),
 ]
 """Candidates, each run over one tooth pitch; those on the front of their family go into the rounds."""
-
-FINEST: dict[str, Method] = {
-    "MuJoCo, spheres": MuJoCo("spheres", 54, 36, 2e-4, 1e-4),
-    "Drake, hydroelastic": Drake(1e-6, 2.5e-4),
-}
-"""What each peer tends to: its difference from the reference is one of models, not of numbers."""
 
 MOST = 4  # settings of a peer's family in the rounds

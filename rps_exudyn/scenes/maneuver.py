@@ -32,6 +32,10 @@ class StepLimits:
     halvings: int = 4  # at most, where equilibria are too far apart for what they show
 
 
+Division = tuple[tuple[int, int], ...]
+"""Stretches of steps one after the other: how many, and into how many parts each of them is divided."""
+
+
 @dataclass(frozen=True)
 class Piece:
     """Consecutive steps of a maneuver, each divided into as many parts."""
@@ -63,7 +67,12 @@ class Maneuver:
     pulse: TimedForce | None = None
     approach: Approach | None = None  # None: the gear rests where it starts
     closes: bool = False  # its record covers whole periods of the gear or whole cycles
-    divided: tuple[int, ...] = ()  # into how many parts each step of run-in and record; (): none is
+    divided: Division = ()  # of the steps of run-in and record; (): none is
+
+    @property
+    def parts(self) -> int:
+        """Steps of run-in and record, each part of a divided one counted."""
+        return sum(piece.steps * piece.parts for piece in self.pieces())
 
     @property
     def time(self) -> np.ndarray:
@@ -71,13 +80,11 @@ class Maneuver:
         ends = np.concatenate([[0.0], *(piece.instants for piece in self.pieces())])
         return self.time_step * ends
 
-    def pieces(self) -> Iterator["Piece"]:
+    def pieces(self) -> Iterator[Piece]:
         """Yield the stretches of even steps, one after the other."""
-        parts = self.divided or (1,) * (self.lead + self.steps)
         done = 0
-        for part, alike in groupby(parts):
-            steps = len(list(alike))
-            yield Piece(done, steps, part)
+        for steps, parts in self.divided or ((self.lead + self.steps, 1),):
+            yield Piece(done, steps, parts)
             done += steps
 
     @property
@@ -105,7 +112,7 @@ class Maneuver:
         """Return the same swing with so many more cycles before its record."""
         assert isinstance(self.drive, Swing | WheelTorque)
         steps = round(self.drive.period / self.time_step)
-        divided = self.divided + cycles * self.divided[-steps:]
+        divided = merged(self.divided + cycles * last_of(self.divided, steps))
         return replace(self, lead=self.lead + cycles * steps, divided=divided)
 
     def halved(self, times: int) -> "Maneuver":
@@ -119,7 +126,7 @@ class Maneuver:
             time_step=self.time_step / parts,
             lead=self.lead * parts,
             steps=self.steps * parts,
-            divided=tuple(each for each in self.divided for _ in range(parts)),
+            divided=tuple((steps * parts, each) for steps, each in self.divided),
         )
 
     def one_period(self) -> "Maneuver":
@@ -217,15 +224,33 @@ def swing_maneuver(
     return Maneuver(drive, time_step, lead, steps, approach=approach, closes=True, divided=divided)
 
 
-def _divided_after_turns(drive: Swing, per_cycle: int, steps: int, yielding: float) -> tuple[int, ...]:
-    """Return into how many parts the steps of a swing are divided; a turn lies at the end of a step."""
+def _divided_after_turns(drive: Swing, per_cycle: int, steps: int, yielding: float) -> Division:
+    """Return how the steps of a swing are divided; a turn lies at the end of a step."""
     part = float(np.sqrt(2 * yielding / drive.amplitude))  # phase from a turn, about which A phase^2 / 2
     phase = 2 * np.pi / per_cycle
     parts = max(1, int(np.ceil(STEPS_OF_YIELDING * phase / part)))
     near = int(np.ceil(min(part, np.pi / 2) / phase))
-    after_turn = (np.arange(steps) - per_cycle // 4) % (per_cycle // 2)
-    turned = np.arange(steps) >= per_cycle // 4
-    return tuple(np.where(turned & (after_turn < near), parts, 1).tolist())
+    turns = int(np.ceil(2 * steps / per_cycle))  # as many half cycles as the steps need, and more
+    whole = ((per_cycle // 4, 1), *turns * ((near, parts), (per_cycle // 2 - near, 1)))
+    return merged(first_of(whole, steps))
+
+
+def first_of(divided: Division, steps: int) -> Division:
+    """Return the first steps of a division."""
+    ends = np.minimum(np.cumsum([each for each, _ in divided]), steps)
+    lengths = np.diff(ends, prepend=0).tolist()
+    return tuple((length, parts) for length, (_, parts) in zip(lengths, divided, strict=True) if length)
+
+
+def last_of(divided: Division, steps: int) -> Division:
+    """Return the last steps of a division."""
+    return first_of(divided[::-1], steps)[::-1]
+
+
+def merged(divided: Division) -> Division:
+    """Return the same division, neighbours with equal parts as one stretch."""
+    alike = groupby(divided, key=lambda stretch: stretch[1])
+    return tuple((sum(steps for steps, _ in stretches), parts) for parts, stretches in alike)
 
 
 def whole_periods(gear: SteeringGear, angle: float) -> int | None:

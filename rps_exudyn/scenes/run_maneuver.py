@@ -95,7 +95,7 @@ def run_maneuver(
         begin_part(number, len(maneuvers))
         if fidelity.solver != "closed-form":
             spheres = fidelity.profile_samples * fidelity.axial_samples * 2 * gear.pinion.teeth
-            check_memory(maneuver.lead + maneuver.steps, spheres if fidelity.mesh == "general-contact" else 0)
+            check_memory(maneuver.parts, spheres if fidelity.mesh == "general-contact" else 0)
         try:
             runs.append(SOLVERS[fidelity.solver](gear, fidelity, maneuver, options))
         except np.linalg.LinAlgError as error:

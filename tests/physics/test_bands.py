@@ -21,7 +21,7 @@ from rps_exudyn.inference.uncertainty.statistics import LEVELS, contributions, q
 from rps_exudyn.parameters.distribution import KINDS, Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import CORRELATION, POSTERIOR, SteeringGear
-from rps_exudyn.results.outcome import Interrupted
+from rps_exudyn.results.outcome import Code, Interrupted
 from rps_exudyn.simulate.cases.run_cases import run_cases
 from rps_exudyn.simulate.cases.task import Answer, Task
 from rps_exudyn.solvers.closed_form import mean_state
@@ -304,6 +304,15 @@ def test_solution_error_stands_beside_the_band(both: tuple[Band, Band]) -> None:
     assert 0 < quick.numerical["torque_mean"] < 1e-4 * quick.nominal.summary["torque_mean"]
     assert quick.law is not None
     assert quick.law.law == "teeth"
+
+
+def test_no_error_of_the_law_where_the_nominal_yoke_touches_its_nut() -> None:
+    """There the laws differ by more than any error that was measured."""
+    gear = SteeringGear().replace({"pinion.runout": "26 um", "yoke.clearance": "10 um"})
+    band = band_of_runs(TURN, gear, EQUILIBRIA, carried({}, {"bush.drag": "uniform(10 N, 30 N)"}), 8)
+    assert Code.YOKE_STOPPED in band.nominal.codes
+    assert band.law is None
+    assert band.as_dict()["law_error"] is None
 
 
 @pytest.mark.parametrize(("scene", "count", "rounding"), [(TURN, 24, 0.0), ("rack-lift", 8, 1e-8)])

@@ -1,11 +1,14 @@
 """A swing is recorded in cycles that are all alike, in steps short enough for how the rack rolls over."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from bad_cases import bad_cases
 from rps_exudyn.analysis.curve import lag
 from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
@@ -50,7 +53,15 @@ def test_an_ordinary_swing_is_made_once_in_the_steps_asked_for() -> None:
     result = made(ScenePlan("reversal", SteeringGear(), STILL))
     assert "halvings" not in result.findings
     assert unclosed(result.signals, maneuver) < 0.5
-    assert len(result.signals["time"]) == 1 + sum(maneuver.divided[maneuver.lead :])
+    assert len(result.signals["time"]) == 1 + maneuver.parts - maneuver.lead  # whose run-in is not divided
+
+
+def test_cycles_before_a_swing_are_divided_as_its_last_one() -> None:
+    gear = SteeringGear().replace({"test.cycles": 2})
+    once, swing = (swing_maneuver(each, STILL.step_angle) for each in (SteeringGear(), gear))
+    assert once.begun_earlier(1) == replace(swing, lead=swing.lead + swing.steps // 2, steps=once.steps)
+    assert once.halved(2).parts == 4 * once.parts
+    assert np.all(np.diff(once.time) > 0)
 
 
 @pytest.mark.parametrize("ratio", [0.02, 0.1, 0.3])
@@ -72,8 +83,23 @@ def test_cycles_before_the_record_keep_its_steps() -> None:
     """The record's instants are those without them, some periods later."""
     maneuver = swing_maneuver(SteeringGear(), STILL.step_angle)
     earlier = maneuver.begun_earlier(2)
-    recorded = sum(maneuver.divided[maneuver.lead :]) + 1
-    assert sum(earlier.divided[earlier.lead :]) + 1 == recorded
+    recorded, more = (int(np.sum(each.time >= each.record_start)) for each in (maneuver, earlier))
+    assert recorded == more
     assert earlier.time[-recorded:] - 2 * maneuver.drive.period == pytest.approx(
         maneuver.time[-recorded:], abs=1e-9
     )
+
+
+def test_short_steps_show_the_vibration_that_bristles_of_the_teeth_allow() -> None:
+    """Friction of the teeth by a law of the rate damps it, and so do long steps."""
+    bristles = SteeringGear().replace({f"{part}.friction_law": "bristle" for part in RUBBING_PARTS})
+    damped = bristles.replace({"mesh.friction_law": "coulomb"})
+    moving = Fidelity.preset("flank")
+    short = moving.replace({"step_angle": "0.03 deg"})
+    vibrating = made(ScenePlan("reversal", bristles, short))
+    assert vibrating.status is Status.INVALID
+    assert "the gear vibrates, its pinion_torque goes up and down" in vibrating.message
+    still = made(ScenePlan("reversal", bristles, moving))
+    assert (still.status, made(ScenePlan("reversal", damped, short)).status) == (Status.OK, Status.OK)
+    area = made(ScenePlan("reversal", bristles, STILL)).summary["hysteresis_area"]
+    assert still.summary["hysteresis_area"] == pytest.approx(area, rel=2e-3)

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from benchmarks.stability.stable_step import (
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.prescribed_motion import Steady
+from verification.law_area import by_law
+from verification.runge_kutta import FreeMotion
+from verification.stable_step import (
     disturbance_dies,
     explicit_euler,
     largest_damping,
@@ -12,12 +18,6 @@ from benchmarks.stability.stable_step import (
     stable_step,
     state_matrix,
 )
-from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.prescribed_motion import Steady
-from verification.law_area import by_law
-from verification.runge_kutta import FreeMotion
 
 STEPS = 120
 GEAR = by_law(SteeringGear(), "area")  # whose stiffness is varied
