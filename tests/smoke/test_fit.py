@@ -55,6 +55,18 @@ def test_fit_prints_its_sheet_and_report_makes_the_page_of_its_data(
     assert 'class="gear"' in page
 
 
+def test_the_sheet_of_a_fit_names_a_travel_beyond_the_teeth(command: Command) -> None:
+    way = [10 * i for i in range(36)]  # mm
+    rows = [f"{a},{f}" for f, path in ((109.0, way), (-108.0, way[::-1])) for a in path]
+    Path("push.csv").write_text("\n".join(["rack travel [mm],force [N]", *rows]), encoding="utf-8")
+    lines = command(["fit", "rack-push=push.csv", "--single-law"]).out.splitlines()
+    assert len(lines) <= 8
+    assert [" ".join(line.split()) for line in lines if line.split()[0] == "check"] == [
+        "check push covers 350 mm of travel where the gear given has teeth for 151 mm: check the unit of its "
+        "travel"
+    ]
+
+
 def test_the_next_gear_of_a_series_is_fitted_like_the_first(command: Command, files: list[str]) -> None:
     """Of the same curve the second fit has nothing left to do."""
     first = command(["fit", files[0], "--single-law", "--series", "series.json", "--json"])
