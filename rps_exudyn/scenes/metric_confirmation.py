@@ -20,7 +20,7 @@ from rps_exudyn.analysis.passes import at_instants
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Remark, Status
-from rps_exudyn.results.quantities import ANOTHER_CYCLE, LOSS_SHARES, OTHER, SPREADS, SUMMARY
+from rps_exudyn.results.quantities import ANOTHER_CYCLE, LOSS_SHARES, OTHER, SPREADS, SUMMARY, Quantity
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.remarks import part_of_pitch, unresolved_peaks
@@ -122,18 +122,25 @@ def sizes(signals: Signals) -> dict[str, Any]:
 def changes(values: Mapping[str, Any], finer: Mapping[str, Any], signals: Signals) -> dict[str, Any]:
     """Return by how much metrics change, over their tolerances; inf of one that only a single side has.
 
-    Values are numbers, or arrays (n,) of many gears; `signals` are the record of one side, for its sizes.
+    Values are numbers, or arrays (n,) of many gears, nan of one that lacks the metric; `signals` are the
+    record of one side, for its sizes.
     """
+
+    def change(name: str, item: Quantity) -> Any:
+        one, other = values.get(name, np.nan), finer.get(name, np.nan)
+        if not (np.ndim(one) or np.ndim(other)) and not (name in values and name in finer):
+            return np.inf
+        found = item.change(one, other, size.get(item.unit, 0.0))
+        if not np.ndim(found):
+            return found
+        lacks = np.isnan(one), np.isnan(other)
+        return np.where(lacks[0] == lacks[1], np.where(lacks[0], 0.0, found), np.inf)
+
     declared = {name: SUMMARY[name] for name in {**values, **finer} if SUMMARY[name].confirmed}
     size = sizes(signals)
     torque = np.abs(next((finer[name] for name in TORQUES if name in finer), 0.0))
     size["N*m"] = np.maximum(size.get("N*m", 0.0), torque)
-    return {
-        name: item.change(values[name], finer[name], size.get(item.unit, 0.0))
-        if name in values and name in finer
-        else np.inf
-        for name, item in declared.items()
-    }
+    return {name: change(name, item) for name, item in declared.items()}
 
 
 def figure_changes(metrics: Metrics, figure: str, run: SceneRun, later: SceneRun) -> float:

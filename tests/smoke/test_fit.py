@@ -25,6 +25,7 @@ def test_fit_prints_what_is_known_and_writes_its_files(command: Command, files: 
     answer = command(["fit", "bench.csv", files[1], "--all", *options])
     assert answer.status == 0
     assert "note: bench: 1 row without a value is left out: line 5\n" in answer.out
+    assert "assumed: bench: pinion_torque from column 'Drehmoment [N cm]'" in answer.out
     assert "mean free torque 0.66" in answer.out
     assert "not separable by these tests: yoke.preload, mesh.friction, yoke.friction" in answer.out
     gear = rps.SteeringGear.from_toml("fitted.toml")
