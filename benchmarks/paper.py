@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import brentq
 
+from benchmarks.efficiency_map import scaled
 from benchmarks.measure import run_ok
 from benchmarks.topic import Columns, Topic, rows_table, save_data
 from rps_exudyn.analysis.efficiency import LoadTest
@@ -141,8 +142,7 @@ def level() -> tuple[str, bool]:
 # --- Figure 17: load test -----------------------------------------------------------------------------
 def loaded(mass: float, scale: float = 1.0) -> LoadTest:
     """Return the load test by formulas, the free torque scaled by preload, bush and bearings together."""
-    parts = ("yoke.preload", "bush.drag", "bearing.friction_torque")
-    return load_test(GEAR.replace({part: scale * GEAR.value_at(part) for part in parts}), mass)
+    return load_test(scaled(scale), mass)
 
 
 @paper("Figure 17", f"{LOAD:g} kg give a reverse efficiency of about {RATIO:g} of the forward one")

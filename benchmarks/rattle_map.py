@@ -18,6 +18,7 @@ FORCES = (500.0, 750.0, 1000.0, 1500.0, 2000.0)  # [N]
 FREQUENCIES = (30.0, 20.0, 10.0)  # [Hz]
 BASE: dict[str, object] = {"rack.modes": 4, "test.road_phases": 1, "test.road_cycles": 1}
 FIGURES = ("rattle_force_rms", "rattle_speed_rms", "rattle_impulse_per_cycle", "rattle_acceleration_rms")
+LABELS = {"rattle_force_rms": "yokenut force RMS", "rattle_speed_rms": "impact speed RMS"}
 DATA = "rattle.json"
 
 
@@ -62,9 +63,6 @@ def picture(cases: list[dict[str, Any]]) -> Figure:
         figure.colorbar(image, ax=axes, label=quantity.axis_label(LABELS[name]))
     style.title(figure, "Rattle of the default gear, tie rod at 10 deg, clearance 50 µm")
     return figure
-
-
-LABELS = {"rattle_force_rms": "yokenut force RMS", "rattle_speed_rms": "impact speed RMS"}
 
 
 def rattle_table(folder: Path) -> str:

@@ -95,7 +95,6 @@ def draw_runouts(runouts: dict[str, Result], folder: Path) -> None:
         style.save(figure, folder / f"{name}.png")
 
 
-# --- laws --------------------------------------------------------------------------------------------
 def mean(preset: str, settings: Settings | None = None) -> float:
     """Mean free pinion torque of one turn [N m]."""
     return done("free-pinion-torque", settings or {}, preset).summary["torque_mean"]

@@ -51,16 +51,9 @@ def table(folder: Path) -> str:
 
 
 def _named(line: str) -> str:
-    if line == LIBRARIES:
-        return line
-    first = line.startswith("first ")
-    return f"`rps-exudyn {line.removeprefix('first ')}`" + (", compiling" if first else "")
+    name = f"`rps-exudyn {line.removeprefix('first ')}`"
+    return line if line == LIBRARIES else f"{name}, compiling" if line.startswith("first ") else name
 
 
-TOPIC = Topic(
-    "3 min",
-    "first_use",
-    run,
-    {"commands": ("--help", "describe"), "repeats": 1, "first": ()},
-    {"start_up": table},
-)
+TOY = {"commands": QUICK[:2], "repeats": 1, "first": ()}
+TOPIC = Topic("3 min", "first_use", run, TOY, {"start_up": table})

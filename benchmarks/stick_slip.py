@@ -88,7 +88,6 @@ def _damped(model: Oscillator, ratio: float) -> Oscillator:
     return replace(model, damping=damping_of(model, ratio))
 
 
-# --- maps --------------------------------------------------------------------------------------------
 def sheet(
     ratio: float, travel: float, speeds: np.ndarray, ratios: np.ndarray, periods: int
 ) -> dict[str, Any]:
@@ -152,7 +151,6 @@ def _within(limit: Sequence[float | None], shown: tuple[float, float]) -> np.nda
     return np.where((values >= shown[0]) & (values <= shown[1]), values, np.nan)
 
 
-# --- limits ------------------------------------------------------------------------------------------
 def bisected(travel: float, speed: float) -> dict[str, Any]:
     """The limit of the whole gear's steady sliding, measured and predicted [N m s/rad]."""
     gear, model = gear_with(1.2, travel, speed=speed), Fidelity.preset("flank")
@@ -167,7 +165,6 @@ def bisected(travel: float, speed: float) -> dict[str, Any]:
         return case | {"message": str(error)}
 
 
-# --- methods -----------------------------------------------------------------------------------------
 def methods(steps: int) -> list[dict[str, Any]]:
     """Error of the stick-slip period and CPU time of events, explicit and implicit integration."""
     model, drive = _damped(reduced_gear(gear_with(1.2, 0.0)), 0.05), 1.0

@@ -8,7 +8,6 @@ import json
 import os
 import pty
 import re
-import resource
 import shlex
 import shutil
 import signal
@@ -18,12 +17,14 @@ import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
+from resource import RUSAGE_CHILDREN
 from time import monotonic
 from typing import Any
 from urllib.request import Request, urlopen
 
 import numpy as np
 
+from benchmarks.published import cpu_time_of
 from benchmarks.topic import ROOT, Columns, Topic, rows_table, save_data
 
 DATA = "ten_minutes.json"
@@ -111,7 +112,7 @@ def timed(
         subprocess.CalledProcessError: it failed.
     """
     settings = surroundings() | environment
-    before, last, silences = children(), monotonic(), [0.0]
+    before, last, silences = cpu_time_of(RUSAGE_CHILDREN), monotonic(), [0.0]
     terminal, end = pty.openpty()
     with subprocess.Popen(process, cwd=place, env=settings, stdin=end, stdout=end, stderr=end) as running:
         os.close(end)
@@ -130,7 +131,7 @@ def timed(
     allowed = (0, 1) if " check" in name else (0,)  # 1: some limit is not kept
     if status not in allowed:
         raise subprocess.CalledProcessError(status, process, printed)
-    return {"command": name, "cpu": children() - before, "silence": max(silences)}
+    return {"command": name, "cpu": cpu_time_of(RUSAGE_CHILDREN) - before, "silence": max(silences)}
 
 
 def explore(printed: str) -> bool:
@@ -152,12 +153,6 @@ def surroundings() -> dict[str, str]:
     settings = {**os.environ, "PYTHONPATH": str(ROOT), "TERM": "xterm"}
     settings.pop("PYTHONDONTWRITEBYTECODE", None)
     return settings
-
-
-def children() -> float:
-    """CPU time of all processes that this one has started and seen ending [s]."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 def write_measured(path: Path) -> None:

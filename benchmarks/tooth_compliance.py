@@ -67,23 +67,15 @@ REFERENCE, FINE_STATIONS = "elements", {"strip_stations": 8}
 
 def gear_of(name: str) -> SteeringGear:
     """Return a named gear for one tooth pitch."""
-    z, m, helix, tooth, shift, tip, face, bar, line = GEARS[name]
-    return SteeringGear().replace(
-        {
-            "pinion.teeth": int(z),
-            "pinion.normal_module": 1e-3 * m,
-            "pinion.helix_angle": f"{helix} deg",
-            "rack.tooth_angle": f"{tooth} deg",
-            "pinion.profile_shift": shift,
-            "pinion.tip_diameter": 1e-3 * tip,
-            "pinion.face_width": 1e-3 * face,
-            "rack.bar_diameter": 1e-3 * bar,
-            "rack.reference_height": 1e-3 * line,
-            "bush.inner_diameter": 1e-3 * (bar + 1),
-            "test.turns": 1 / z,
-            "test.start_angle": 0.0,
-        }
-    )
+    z, m, helix, tooth, shift, *sizes = GEARS[name]
+    tip, face, bar, line = (1e-3 * size for size in sizes)
+    pinion = {"teeth": int(z), "normal_module": 1e-3 * m, "helix_angle": f"{helix} deg"}
+    pinion |= {"profile_shift": shift, "tip_diameter": tip, "face_width": face}
+    rack = {"tooth_angle": f"{tooth} deg", "bar_diameter": bar, "reference_height": line}
+    gear: dict[str, object] = {f"pinion.{name}": value for name, value in pinion.items()}
+    gear |= {f"rack.{name}": value for name, value in rack.items()}
+    gear |= {"bush.inner_diameter": 1e-3 * (sizes[2] + 1), "test.turns": 1 / z, "test.start_angle": 0.0}
+    return SteeringGear().replace(gear)
 
 
 def run(

@@ -166,7 +166,6 @@ def _draw_floor(axes: Axes, floor: float) -> None:
     axes.annotate(f"floor {floor:.2g} %", (floor / 3, 0.01), **place)
 
 
-# --- cost against size -----------------------------------------------------------------------------
 def scaling_figure(measured: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> Figure:
     """Cost over size of each problem, sizes and CPU seconds (n,), with the exponent fitted to them."""
     figure, (axes,) = style.panels([4.6], 9.0)
@@ -182,7 +181,6 @@ def scaling_figure(measured: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> Fig
     return figure
 
 
-# --- the contact law's own uncertainty -------------------------------------------------------------
 def law_band_figure(
     angle: np.ndarray, torques: Mapping[str, np.ndarray], default: str, errors: Mapping[str, LawError]
 ) -> Figure:

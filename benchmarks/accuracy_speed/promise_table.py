@@ -150,10 +150,12 @@ def rows_of(
         succeeded = np.array([one is not None and np.isfinite(one[quantity]) for one in found])
         if not succeeded.any() or 1 - succeeded.mean() > measured.most_failures:
             continue
-        ran = [(one, teeth) for one, (_, teeth), well in zip(found, known, succeeded, strict=True) if well]
-        errors = np.array([one[quantity] for one, _ in ran]) + doubts[succeeded]
-        costs = cost_of(at, known)
-        settings.append(setting_row(setting, margin * errors.max(), errors, costs, 1 - succeeded.mean()))
+        errors = doubts[succeeded] + [found[i][quantity] for i in np.flatnonzero(succeeded)]
+        (preset, angles, changes), (cost, cost_of_turn) = setting, cost_of(at, known)
+        numbers = {"promised": margin * errors.max(), "median": np.median(errors), "cost": cost}
+        numbers |= {"cost_of_turn": cost_of_turn, "failed": 1 - succeeded.mean()}
+        rounded = {name: float(f"{number:.3g}") for name, number in numbers.items()}
+        settings.append({"preset": preset, "angles_per_pitch": angles, "settings": changes, **rounded})
     floor = float(f"{margin * doubts.max(initial=0.0):.2g}")
     return {"floor": floor, "gears": len(known), "margin": margin, "settings": settings}
 
@@ -165,22 +167,6 @@ def cost_of(at: int, known: Sequence[tuple[dict[str, Any], bool]]) -> tuple[floa
     kinds = [[cost for cost, teeth in costs if teeth == kind] for kind in (True, False)]
     alike, other = (float(np.median(kind or [cost for cost, _ in costs])) for kind in kinds)
     return alike, other
-
-
-def setting_row(
-    setting: Setting, promised: float, errors: np.ndarray, costs: Sequence[float], failed: float
-) -> dict[str, Any]:
-    """One row of the table, rounded."""
-    preset, angles, changes = setting
-    numbers = {
-        "promised": promised,
-        "median": float(np.median(errors)),
-        "cost": costs[0],
-        "cost_of_turn": costs[1],
-        "failed": failed,
-    }
-    rounded = {name: float(f"{number:.3g}") for name, number in numbers.items()}
-    return {"preset": preset, "angles_per_pitch": angles, "settings": changes, **rounded}
 
 
 def factor_of(rows: list[dict[str, Any]], table: dict[str, Any]) -> float:

@@ -56,9 +56,8 @@ def models_table(folder: Path) -> str:
         "error %": lambda point: f"{point.error:.2g}" if point.ok else point.status,
         "of the mean %": lambda point: f"{point.bias:+.2g}" if point.ok else "",
     }
-    of_study = {study: of_torque(folder, study) for study in MODELS}
-    shown = [p for study, labels in MODELS.items() for p in of_study[study] if p.label.startswith(labels)]
-    return table_of(shown, columns)
+    points = [point for point in of_torque(folder, *MODELS) if point.label.startswith(MODELS[point.study])]
+    return table_of(sorted(points, key=lambda point: list(MODELS).index(point.study)), columns)
 
 
 def cheapest(points: Iterable[Point], families: Collection[str], error: float) -> Point | None:

@@ -94,9 +94,9 @@ def _here(bad: BadInput, folder: Path) -> tuple[int, str, float, int]:
 
 def _served(bad: BadInput, folder: Path) -> tuple[int, str, float, int]:
     """Send a request to an explorer; 2 if it is refused, -1 if a sound one has no answer afterwards."""
-    server, errors = _explorer()
-    errors.seek(0)
-    errors.truncate()
+    server = _explorer()
+    server.errors.seek(0)
+    server.errors.truncate()
     with chdir(folder), socket.create_connection(("127.0.0.1", server.server_port), timeout=60) as link:
         with suppress(OSError):  # refused before it was read to its end
             link.sendall(bad.request or b"")
@@ -107,7 +107,7 @@ def _served(bad: BadInput, folder: Path) -> tuple[int, str, float, int]:
                 reply += part
     answers = "curves" in server.answering.computed(Wish({}), bad.topic, 0)
     refused = not reply.startswith(b"HTTP/1.0 200") or b'"problems"' in reply
-    said = errors.getvalue() + reply.decode("utf-8", "replace").rpartition("\r\n")[2]
+    said = server.errors.getvalue() + reply.decode("utf-8", "replace").rpartition("\r\n")[2]
     return (2 * refused if answers else -1), said, 0.0, 0
 
 
@@ -124,13 +124,13 @@ class WatchedExplorer(Explorer):
 
 
 @cache
-def _explorer() -> tuple[WatchedExplorer, StringIO]:
-    """A server in a thread, and what it prints."""
+def _explorer() -> WatchedExplorer:
+    """A server in a thread."""
     server = WatchedExplorer(SteeringGear())
     server.answering.warm_up()
     Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True).start()
     atexit.register(server.server_close)
-    return server, server.errors
+    return server
 
 
 def _in_process(bad: BadInput, folder: Path) -> tuple[int, str, float, int]:

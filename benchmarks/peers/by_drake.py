@@ -38,24 +38,19 @@ class Drake:
         )
 
     def run(self, turned: float) -> scene.Run:
-        """Run over an angle [rad].
-
-        Raises:
-            ArithmeticError: the solver failed, or the rack left the mesh.
-        """
+        """Run over an angle [rad], as `Method` says."""
         start = process_time()
         simulator, plant = self._simulator()
         context = simulator.get_mutable_context()
         own = plant.GetMyMutableContextFromRoot(context)
         pinion, slide_x, slide_y = (plant.GetJointByName(name) for name in ("turn", "x", "y"))
-        pinion.set_angle(own, -scene.RUN_IN)
-        pinion.set_angular_rate(own, scene.SPEED)
-        x, y = scene.rack_start(-scene.RUN_IN) - [0.0, scene.PAIR.bar_axis_height]
-        slide_x.set_translation(own, x)
-        slide_x.set_translation_rate(own, scene.PAIR.gain * scene.SPEED)
-        slide_y.set_translation(own, y)
+        pinion.set_angle(own, scene.START[0])
+        pinion.set_angular_rate(own, scene.RATES[0])
+        slide_x.set_translation(own, scene.START[1])
+        slide_x.set_translation_rate(own, scene.RATES[1])
+        slide_y.set_translation(own, scene.START[2])
         forces = plant.get_generalized_contact_forces_output_port(plant.GetModelInstanceByName("gear"))
-        steps = int(np.ceil((turned + scene.RUN_IN) / scene.SPEED / self.step))
+        steps = scene.steps_of(turned, self.step)
         angle, torque = np.empty(steps), np.empty(steps)
         loop = process_time()
         try:
@@ -66,8 +61,7 @@ class Drake:
         except RuntimeError as error:
             raise ArithmeticError(f"Drake: {error}") from error
         end = process_time()
-        if not abs(slide_y.get_translation(own)) < 10 * scene.APPROACH:
-            raise ArithmeticError("Drake: the rack left the mesh")
+        scene.check_mesh("Drake", slide_y.get_translation(own))
         return scene.Run(angle, torque, end - loop, end - start)
 
     def _simulator(self) -> tuple[Any, Any]:

@@ -16,9 +16,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.peers import scene
-from benchmarks.peers.geometry import SIDES, TEETH, flank_box, pieces, samples
+from benchmarks.peers.geometry import FLANKS, RADIUS, SIDES, TEETH, flank_box, pieces, springs
 
-RADIUS = 0.1e-3  # of the spheres [m]
 IMPEDANCE = 0.9
 
 
@@ -48,19 +47,14 @@ class MuJoCo:
         )
 
     def run(self, turned: float) -> scene.Run:
-        """Run over an angle [rad].
-
-        Raises:
-            ArithmeticError: the rack left the mesh, or a number is not finite.
-        """
+        """Run over an angle [rad], as `Method` says."""
         import mujoco
 
         start = process_time()
         model = self._model()
         data = mujoco.MjData(model)
-        data.qpos[:] = -scene.RUN_IN, *(scene.rack_start(-scene.RUN_IN) - [0.0, scene.PAIR.bar_axis_height])
-        data.qvel[:] = scene.SPEED, scene.PAIR.gain * scene.SPEED, 0.0
-        steps = int(np.ceil((turned + scene.RUN_IN) / scene.SPEED / self.step))
+        data.qpos[:], data.qvel[:] = scene.START, scene.RATES
+        steps = scene.steps_of(turned, self.step)
         angle, torque = np.empty(steps), np.empty(steps)
         loop = process_time()
         for i in range(steps):
@@ -68,8 +62,7 @@ class MuJoCo:
             angle[i], torque[i] = data.qpos[0], -data.qfrc_constraint[0]
         end = process_time()
         angle -= scene.SPEED * self.step / 2  # of the step in whose middle the force acted
-        if not np.isfinite(torque).all() or abs(data.qpos[2]) > 10 * scene.APPROACH:
-            raise ArithmeticError(f"MuJoCo: the rack ends {1e3 * data.qpos[2]:.3g} mm off its place")
+        scene.check_mesh("MuJoCo", data.qpos[2])
         return scene.Run(angle, torque, end - loop, end - start)
 
     def _model(self) -> Any:
@@ -116,14 +109,13 @@ class MuJoCo:
         import mujoco
 
         stiffness = []
-        for (tooth, side), found in samples(self.profile, self.axial).items():
+        for tooth, side in FLANKS:
             common = {"contype": 1 << SIDES.index(side), "conaffinity": 0, "priority": 1, **_surface()}
             if self.kind == "spheres":
-                fits = np.sqrt(1 - RADIUS / found.curvature_radii)
                 sphere = {"type": mujoco.mjtGeom.mjGEOM_SPHERE, "size": (RADIUS, 0, 0), **common}
-                for centre in found.points - RADIUS * found.normals:
+                for centre, own in springs(tooth, side, self.profile, self.axial):
                     pinion.add_geom(pos=centre, **sphere)
-                stiffness += list(scene.STIFFNESS * found.areas * fits)
+                    stiffness.append(own)
                 continue
             for number, (corners, area) in enumerate(pieces(tooth, side, self.profile, self.axial)):
                 name = f"{tooth} {side} {number}"

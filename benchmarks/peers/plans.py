@@ -4,6 +4,7 @@ from itertools import product
 
 from benchmarks.peers.by_drake import Drake
 from benchmarks.peers.by_mujoco import MuJoCo
+from benchmarks.peers.by_newton import Newton
 from benchmarks.peers.by_package import Package
 from benchmarks.peers.scene import Method
 
@@ -43,6 +44,8 @@ SEARCHED: list[Method] = [
     *(Drake(3e-6, 1e-3, approximation) for approximation in ("similar", "sap", "tamsi")),
     *(Drake(chord, 1e-3, surface="triangle") for chord in (3e-6, 1e-6)),
     Drake(3e-6, 1e-3, longest=2e-3),
+    *(Newton(n, m, 1e-4) for n, m in SPHERES),
+    *(Newton(20, 8, step, damping) for step, damping in ((2e-4, 2e-5), (5e-5, 2e-5), (1e-4, 1e-4))),
 ]
 """Candidates, each run over one tooth pitch; those on the front of their family go into the rounds."""
 

@@ -15,7 +15,7 @@ from benchmarks.peers.reference import ANGLES
 from benchmarks.peers.scene import TURN, Method, Run
 from benchmarks.peers.score import score
 
-NEEDED = {"MuJoCo": ("mujoco", "mujoco"), "Drake": ("pydrake", "drake")}
+NEEDED = {"MuJoCo": ("mujoco", "mujoco"), "Drake": ("pydrake", "drake"), "Newton": ("newton", "newton")}
 """Program -> the module that it needs, and the distribution that has it."""
 
 NOT_TO_BE_HAD = {

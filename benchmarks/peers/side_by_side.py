@@ -13,7 +13,7 @@ from benchmarks.peers.compared import DATA, TABLES, front_of, loop
 from benchmarks.peers.reference import COARSE, FINE, at_angles, reference
 from benchmarks.peers.rounds import Row, absent, as_data, from_data, installed, measured, versions
 from benchmarks.peers.scene import GEAR, TURN, Method
-from benchmarks.topic import Topic, load_data, save_data
+from benchmarks.topic import Topic, begun, load_data, save_data
 from rps_exudyn.pages.charts import style
 from verification.references import Method as ReferenceMethod
 
@@ -34,14 +34,13 @@ def run(
 ) -> None:
     """Search the peers' settings, run the best of them and the package's in rounds, and draw them.
 
-    Without `search_again` the search is the one that the data file has.
+    Without `search_again` only programs are searched that the data file has no search of.
     """
     known = reference(methods)
     torque, searched = at_angles(known), [each for each in searched if installed(each.program)]
-    if search_again or not (folder / DATA).is_file():
-        search = measured(searched, torque, 1, 0.0, PITCH)
-    else:
-        search = from_data(load_data(folder / DATA)["search"])
+    search = [] if search_again else from_data(begun(folder / DATA).get("search", []))
+    done = {row.program for row in search}
+    search += measured([each for each in searched if each.program not in done], torque, 1, 0.0, PITCH)
     labels = {(row.program, row.label) for row in best(search)}
     chosen = [method for method in searched if (method.program, method.label) in labels]
     warm(own)

@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -20,17 +19,10 @@ from rps_exudyn.forces.bush import bush_chain, resting_segments
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.solids import bush_segment_solid
 from rps_exudyn.multibody.bodies import add_chain
-from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.prescribed_motion import DrivenBody, Steady, travel_per_radian
-from verification import stable_step as theory
-from verification.law_area import by_law
-from verification.runge_kutta import FreeMotion
 from verification.stability import bisected
-from verification.stable_step import explicit_euler, runge_kutta_4, stable_step
+from verification.stable_step import GEAR, DrivenGear, explicit_euler, runge_kutta_4, stable_step
 
 DATA = "explicit.json"
-GEAR = by_law(SteeringGear(), "area")  # whose stiffness is varied
 RPM = np.pi / 30
 
 
@@ -166,7 +158,6 @@ def _march(mbs: Any, step: float, steps: int, solver: str) -> None:
     mbs.SolveDynamic(settings, solverType=getattr(exu.DynamicSolverType, solver))
 
 
-# --- RK4 on the gear --------------------------------------------------------------------
 @dataclass(frozen=True)
 class Gears:
     """One parameter of a driven gear at several values."""
@@ -206,60 +197,7 @@ def on_the_gear(lines: Sequence[Gears] = LINES) -> Iterator[Limit]:
             yield limit_of(f"{DRIVES[line.driven]}, {line.varied}", at, driven.calms, driven.predicted)
 
 
-@dataclass(frozen=True, eq=False)
-class DrivenGear:
-    """A gear driven from its centre at the test's speed, or held there, for RK4."""
-
-    gear: SteeringGear
-    fidelity: Fidelity
-    motion: FreeMotion
-
-    @classmethod
-    def of(
-        cls, driven: str, path: str, value: float, choices: Mapping[str, Any] = MappingProxyType({})
-    ) -> "DrivenGear":
-        """Change one parameter; `choices` are those of the fidelity besides."""
-        choice = path.removeprefix("fidelity.")
-        varied = {choice: value} if choice != path else {}
-        fidelity = Fidelity().replace({"zone_ratio": 0.1} | dict(choices) | varied)
-        gear = GEAR.replace({path: value} if choice == path else {})
-        return cls(gear, fidelity, FreeMotion.of(gear, fidelity, _drive(gear, driven)))
-
-    @property
-    def zone(self) -> float:
-        """Friction zone [m/s]."""
-        sliding = GearPair.of(self.gear).least_sliding * self.gear.test.speed
-        return float(self.fidelity.zone_ratio * sliding)
-
-    @property
-    def predicted(self) -> float:
-        """Largest stable step of RK4 [s]."""
-        return stable_step(theory.state_matrix(self.motion), runge_kutta_4)
-
-    def calms(self, step: float) -> bool:
-        """Return whether a disturbance dies at that step [s]."""
-        return theory.disturbance_dies(self.motion, step, self.zone)
-
-
-def _drive(gear: SteeringGear, driven: str) -> Steady:
-    body: DrivenBody = "rack" if driven == "rack" else "pinion"
-    speed = 0.0 if driven == "nothing" else gear.test.speed
-    return Steady(body, 0.0, travel_per_radian(body, float(GearPair.of(gear).gain)) * speed)
-
-
-def simple_limits(motion: FreeMotion) -> tuple[float, float]:
-    """Stable steps of RK4 for omega_max and for c_max alone [s]: an oscillator, a damper."""
-    frequency, damping = theory.largest_frequency(motion), theory.largest_damping(motion)
-    oscillator = np.array([[0.0, 1.0], [-(frequency**2), 0.0]])
-    return stable_step(oscillator, runge_kutta_4), stable_step(np.array([[-damping]]), runge_kutta_4)
-
-
-PARTS: tuple[Callable[[], Iterator[Limit]], ...] = (
-    ball_pressed,
-    ball_held_by_friction,
-    chain_alone,
-    on_the_gear,
-)
+PARTS = (ball_pressed, ball_held_by_friction, chain_alone, on_the_gear)
 
 
 def run(folder: Path, parts: Sequence[Callable[[], Iterator[Limit]]] = PARTS) -> None:

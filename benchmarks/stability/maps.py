@@ -16,13 +16,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from benchmarks.stability.chart import draw_maps
-from benchmarks.stability.explicit_limits import (
-    SPHERES,
-    DrivenGear,
-    chain_frequency,
-    chain_is_bounded,
-    simple_limits,
-)
+from benchmarks.stability.explicit_limits import SPHERES, chain_frequency, chain_is_bounded
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.bush import bush_chain
@@ -57,7 +51,7 @@ from verification.stability import (
     reference,
     run_and_check,
 )
-from verification.stable_step import STEPS
+from verification.stable_step import STEPS, DrivenGear, simple_limits
 
 PLANS = Path(__file__).parent / "plans"
 TIME_LIMIT = 30.0  # CPU time of a cell, and of its reference [s]
@@ -65,7 +59,6 @@ TIME_LIMIT = 30.0  # CPU time of a cell, and of its reference [s]
 Predict = Callable[[SteeringGear, Fidelity], float]
 
 
-# --- studies ----------------------------------------------------------------------------------------
 def maps_of(
     file: str,
     lines: Mapping[str, Predict] = MappingProxyType({}),
@@ -147,7 +140,6 @@ def two_steps_per_pitch(gear: SteeringGear, fidelity: Fidelity) -> float:
 PITCH_LIMIT: dict[str, Predict] = {"two steps per tooth pitch": two_steps_per_pitch}
 
 
-# --- RK4 on the gear --------------------------------------------------------------------
 def explicit_map(
     title: str,
     driven: str,

@@ -112,10 +112,12 @@ def test_a_program_that_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatc
 def _peers() -> Sequence[Any]:
     from benchmarks.peers.by_drake import Drake
     from benchmarks.peers.by_mujoco import MuJoCo
+    from benchmarks.peers.by_newton import Newton
 
     return [
         pytest.param(MuJoCo("spheres", 27, 18, 1e-3, 1e-4), "mujoco", id="MuJoCo"),
         pytest.param(Drake(3e-6, 1e-3), "pydrake", id="Drake"),
+        pytest.param(Newton(20, 8, 1e-4), "newton", id="Newton"),
     ]
 
 
