@@ -1,13 +1,12 @@
 """What a load test says depends on the weight: the ratio of efficiencies over weight and free torque."""
 
 from pathlib import Path
-from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from benchmarks.topic import Topic, load_data, markdown, save_data
+from benchmarks.topic import Columns, Topic, rows_table, save_data
 from rps_exudyn.analysis.efficiency import LoadTest
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
@@ -38,13 +37,8 @@ def efficiency_tests(masses: np.ndarray) -> list[list[LoadTest]]:
 
 def scaled(fraction: float) -> SteeringGear:
     """The default gear with a fraction of all that makes its free torque."""
-    return GEAR.replace(
-        {
-            "yoke.preload": fraction * GEAR.yoke.preload,
-            "bush.drag": fraction * GEAR.bush.drag,
-            "bearing.friction_torque": fraction * GEAR.bearing.friction_torque,
-        }
-    )
+    parts = ("yoke.preload", "bush.drag", "bearing.friction_torque")
+    return GEAR.replace({path: fraction * GEAR.value_at(path) for path in parts})
 
 
 def efficiency_map(tests: list[list[LoadTest]], masses: np.ndarray) -> Figure:
@@ -63,13 +57,7 @@ def efficiency_map(tests: list[list[LoadTest]], masses: np.ndarray) -> Figure:
     default = test.free_torque, GEAR.test.load_mass
     axes.plot(*default, "o", color="white")
     label = f"default gear, {GEAR.test.load_mass:g} kg: {test.efficiency_ratio:.2f}"
-    beside: dict[str, Any] = {
-        "xytext": (6, -12),
-        "textcoords": "offset points",
-        "fontsize": 9,
-        "color": "white",
-    }
-    axes.annotate(label, default, **beside)
+    axes.annotate(label, default, (6, -12), textcoords="offset points", fontsize=9, color="white")
     axes.set_xlabel("free pinion torque [N m]")
     axes.set_ylabel("weight [kg]")
     axes.set_xlim(free[0], free[-1])
@@ -81,27 +69,19 @@ def efficiency_map(tests: list[list[LoadTest]], masses: np.ndarray) -> Figure:
 def needed_weights(tests: list[list[LoadTest]], masses: np.ndarray) -> list[dict[str, float]]:
     """Weights [kg] for the paper's ratio of 0.9 and of self-locking, by free torque [N m]."""
     free = np.array([test.free_torque for test in tests[0]])
-    ratios = np.array([[test.efficiency_ratio for test in row] for row in tests])
     found = []
     for torque in FREE_TORQUES:
-        at = [np.interp(torque, free, row) for row in ratios]
-        weights = (float(np.interp(ratio, at, masses)) for ratio in (0.9, 0.0))
-        found.append(dict(zip(("free_torque", "ratio_0.9", "locks_below"), (torque, *weights), strict=True)))
+        at = [np.interp(torque, free, [test.efficiency_ratio for test in row]) for row in tests]
+        usual, locks = (float(np.interp(ratio, at, masses)) for ratio in (0.9, 0.0))
+        found.append({"free_torque": torque, "ratio_0.9": usual, "locks_below": locks})
     return found
 
 
-def weights_table(folder: Path) -> str:
-    """Weights for the paper's ratio of efficiencies."""
-    names = ("free_torque", "ratio_0.9", "locks_below")
-    rows = [[f"{row[name]:.3g}" for name in names] for row in load_data(folder / DATA)["weights"]]
-    return markdown(("free torque N m", "ratio 0.9 at kg", "self-locking below kg"), rows)
-
-
+WEIGHTS: Columns = {
+    "free torque N m": "{free_torque:.3g}",
+    "ratio 0.9 at kg": lambda row: f"{row['ratio_0.9']:.3g}",
+    "self-locking below kg": "{locks_below:.3g}",
+}
 TOPIC = Topic(
-    "load test: ratio of efficiencies over weight and free torque, by the closed form",
-    "10 s",
-    "scenes",
-    run,
-    {"masses": MASSES[::8]},
-    {"weights": weights_table},
+    "10 s", "scenes", run, {"masses": MASSES[::8]}, {"weights": rows_table(DATA, "weights", WEIGHTS)}
 )

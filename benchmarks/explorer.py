@@ -2,6 +2,7 @@
 
 import json
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from time import process_time
@@ -13,6 +14,7 @@ from rps_exudyn.pages.explore.sliders import SLIDERS, SLOW, Slider, Wish, answer
 from rps_exudyn.parameters.gear import SteeringGear
 
 DATA = "explorer.json"
+TIMES = "median ms", "95 % within ms", "largest ms"
 KINDS = ("values", "a sentence, the gear's geometry beside it", "a refusal")
 FEW = 3  # sliders that half of the states move; the other half moves any number
 FREE = Wish({})
@@ -25,33 +27,25 @@ def run(folder: Path, states: int = 200, moves: int = 20) -> None:
     every scene of equilibria; keep kinds and times."""
     gear, rng = SteeringGear().replace(LOADED), np.random.default_rng(20)
     answer(gear, Wish({}))  # compiles
-    kinds: Counter[str] = Counter()
-    times: list[float] = []
+    answers = []
     for at in range(states):
         count = int(rng.integers(1, len(SLIDERS) + 1)) if at % 2 else FEW
-        kind, seconds = asked(gear, [SLIDERS[i] for i in rng.choice(len(SLIDERS), count, replace=False)], rng)
-        kinds[kind] += 1
-        if kind == KINDS[0]:
-            times.append(seconds)
-    single = {}
-    for slider in SLIDERS:
-        tried = [asked(gear, [slider], rng) for _ in range(moves)]
-        known = [seconds for kind, seconds in tried if kind == KINDS[0]]
-        single[slider.path] = {"refused": len(tried) - len(known), **spread(known)}
+        moved = [SLIDERS[i] for i in rng.choice(len(SLIDERS), count, replace=False)]
+        answers.append(asked(gear, moved, rng))
+    kinds = Counter(kind for kind, _ in answers)
+    single = {each.path: spread(asked(gear, [each], rng) for _ in range(moves)) for each in SLIDERS}
     by_scene: dict[str, dict[str, dict[str, float]]] = {}
     for scene in (name for name, each in scenes().items() if not each["dynamic"]):
         for is_draft in (False, True):
             wish = Wish({}, scene, is_draft=is_draft)
             answer(gear, wish)  # compiles
-            tried = [
-                asked(gear, [slider], rng, wish) for slider in SLIDERS for _ in range(max(1, moves // 5))
-            ]
-            found = spread([seconds for kind, seconds in tried if kind == KINDS[0]])
+            moved = [slider for slider in SLIDERS for _ in range(max(1, moves // 5))]
+            found = spread(asked(gear, [slider], rng, wish) for slider in moved)
             by_scene.setdefault(scene, {})["draft" if is_draft else "answer"] = found
             print(scene, is_draft, found, flush=True)
             if found.get("largest", 0.0) <= SLOW:
                 break
-    content = {"kinds": dict(kinds), "random": spread(times), "sliders": single, "scenes": by_scene}
+    content = {"kinds": kinds, "random": spread(answers), "sliders": single, "scenes": by_scene}
     save_data(folder / DATA, content)
 
 
@@ -77,8 +71,9 @@ def drawn(slider: Slider, rng: np.random.Generator) -> float:
     return float(min(slider.low + rng.integers(0, steps + 1) * slider.step, slider.high))
 
 
-def spread(times: list[float]) -> dict[str, float]:
-    """Median, 95th percentile and largest of CPU times [s]."""
+def spread(answers: Iterable[tuple[str, float]]) -> dict[str, float]:
+    """Median, 95th percentile and largest CPU time of those that have values [s]."""
+    times = [seconds for kind, seconds in answers if kind == KINDS[0]]
     if not times:
         return {}
     return dict(zip(("median", "p95", "largest"), np.quantile(times, [0.5, 0.95, 1.0]).tolist(), strict=True))
@@ -92,7 +87,7 @@ def times_table(folder: Path) -> str:
         [f"the slowest of {len(data['sliders'])}, `{path}`", *_shown(slowest)],
         ["several at random", *_shown(data["random"])],
     ]
-    table = markdown(["sliders moved", "median ms", "95 % within ms", "largest ms"], rows)
+    table = markdown(["sliders moved", *TIMES], rows)
     curves, sentences, refusals = (data["kinds"].get(kind, 0) for kind in KINDS)
     return f"{table}\n\nAt random: {curves} curves, {sentences} sentences, {refusals} refusals."
 
@@ -109,18 +104,10 @@ def scenes_table(folder: Path) -> str:
         for scene, found in scenes.items()
         if found["answer"]
     ]
-    head = [
-        "scene, any one slider moved",
-        "median ms",
-        "95 % within ms",
-        "largest ms",
-        "drafts: 95 % within ms",
-    ]
-    return markdown(head, rows)
+    return markdown(["scene, any one slider moved", *TIMES, "drafts: 95 % within ms"], rows)
 
 
 TOPIC = Topic(
-    "answers of the explorer to random states, and their time",
     "3 min",
     "first_use",
     run,

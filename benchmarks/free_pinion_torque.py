@@ -4,17 +4,15 @@ Distances are over the turn from `full`, all parts in Exudyn with general contac
 CPU time is the solver's in runs after a first short one, so without compilation and setting up.
 """
 
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-import rps_exudyn as rps
-from benchmarks.topic import Topic, load_data, markdown, save_data
+from benchmarks.measure import quickest, run_ok
+from benchmarks.topic import Columns, Topic, load_data, markdown, save_data, table_of
 from rps_exudyn.analysis.result_comparison import compare
-from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.pages.charts.analyses import draw_comparison
 from rps_exudyn.pages.charts.scene_figures import draw
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -27,8 +25,7 @@ FIDELITIES = {
     "`quasi-static`": Fidelity.preset("quasi-static"),
     "`closed-form`": Fidelity.preset("closed-form"),
 }
-FULL, FLANK = "`full`", "`flank` (default)"
-DRAWN = (FULL, FLANK)
+FULL, FLANK = list(FIDELITIES)[:2]
 LOSSES = ("mesh", "seat", "bush", "bearing")
 COARSE = FIDELITIES[FULL].replace({"profile_samples": 14, "axial_samples": 10, "bush": "condensed"})
 SLOW = 5.0  # CPU time of a run [s] that is not repeated
@@ -38,24 +35,22 @@ DATA = "fidelities.json"
 
 def run(folder: Path, turns: float = 1.0, full: Fidelity = FIDELITIES[FULL], repeats: int = 5) -> None:
     """Measure `turns` by every fidelity, with this model as `full`, and draw two tooth pitches."""
-    results = {
-        name: measured(fidelity, turns, repeats) for name, fidelity in (FIDELITIES | {FULL: full}).items()
-    }
+    models = FIDELITIES | {FULL: full}
+    results = {name: measured(fidelity, turns, repeats) for name, fidelity in models.items()}
     save_data(folder / DATA, {"turns": turns, "rows": [row(name, results) for name in results]})
     draw(results[FULL], folder / "full.png")
-    pair = compare(*(shortened(results[name], 2 * PITCH) for name in DRAWN))
+    pair = compare(*(shortened(results[name], 2 * PITCH) for name in (FULL, FLANK)))
     draw_comparison(pair, ("full", "flank"), folder / "full_and_flank.svg")
 
 
 def measured(fidelity: Fidelity, turns: float, repeats: int) -> Result:
     """The run with the least CPU time of several, after a short one that compiles and loads all."""
-    rps.run("free-pinion-torque", fidelity=fidelity, turns=1 / 120)
-    runs: list[Result] = []
-    while not runs or (len(runs) < repeats and runs[0].counters["solver_cpu"] < SLOW):
-        runs.append(rps.run("free-pinion-torque", fidelity=fidelity, turns=turns))
-        if runs[-1].status != "ok":
-            raise SystemExit(f"{fidelity.name}: {runs[-1].message}")
-    return min(runs, key=lambda result: result.counters["solver_cpu"])
+
+    def over(turns: float) -> Result:
+        return run_ok("free-pinion-torque", SteeringGear().replace({"test.turns": turns}), fidelity)
+
+    over(1 / 120)
+    return quickest(lambda: over(turns), repeats, SLOW)
 
 
 def shortened(result: Result, turns: float) -> Result:
@@ -65,77 +60,49 @@ def shortened(result: Result, turns: float) -> Result:
 
 
 def row(name: str, results: dict[str, Result]) -> dict[str, Any]:
-    """Numbers of one fidelity [SI], relative to its own mean or work."""
+    """Numbers of one fidelity [SI], relative to its own mean or work; None where the run leaves them out."""
     result, summary = results[name], results[name].summary
     torque = compare(results[FULL], result).signals["pinion_torque"]
-    gain = float(GearPair.of(SteeringGear()).gain)
+    ripple = summary.get("torque_peak_to_peak")
     return {
         "fidelity": name,
         "mean": summary["torque_mean"],
-        "peak_to_peak": _over_mean(summary, "torque_peak_to_peak"),
+        "peak_to_peak": None if ripple is None else ripple / summary["torque_mean"],
         "losses": {loss: summary.get(f"loss_share_{loss}") for loss in LOSSES},
         "distance": torque.rms / torque.mean,
         "cpu_s": result.counters["solver_cpu"],
-        "counters": {name: result.counters.get(name) for name in ("steps", "newton_iterations", "jacobians")},
-        "gain": summary["rack_gain"] / gain - 1 if "rack_gain" in summary else None,
         "energy_residual": summary.get("energy_residual"),
     }
 
 
-def _over_mean(summary: Mapping[str, float], name: str) -> float | None:
-    """A metric over the mean torque; None where the run leaves it out."""
-    return summary[name] / summary["torque_mean"] if name in summary else None
-
-
-def rows_of(folder: Path, names: Sequence[str] = tuple(FIDELITIES)) -> list[dict[str, Any]]:
-    """Stored rows of these fidelities."""
-    return [each for each in load_data(folder / DATA)["rows"] if each["fidelity"] in names]
-
-
 def fidelities_table(folder: Path) -> str:
     """Every fidelity, as README.md shows it."""
-    head = (
-        "fidelity",
-        "mean",
-        "peak to peak",
-        "RMS distance from `full`",
-        "CPU time per turn",
-    )
-    turns = load_data(folder / DATA)["turns"]
-    rows = [
-        (
-            each["fidelity"],
-            f"{each['mean']:.4f} N m",
-            "-" if each["peak_to_peak"] is None else f"{100 * each['peak_to_peak']:.2g} %",
-            f"{100 * each['distance']:.2g} %" if each["distance"] else "-",
-            f"{each['cpu_s'] / turns:.2g} s",
-        )
-        for each in rows_of(folder)
-    ]
-    return markdown(head, rows)
+    data = load_data(folder / DATA)
+    columns: Columns = {
+        "fidelity": "{fidelity}",
+        "mean": "{mean:.4f} N m",
+        "peak to peak": lambda row: _percent(row["peak_to_peak"], "-"),
+        "RMS distance from `full`": lambda row: _percent(row["distance"] or None, "-"),
+        "CPU time per turn": lambda row: f"{row['cpu_s'] / data['turns']:.2g} s",
+    }
+    return table_of(data["rows"], columns)
 
 
 def losses_table(folder: Path) -> str:
-    """Return where the work goes, and what is left of its balance."""
-    head = ("fidelity", *LOSSES, "energy residual")
-    rows = [
-        (
-            each["fidelity"],
-            *(_share(each["losses"][loss]) for loss in LOSSES),
-            "" if each["energy_residual"] is None else f"{100 * each['energy_residual']:.2g} %",
-        )
-        for each in rows_of(folder)
-    ]
-    return markdown(head, rows)
+    """Return where the work goes, and what is left of its balance; rounding has no sign."""
+    rows = []
+    for each in load_data(folder / DATA)["rows"]:
+        shares = [each["losses"][loss] for loss in LOSSES]
+        texts = ["" if share is None else f"{100 * round(share, 3) + 0.0:.1f} %" for share in shares]
+        rows.append([each["fidelity"], *texts, _percent(each["energy_residual"], "")])
+    return markdown(("fidelity", *LOSSES, "energy residual"), rows)
 
 
-def _share(value: float | None) -> str:
-    """A share in percent, "" if it is not known; rounding has no sign."""
-    return "" if value is None else f"{100 * round(value, 3) + 0.0:.1f} %"
+def _percent(value: float | None, none: str) -> str:
+    return none if value is None else f"{100 * value:.2g} %"
 
 
 TOPIC = Topic(
-    "one turn of the default gear by every fidelity: torque, losses, distance from the full model, cost",
     "2 min",
     "free_pinion_torque",
     run,

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 import rps_exudyn as rps
-from benchmarks.topic import Topic, digits, load_data, markdown, save_data
+from benchmarks.topic import Columns, Topic, digits, load_data, markdown, save_data, table_of
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -64,10 +64,10 @@ def of_a_pitch(gear: SteeringGear, law: str, load: float) -> SteeringGear:
 
 def measured(gear: SteeringGear, load: float) -> dict[str, Any]:
     """What becomes of a gear's cases."""
-    row: dict[str, Any] = {"load": load}
-    for name, (scene, law) in CASES.items():
-        row[name] = outcome(rps.run(scene, of_a_pitch(gear, law, load), fidelity=EVERYDAY))
-    return row
+    return {"load": load} | {
+        name: outcome(rps.run(scene, of_a_pitch(gear, law, load), fidelity=EVERYDAY))
+        for name, (scene, law) in CASES.items()
+    }
 
 
 def unfound(gear: SteeringGear) -> int:
@@ -85,28 +85,19 @@ def unfound(gear: SteeringGear) -> int:
 
 def outcome(result: Result) -> dict[str, Any]:
     """Status, mean torque or efficiency of a run, and why it failed."""
-    figures = {
-        name: result.summary[name]
-        for name in ("torque_mean", "torque_peak_to_peak", "efficiency_forward")
-        if name in result.summary
-    }
+    names = ("torque_mean", "efficiency_forward")
+    figures = {name: result.summary[name] for name in names if name in result.summary}
     why = {} if result.status is Status.OK else {"message": result.message}
     return {"status": str(result.status), **why, **figures}
 
 
 def spheres_against_line(gear: SteeringGear) -> dict[str, Any]:
     """A gear's free torque by spheres and by law "line" with the same stiffness, in equilibria."""
-    gear = of_a_pitch(gear, "line", 0.0)
-    by_line = rps.run("free-pinion-torque", gear, fidelity=EVERYDAY)
-    by_spheres = rps.run("free-pinion-torque", gear, fidelity=EVERYDAY.replace({"mesh": "general-contact"}))
-    return {"line": outcome(by_line), "spheres": outcome(by_spheres)}
-
-
-# --- tables ------------------------------------------------------------------------------------------
-def statuses(rows: Sequence[dict[str, Any]], name: str) -> str:
-    """How often each status came."""
-    counts = Counter(row[name]["status"] for row in rows)
-    return ", ".join(f"{count} {status}" for status, count in counts.most_common())
+    gear, models = of_a_pitch(gear, "line", 0.0), {"line": "flank", "spheres": "general-contact"}
+    return {
+        name: outcome(rps.run("free-pinion-torque", gear, fidelity=EVERYDAY.replace({"mesh": mesh})))
+        for name, mesh in models.items()
+    }
 
 
 def differences(rows: Sequence[dict[str, Any]], one: str, other: str, figure: str) -> np.ndarray:
@@ -116,23 +107,19 @@ def differences(rows: Sequence[dict[str, Any]], one: str, other: str, figure: st
     return np.array([100 * (a / b - 1) for a, b in both])
 
 
-def spread(values: np.ndarray) -> list[str]:
-    """Smallest, median, largest."""
-    return [digits(float(each)) for each in (values.min(), np.median(values), values.max())]
-
-
 def unfound_table(folder: Path) -> str:
     """At how many poses no loads were found."""
-    poses = load_data(folder / POSES)
-    return markdown(("poses of all gears", "without loads found"), [(poses["tried"], poses["unfound"])])
+    columns = {"poses of all gears": "{tried}", "without loads found": "{unfound}"}
+    return table_of([load_data(folder / POSES)], columns)
 
 
 def statuses_table(folder: Path) -> str:
     """How the runs of each case ended."""
-    rows = load_data(folder / DATA)["gears"]
-    return markdown(
-        ("law and load", "runs", "ended"), [(name, len(rows), statuses(rows, name)) for name in CASES]
-    )
+    gears, rows = load_data(folder / DATA)["gears"], []
+    for name in CASES:
+        counts = Counter(gear[name]["status"] for gear in gears)
+        rows.append((name, len(gears), ", ".join(f"{n} {status}" for status, n in counts.most_common())))
+    return markdown(("law and load", "runs", "ended"), rows)
 
 
 def differences_table(folder: Path) -> str:
@@ -143,32 +130,30 @@ def differences_table(folder: Path) -> str:
         "teeth against line, efficiency": (rows, "teeth, loaded", "line, loaded", "efficiency_forward"),
         "spheres against line, mean free torque": (spheres, "spheres", "line", "torque_mean"),
     }
-    lines = []
-    for name, (of, *what) in compared.items():
-        values = differences(of, *what)
-        lines.append((name, values.size, *spread(values), int((np.abs(values) <= NEAR).sum())))
-    return markdown(
-        ("difference in %", "gears", "smallest", "median", "largest", f"within {NEAR:g} %"), lines
-    )
+    columns: Columns = {
+        "difference in %": lambda row: row[0],
+        "gears": lambda row: row[1].size,
+        "smallest": lambda row: digits(row[1].min()),
+        "median": lambda row: digits(np.median(row[1])),
+        "largest": lambda row: digits(row[1].max()),
+        f"within {NEAR:g} %": lambda row: (np.abs(row[1]) <= NEAR).sum(),
+    }
+    return table_of([(name, differences(*what)) for name, what in compared.items()], columns)
 
 
 TOPIC = Topic(
-    "the laws of contact on random gears: loads found at every angle, and means that differ",
     "10 min",
     "contact_laws",
     run,
     {"gears": 2, "by_spheres": 1},
-    {
-        "law_poses": unfound_table,
-        "law_statuses": statuses_table,
-        "law_differences": differences_table,
-    },
+    {"law_poses": unfound_table, "law_statuses": statuses_table, "law_differences": differences_table},
 )
 
 SPHERES_ALONE = Topic(
-    "spheres beside law line on random gears, a part of `law_on_gears`",
     "2 min",
     "contact_laws",
     run_spheres,
     {"gears": 1},
+    {},
+    about="spheres beside law line on random gears, a part of `law_on_gears`",
 )

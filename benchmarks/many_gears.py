@@ -8,15 +8,16 @@ little; and that of all metrics that are peaks to peaks or ranges.
 """
 
 import os
-import time
-from collections.abc import Callable, Sequence
+import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 
-from benchmarks.topic import ROOT, Topic, digits, load_data, markdown, save_data
+from benchmarks.measure import least_time
+from benchmarks.study_scaling import tolerance_study
+from benchmarks.topic import Columns, Topic, digits, rows_table, save_data
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.batch import Batch, batch
 from rps_exudyn.simulate.family import SINGLE_OUT
@@ -26,11 +27,9 @@ from rps_exudyn.study.runner import StudyWork
 from rps_exudyn.study.study_file import read_study
 from verification.law_area import by_law
 
-STUDY = ROOT / "studies" / "tolerance.toml"
 DATA = "many_gears.json"
 REPEATS = 2
 SPREADS = "_peak_to_peak", "_range", "_variation"  # metrics that the largest and least values give
-Found = TypeVar("Found")
 
 
 @dataclass(frozen=True)
@@ -63,13 +62,11 @@ class Gears:
     table: dict[str, np.ndarray]
 
     @classmethod
-    def of(cls, folder: Path, kind: Kind, law: str, count: int) -> "Gears":
+    def of(cls, kind: Kind, law: str, count: int) -> "Gears":
         """Take the first `count` samples of the tolerance study."""
-        file = folder / "many.toml"
-        text = STUDY.read_text().replace("samples = 200", f"samples = {count}")
-        file.write_text(text.replace('gear = "gears/paper.toml"\n', ""))  # the default gear is the paper's
-        work = StudyWork.of(study := read_study(file), folder / "never")
-        file.unlink()
+        with tempfile.TemporaryDirectory() as place:
+            study = read_study(tolerance_study(Path(place), count))
+            work = StudyWork.of(study, Path(place) / "never")
         settings = [settings_of(study.axes, case.values) for case in work.missing]
         table = {path: np.array([each[path] for each in settings], dtype=float) for path in settings[0]}
         if kind.is_periodic:
@@ -97,9 +94,7 @@ def run(
     rows = []
     for name in kinds:
         for law in laws:
-            rows.append(
-                {"kind": name, "law": law} | measured(Gears.of(folder, KINDS[name], law, gears), singles)
-            )
+            rows.append({"kind": name, "law": law} | measured(Gears.of(KINDS[name], law, gears), singles))
             print(rows[-1], flush=True)
             save_data(folder / DATA, {"load": os.getloadavg()[0], "rows": rows})
 
@@ -108,32 +103,20 @@ def measured(gears: Gears, singles: int) -> dict[str, float]:
     """CPU time per gear [s] together and of single runs; share that is found together, and errors."""
     gears.singly(2)
     count = len(next(iter(gears.table.values())))
-    seconds, found = least(gears.together, REPEATS)
-    alone_seconds, alone = least(lambda: gears.singly(singles), REPEATS)
+    seconds, found = least_time(gears.together, REPEATS)
+    alone_seconds, alone = least_time(lambda: gears.singly(singles), REPEATS)
     return {
         "gears": count,
         "singles": singles,
         "together": seconds / count,
         "single": alone_seconds / singles,
         "in_loop": float(found.in_loop.mean()),
-        "ok": float(alone.ok.mean()),
-        "statuses_differ": [found.statuses[i] is alone.statuses[i] for i in range(singles)].count(False),
         **errors(gears.kind, found, alone, singles),
     }
 
 
-def least(work: Callable[[], Found], repeats: int) -> tuple[float, Found]:
-    """CPU time of the process [s], the least of repeats, and what the last one found."""
-    best = np.inf
-    for _ in range(repeats):
-        start = time.process_time()
-        found = work()
-        best = min(best, time.process_time() - start)
-    return best, found
-
-
 def errors(kind: Kind, found: Batch, alone: Batch, singles: int) -> dict[str, float]:
-    """Each gear's largest error of means and of spreads where both ways find it: of 99 % of them, and all."""
+    """The largest error of means and of spreads where both ways find a gear."""
     both = found.in_loop[:singles] & alone.ok
     of_means = []
     for name in kind.means:
@@ -147,46 +130,22 @@ def errors(kind: Kind, found: Batch, alone: Batch, singles: int) -> dict[str, fl
         for name in found.summary.keys() & alone.summary.keys()
         if name.endswith(SPREADS)
     ]
-    chosen: dict[str, float] = {"compared": int(both.sum())}
-    for name, values in (("mean", of_means), ("spread", of_spreads)):
-        worst = np.nanmax(values, axis=0)
-        chosen |= {
-            f"{name}_99": float(np.nanquantile(worst, 0.99)),
-            f"{name}_largest": float(np.nanmax(worst)),
-        }
-    return chosen
+    return {"mean_largest": float(np.nanmax(of_means)), "spread_largest": float(np.nanmax(of_spreads))}
 
 
-def table(folder: Path) -> str:
-    """Gears together beside single runs."""
-    head = (
-        "over a turn",
-        "law",
-        "gears/s and core, together",
-        "times a single run",
-        "found together [%]",
-        "largest error of the mean [%]",
-        "of peaks to peaks, ranges [%]",
-    )
-    rows = [
-        (
-            KINDS[row["kind"]].shown,
-            row["law"],
-            digits(1 / row["together"], 3),
-            digits(row["single"] / row["together"]),
-            digits(100 * row["in_loop"], 3),
-            *(digits(100 * row[f"{name}_largest"]) for name in ("mean", "spread")),
-        )
-        for row in load_data(folder / DATA)["rows"]
-    ]
-    return markdown(head, rows)
-
-
+COLUMNS: Columns = {
+    "over a turn": lambda row: KINDS[row["kind"]].shown,
+    "law": "{law}",
+    "gears/s and core, together": lambda row: digits(1 / row["together"], 3),
+    "times a single run": lambda row: digits(row["single"] / row["together"]),
+    "found together [%]": lambda row: digits(100 * row["in_loop"], 3),
+    "largest error of the mean [%]": lambda row: digits(100 * row["mean_largest"]),
+    "of peaks to peaks, ranges [%]": lambda row: digits(100 * row["spread_largest"]),
+}
 TOPIC = Topic(
-    "many gears together beside single runs",
     "5 min",
     "study_runner",
     run,
     {"kinds": ("pitch", "push"), "laws": ("line",), "gears": 48, "singles": 2},
-    {"many_gears": table},
+    {"many_gears": rows_table(DATA, "rows", COLUMNS)},
 )

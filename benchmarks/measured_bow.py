@@ -11,16 +11,14 @@ from typing import Any, Literal
 import numpy as np
 from matplotlib.figure import Figure
 
-from benchmarks.topic import Topic, load_data, markdown, save_data
+from benchmarks.measure import run_ok
+from benchmarks.topic import Topic, begun, load_data, markdown, save_data
 from rps_exudyn.inference.fitting.bench_tests import measurement_of
 from rps_exudyn.inference.fitting.fit import fit
-from rps_exudyn.inference.fitting.fitted import Fit
 from rps_exudyn.inference.fitting.unknowns import CURVED, USUAL
 from rps_exudyn.pages.charts import style
-from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.judged_row import Verdict
-from rps_exudyn.simulate.run import simulate
 from verification.made_up_curves import FREE, TRUE, WHITE, measured_curve, with_noise
 
 DATA, PICTURE = "fit_bow.json", "fit_bow.png"
@@ -30,7 +28,7 @@ WHOLE = 3.8  # turns
 
 def run(folder: Path, seeds: int = 24, turns: float = WHOLE, free: tuple[str, ...] = CURVED) -> None:
     """Fit a gear of each seed; keep and draw the errors. A run that was stopped goes on where it was."""
-    cases = begun(folder / DATA, seeds, turns)
+    cases = kept(folder / DATA, seeds, turns)
     for seed in range(len(cases), seeds):
         cases.append(case(seed, turns, free))
         print(seed, cases[-1]["simulations"], round(cases[-1]["cpu_s"], 1), flush=True)
@@ -38,13 +36,11 @@ def run(folder: Path, seeds: int = 24, turns: float = WHOLE, free: tuple[str, ..
     style.save(picture(cases), folder / PICTURE)
 
 
-def begun(file: Path, seeds: int, turns: float) -> list[dict[str, Any]]:
+def kept(file: Path, seeds: int, turns: float) -> list[dict[str, Any]]:
     """The cases of a run that was stopped; none where the last one came to its end."""
-    if not file.exists():
-        return []
-    before = load_data(file)
-    cases: list[dict[str, Any]] = before["cases"]
-    return cases if before["turns"] == turns and len(cases) < seeds else []
+    before = begun(file)
+    cases: list[dict[str, Any]] = before.get("cases", [])
+    return cases if before.get("turns") == turns and len(cases) < seeds else []
 
 
 def gear_of(random: np.random.Generator) -> SteeringGear:
@@ -57,20 +53,13 @@ def gear_of(random: np.random.Generator) -> SteeringGear:
 
 
 def curve_of(gear: SteeringGear, turns: float, random: np.random.Generator) -> Any:
-    """Its free torque to and fro over these turns about the middle, with noise and an offset of the angle.
-
-    Raises:
-        RuntimeError: the simulation fails.
-    """
+    """Its free torque to and fro over these turns about the middle, with noise and an offset of the angle."""
     test = {"test.path": "there-and-back", "test.start_angle": -turns * np.pi, "test.turns": turns}
-    result = simulate("free-pinion-torque", gear.replace(test), Fidelity.preset("quasi-static"))
-    if result.status != "ok":
-        raise RuntimeError(f"{result.status}: {result.message}")
+    result = run_ok("free-pinion-torque", gear.replace(test), "quasi-static")
     curve = {"pinion_angle": result["pinion_angle"], "value": result["pinion_torque"]}
     curve = with_noise(curve, WHITE, random)
-    return measured_curve(
-        {**curve, "pinion_angle": curve["pinion_angle"] + OFFSET * random.standard_normal()}, FREE
-    )
+    curve["pinion_angle"] = curve["pinion_angle"] + OFFSET * random.standard_normal()
+    return measured_curve(curve, FREE)
 
 
 def case(seed: int, turns: float, free: tuple[str, ...]) -> dict[str, Any]:
@@ -80,11 +69,6 @@ def case(seed: int, turns: float, free: tuple[str, ...]) -> dict[str, Any]:
     if "rack.bow" not in free:
         gear = gear.replace({"rack.bow": 0.0})
     found = fit(measurement_of([curve_of(gear, turns, random)]), free=(*USUAL, *free), other_law=False)
-    return of_fit(gear, found) | {"seed": seed}
-
-
-def of_fit(gear: SteeringGear, found: Fit) -> dict[str, Any]:
-    """What is kept of a fit."""
     estimates = {
         each.path: {
             "true": gear.value_at(each.path),
@@ -95,14 +79,8 @@ def of_fit(gear: SteeringGear, found: Fit) -> dict[str, Any]:
         for each in found.estimates
         if each.path in CURVED or each.path.startswith(("pinion.runout", "rack.bow"))
     }
-    return {
-        "estimates": estimates,
-        "converged": found.converged,
-        "simulations": found.simulations,
-        "cpu_s": found.cpu_s,
-        "others": [sentence for sentence in found.warnings if "nearly as well" in sentence],
-        "found": [path for path in found.found if path in ("yoke.preload", "mesh.friction", "yoke.friction")],
-    }
+    kept = {name: getattr(found, name) for name in ("converged", "simulations", "cpu_s")}
+    return {"estimates": estimates, "seed": seed, **kept}
 
 
 def missed(path: str, estimate: dict[str, Any]) -> float:
@@ -140,10 +118,9 @@ def table(folder: Path) -> str:
             continue
         error = size * np.array([missed(path, each) for each in printed])
         half = size * np.median([(each["interval"][1] - each["interval"][0]) / 2 for each in printed])
-        held = sum(holds(path, each) for each in printed)
-        row = [f"`{path}` [{unit}]", f"{np.median(np.abs(error)):.2g}"]
-        row += [f"{np.abs(error).max():.2g}", f"{half:.2g}"]
-        rows.append([*row, f"{held} of {len(printed)}"])
+        held = f"{sum(holds(path, each) for each in printed)} of {len(printed)}"
+        numbers = np.median(np.abs(error)), np.abs(error).max(), half
+        rows.append([f"`{path}` [{unit}]", *(f"{each:.2g}" for each in numbers), held])
     head = ("parameter", "median error", "largest", "median half interval", "interval holds")
     return markdown(head, rows)
 
@@ -174,7 +151,6 @@ def picture(cases: list[dict[str, Any]]) -> Figure:
 
 
 TOPIC = Topic(
-    "bow and angle error fitted to made-up curves over the travel: errors, coverage, cost",
     "20 min",
     "fit",
     run,

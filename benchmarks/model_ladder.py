@@ -6,18 +6,17 @@ twice its stations.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import rps_exudyn as rps
-from benchmarks.topic import Topic, digits, load_data, markdown, save_data
+from benchmarks.measure import quickest
+from benchmarks.topic import Topic, begun, digits, load_data, markdown, save_data
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 
 DATA = "ladder.json"
 LAW: dict[str, object] = {"mesh.law": "line"}
-RIGID: dict[str, object] = {"rack": "free"}
 SCENES: dict[str, dict[str, object]] = {
     "free-pinion-torque": {},
     "load-test": {"test.load_mass": "40 kg"},
@@ -37,49 +36,37 @@ METRICS = {
 SLOW = 1.0  # CPU time of a run [s] that is not repeated
 
 
-@dataclass(frozen=True)
-class Rung:
-    """A model, and what it leaves out of the one above."""
-
-    leaves_out: str
-    preset: str
-    choices: Mapping[str, object] = field(default_factory=dict)
-
-    @property
-    def fidelity(self) -> Fidelity:
-        rack = RIGID if self.preset != "closed-form" else {}
-        return Fidelity.preset(self.preset).replace(rack | dict(self.choices))
-
-
-RUNGS = {
-    "`full`": Rung("nothing: spheres on triangles, bush of 25 segments", "full"),
-    "`flank --bush chain`": Rung(
-        "spheres: the contact is integrated along lines", "flank", {"bush": "chain"}
-    ),
-    "`flank`": Rung("segments: the bush is condensed into its stiffness", "flank"),
-    "`quasi-static`": Rung("inertia: equilibria at each angle", "quasi-static"),
-    "`quasi-static --rack guided`": Rung(
-        "roll, yaw and pitch of the rack; four of five angles",
-        "quasi-static",
-        {"rack": "guided", "step_angle": "5 deg"},
-    ),
-    "`closed-form`": Rung("the angle: means over the field of contact", "closed-form"),
-}
-REFERENCE = Fidelity.preset("flank").replace(
-    RIGID | {"step_angle": Fidelity().step_angle / 4, "strip_stations": 2 * Fidelity().strip_stations}
+FULL, FLANK, STILL = (
+    Fidelity.preset(name).replace({"rack": "free"}) for name in ("full", "flank", "quasi-static")
 )
+RUNGS = {
+    "`full`": ("nothing: spheres on triangles, bush of 25 segments", FULL),
+    "`flank --bush chain`": (
+        "spheres: the contact is integrated along lines",
+        FLANK.replace({"bush": "chain"}),
+    ),
+    "`flank`": ("segments: the bush is condensed into its stiffness", FLANK),
+    "`quasi-static`": ("inertia: equilibria at each angle", STILL),
+    "`quasi-static --rack guided`": (
+        "roll, yaw and pitch of the rack; four of five angles",
+        STILL.replace({"rack": "guided", "step_angle": "5 deg"}),
+    ),
+    "`closed-form`": ("the angle: means over the field of contact", Fidelity.preset("closed-form")),
+}
+"""Model -> what it leaves out of the one above, and its choices."""
+REFERENCE = FLANK.replace({"step_angle": FLANK.step_angle / 4, "strip_stations": 2 * FLANK.strip_stations})
 
 
 def run(folder: Path, rungs: Sequence[str] = tuple(RUNGS), scenes: Sequence[str] = tuple(SCENES)) -> None:
     """Measure these rungs in these scenes; what was measured of other rungs stays."""
     file = folder / DATA
-    rows = load_data(file)["rows"] if file.exists() else {}
+    rows = begun(file).get("rows", {})
     reference = {scene: metrics(measured(scene, REFERENCE)) for scene in scenes}
     for name in rungs:
         print(name, flush=True)
-        rows[name] = {scene: single_run(scene, RUNGS[name]) for scene in scenes}
+        rows[name] = {scene: single_run(scene, RUNGS[name][1]) for scene in scenes}
         save_data(
-            file, {"reference": reference, "rows": {each: rows[each] for each in RUNGS if each in rows}}
+            file, {"reference": reference, "rows": {name: rows[name] for name in RUNGS if name in rows}}
         )
 
 
@@ -93,16 +80,13 @@ def metrics(result: rps.Result) -> dict[str, float]:
     return dict(result.summary) if result.status == "ok" else {}
 
 
-def single_run(scene: str, rung: Rung) -> dict[str, Any]:
+def single_run(scene: str, model: Fidelity) -> dict[str, Any]:
     """A single run: outcome, metrics, CPU time of the solver [s], least of two runs unless they are slow."""
-    runs: list[rps.Result] = []
     try:
-        while not runs or (len(runs) < 2 and runs[0].counters["solver_cpu"] < SLOW):
-            runs.append(measured(scene, rung.fidelity))
+        result = quickest(lambda: measured(scene, model), 2, SLOW)
     except rps.InputError as error:
         return {"why": str(error), "summary": {}, "cpu_s": None}
-    cpu = min(each.counters["solver_cpu"] for each in runs)
-    return {"why": runs[-1].message, "summary": metrics(runs[-1]), "cpu_s": cpu}
+    return {"why": result.message, "summary": metrics(result), "cpu_s": result.counters["solver_cpu"]}
 
 
 def ladder_table(folder: Path) -> str:
@@ -112,7 +96,7 @@ def ladder_table(folder: Path) -> str:
     for name, scenes in data["rows"].items():
         turn = scenes["free-pinion-torque"]["cpu_s"]
         changes = [_change(data["reference"], scenes, *metric) for metric in METRICS.values()]
-        rows.append((name, RUNGS[name].leaves_out, digits(turn), *changes))
+        rows.append((name, RUNGS[name][0], digits(turn), *changes))
     return markdown(("model", "leaves out", "CPU s", *(f"{each} %" for each in METRICS)), rows)
 
 
@@ -126,21 +110,14 @@ def _change(reference: Mapping[str, Any], row: Mapping[str, Any], scene: str, me
 
 def times_table(folder: Path) -> str:
     """Model -> CPU time of each scene [s]."""
-    rows = [
-        (
-            name,
-            *(
-                digits(each["cpu_s"]) if each["cpu_s"] and each["summary"] else "-"
-                for each in scenes.values()
-            ),
-        )
-        for name, scenes in load_data(folder / DATA)["rows"].items()
-    ]
+    rows = []
+    for name, scenes in load_data(folder / DATA)["rows"].items():
+        times = [each["cpu_s"] if each["summary"] else None for each in scenes.values()]
+        rows.append((name, *(digits(time) if time else "-" for time in times)))
     return markdown(("CPU s", *SCENES), rows)
 
 
 TOPIC = Topic(
-    "from the paper's model down: what each simplification saves and loses",
     "3 min",
     "free_pinion_torque",
     run,

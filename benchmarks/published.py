@@ -1,14 +1,13 @@
 """Origin of every published file: command, commit, machine, date and CPU time, kept beside the results."""
 
-import json
-import resource
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 
 from PIL import Image
 
-from benchmarks.topic import markdown
+from benchmarks.topic import begun, markdown
 from rps_exudyn.base.files import replacing, write_json
 from rps_exudyn.results.provenance import provenance
 
@@ -17,6 +16,7 @@ FILE = "published.json"
 
 COLOURS_OF_A_PICTURE = 256
 
+BOTH = RUSAGE_SELF, RUSAGE_CHILDREN
 Stamps = dict[str, tuple[int, int]]
 
 
@@ -27,7 +27,7 @@ def recording(results: Path, name: str, folder: str) -> Iterator[None]:
     A topic that goes on where it was stopped counts the CPU time of its last run.
     """
     made = provenance()  # before the topic writes into the checkout
-    before, began = _stamps(results / folder), _cpu_time()
+    before, began = _stamps(results / folder), cpu_time_of(*BOTH)
     try:
         yield
     finally:
@@ -37,7 +37,7 @@ def recording(results: Path, name: str, folder: str) -> Iterator[None]:
             "commit": made["git_hash"],
             "date": made["date"],
             "machine": made["machine"],
-            "cpu_time": round(_cpu_time() - began, 1),
+            "cpu_time": round(cpu_time_of(*BOTH) - began, 1),
         }
         entries = origins(results)
         entries |= {f"{folder}/{file}": entry for file, stamp in after.items() if before.get(file) != stamp}
@@ -59,8 +59,8 @@ def shrink_pictures(folder: Path) -> None:
 
 def origins(results: Path) -> dict[str, dict[str, object]]:
     """Path below the results' folder -> origin of every published file."""
-    file = results / FILE
-    return json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+    found: dict[str, dict[str, object]] = begun(results / FILE)
+    return found
 
 
 def origins_table(results: Path) -> str:
@@ -83,7 +83,6 @@ def _stamps(folder: Path) -> Stamps:
     return {path.as_posix(): (stat.st_mtime_ns, stat.st_size) for path, stat in stats.items()}
 
 
-def _cpu_time() -> float:
-    """CPU time of this process and of all that it has started and seen ending [s]."""
-    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    return sum(each.ru_utime + each.ru_stime for each in used)
+def cpu_time_of(*whose: int) -> float:
+    """CPU time of this process (`RUSAGE_SELF`), or of all that it has started and seen ending [s]."""
+    return sum(used.ru_utime + used.ru_stime for used in map(getrusage, whose))

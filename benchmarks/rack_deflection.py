@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-import rps_exudyn as rps
+from benchmarks.measure import run_ok
 from benchmarks.topic import Topic, digits, load_data, markdown, save_data
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
 from rps_exudyn.gears.gear_pair import GearPair
@@ -29,9 +29,10 @@ FORCE = 98.0  # [N]
 MODEL = Fidelity.preset("quasi-static").replace({"rack": "flexible"})
 ENLARGED = 100.0
 DATA = "deflection.json"
+PLAY = ("radial_play_y", "radial_play_z")
 SHOWN = {
-    ("radial-play", "flexible"): ("radial_play_y", "radial_play_z"),
-    ("radial-play", "free"): ("radial_play_y", "radial_play_z"),
+    ("radial-play", "flexible"): PLAY,
+    ("radial-play", "free"): PLAY,
     ("rack-lift", "flexible"): ("rack_lift", "rack_lift_closed_form", "rack_lift_end"),
 }
 
@@ -42,21 +43,14 @@ def run(folder: Path, force: float = FORCE, scenes: Sequence[tuple[str, str]] = 
     line = deflected_line(gear, force)
     style.save(picture(gear, line, force), folder / "deflected.png")
     rows = [moved(scene, rack, folder) for scene, rack in scenes]
-    save_data(
-        folder / DATA,
-        {"force": force, "station": line[0].tolist(), "deflection": line[1].tolist(), "scenes": rows},
-    )
+    station, deflection = line.tolist()
+    content = {"force": force, "station": station, "deflection": deflection, "scenes": rows}
+    save_data(folder / DATA, content)
 
 
 def moved(scene: str, rack: str, folder: Path) -> dict[str, Any]:
-    """Figures of a scene [SI]; that of the flexible rack is drawn.
-
-    Raises:
-        SystemExit: the run is not ok.
-    """
-    result = rps.run(scene, fidelity=MODEL.replace({"rack": rack}))
-    if result.status != "ok":
-        raise SystemExit(f"{scene}, {rack} rack: {result.status}, {result.message}")
+    """Figures of a scene [SI]; that of the flexible rack is drawn."""
+    result = run_ok(scene, SteeringGear(), MODEL.replace({"rack": rack}))
     if rack == "flexible":
         draw(result, folder / f"{scene.replace('-', '_')}.png")
     figures = {name: result.summary[name] for name in SHOWN[scene, rack]}
@@ -113,7 +107,6 @@ def _box(x: float, y: float, width: float, height: float) -> Rectangle:
 
 
 TOPIC = Topic(
-    "line of the rack under a force across its end, radial play and lift",
     "10 s",
     "flexible_rack",
     run,

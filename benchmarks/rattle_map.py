@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import rps_exudyn as rps
-from benchmarks.topic import Topic, load_data, markdown, save_data
+from benchmarks.topic import Topic, load_data, markdown, save_data, shown
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
@@ -18,6 +18,7 @@ FORCES = (500.0, 750.0, 1000.0, 1500.0, 2000.0)  # [N]
 FREQUENCIES = (30.0, 20.0, 10.0)  # [Hz]
 BASE: dict[str, object] = {"rack.modes": 4, "test.road_phases": 1, "test.road_cycles": 1}
 FIGURES = ("rattle_force_rms", "rattle_speed_rms", "rattle_impulse_per_cycle", "rattle_acceleration_rms")
+LABELS = {"rattle_force_rms": "yokenut force RMS", "rattle_speed_rms": "impact speed RMS"}
 DATA = "rattle.json"
 
 
@@ -27,22 +28,19 @@ def run(
     """Shake with these forces [N] at these frequencies [Hz], draw and keep what came out."""
     cases = []
     for frequency in frequencies:
-        for force in forces:
-            cases.append(measured(force, frequency))
-            print(cases[-1], flush=True)
+        cases += shown(measured(force, frequency) for force in forces)
         save_data(folder / DATA, {"cases": cases})
         style.save(picture(cases), folder / "rattle_map.png")
 
 
 def measured(force: float, frequency: float) -> dict[str, Any]:
-    """One case: the figures of the summary, and the largest force."""
+    """One case: the figures of the summary."""
     road = {"test.road_force": force, "test.road_frequency": frequency}
     result = rps.run("rattle", SteeringGear().replace({**BASE, **road}))
     case: dict[str, Any] = {"force": force, "frequency": frequency}
     if result.status is not Status.OK:
         return case | {"message": f"{result.status}: {result.message}"}
-    figures = {name: result.summary[name] for name in (*FIGURES, "rattle_impacts_per_cycle")}
-    return case | figures | {"largest": float(result["yokenut_force"].max())}
+    return case | {name: result.summary[name] for name in (*FIGURES, "rattle_impacts_per_cycle")}
 
 
 def picture(cases: list[dict[str, Any]]) -> Figure:
@@ -67,9 +65,6 @@ def picture(cases: list[dict[str, Any]]) -> Figure:
     return figure
 
 
-LABELS = {"rattle_force_rms": "yokenut force RMS", "rattle_speed_rms": "impact speed RMS"}
-
-
 def rattle_table(folder: Path) -> str:
     """Each frequency's least force with impacts, and what the largest force gives."""
     rows = []
@@ -84,10 +79,5 @@ def rattle_table(folder: Path) -> str:
 
 
 TOPIC = Topic(
-    "rattle over force and frequency of the road",
-    "2 min",
-    "flexible_rack",
-    run,
-    {"forces": (1500.0,), "frequencies": (100.0,)},
-    {"rattle": rattle_table},
+    "2 min", "flexible_rack", run, {"forces": (1500.0,), "frequencies": (100.0,)}, {"rattle": rattle_table}
 )

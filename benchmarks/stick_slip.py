@@ -2,8 +2,9 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
+from itertools import product
 from pathlib import Path
-from time import process_time
 from typing import Any
 
 import matplotlib as mpl
@@ -13,7 +14,8 @@ from matplotlib.ticker import LogLocator
 
 import rps_exudyn as rps
 from benchmarks.accuracy_speed.chart import in_decades
-from benchmarks.topic import Topic, load_data, markdown, save_data
+from benchmarks.measure import least_time
+from benchmarks.topic import Columns, Topic, load_data, rows_table, save_data, table_of
 from rps_exudyn.analysis.friction_oscillator import Oscillator, sticking_speed, sticks
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -66,7 +68,7 @@ def run(
     sheets: tuple[tuple[float, float], ...] = SHEETS,
     periods: int = 40,
 ) -> None:
-    """Measure maps, limits, sticking speeds, breakaways and methods; draw and keep them."""
+    """Measure maps, limits, sticking speeds and methods; draw and keep them."""
     speeds, ratios = np.geomspace(*SPEEDS, cells[0]), np.geomspace(*DAMPINGS, cells[1])
     data: dict[str, Any] = {"speeds": speeds.tolist(), "ratios": ratios.tolist()}
     data["sheets"] = [sheet(*each, speeds, ratios, periods) for each in sheets]
@@ -77,7 +79,6 @@ def run(
         [ratio, sticking_speed(_damped(reduced_gear(gear_with(1.2, 0.0)), ratio))]
         for ratio in (0.01, 0.03, 0.1, 0.3)[: len(sheets)]
     ]
-    data["breakaway"] = [breakaway(travel) for travel in (2e-6, 10e-6)[: len(limits)]]
     data["methods"] = methods(steps)
     save_data(folder / DATA, data)
     style.save(method_picture(data["methods"]), folder / "stick_slip_methods.png")
@@ -87,7 +88,6 @@ def _damped(model: Oscillator, ratio: float) -> Oscillator:
     return replace(model, damping=damping_of(model, ratio))
 
 
-# --- maps --------------------------------------------------------------------------------------------
 def sheet(
     ratio: float, travel: float, speeds: np.ndarray, ratios: np.ndarray, periods: int
 ) -> dict[str, Any]:
@@ -101,12 +101,7 @@ def sheet(
     else:
         least = np.stack([1.0 - sticks(_damped(model, each), speeds) for each in ratios])
     falling = [model.linear_limit(float(speed)) / unit for speed in speeds]
-    return {
-        "ratio": ratio,
-        "travel": travel,
-        "least": np.round(least, 4).tolist(),
-        "falling": falling,
-    }
+    return {"ratio": ratio, "travel": travel, "least": np.round(least, 4).tolist(), "falling": falling}
 
 
 def whole_gear(travel: float, speed: float, ratio: float) -> dict[str, Any]:
@@ -136,10 +131,8 @@ def map_picture(data: dict[str, Any]) -> Figure:
         axes.plot(data["speeds"], falling, color="black", linestyle="--", label="limit, falling friction")
         for cell in data["tried"]:
             if each["ratio"] == 1.2 and cell["travel"] == each["travel"] and "share" in cell:
-                fill = "black" if cell["share"] > 0 else "white"
-                axes.plot(
-                    cell["speed"], cell["ratio"], "o", color="black", markerfacecolor=fill, markersize=6
-                )
+                look: Any = {"markerfacecolor": "black" if cell["share"] > 0 else "white", "markersize": 6}
+                axes.plot(cell["speed"], cell["ratio"], "o", color="black", **look)
         axes.set_ylim(shown)
         law = f"bristles {1e6 * each['travel']:g} µm" if each["travel"] else "speed alone"
         axes.set_title(f"static ratio {each['ratio']:g}, {law}", fontsize=9)
@@ -158,52 +151,37 @@ def _within(limit: Sequence[float | None], shown: tuple[float, float]) -> np.nda
     return np.where((values >= shown[0]) & (values <= shown[1]), values, np.nan)
 
 
-# --- limits ------------------------------------------------------------------------------------------
 def bisected(travel: float, speed: float) -> dict[str, Any]:
     """The limit of the whole gear's steady sliding, measured and predicted [N m s/rad]."""
-    gear = gear_with(1.2, travel, speed=speed)
-    predicted = one_inertia_damping(gear)
-    case: dict[str, Any] = {"travel": travel, "speed": speed, "predicted": predicted}
-    with_guides = sliding_damping(gear, Fidelity.preset("flank"))
-    case["with_guides"] = with_guides if np.isfinite(with_guides) else None
-    if not np.isfinite(predicted):
-        return {**case, "predicted": None, "message": "stable without damping"}
+    gear, model = gear_with(1.2, travel, speed=speed), Fidelity.preset("flank")
+    found = {"predicted": one_inertia_damping(gear), "with_guides": sliding_damping(gear, model)}
+    case: dict[str, Any] = {"travel": travel, "speed": speed}
+    case |= {name: value if np.isfinite(value) else None for name, value in found.items()}
+    if case["predicted"] is None:
+        return case | {"message": "stable without damping"}
     try:
-        return case | {"measured": measured_damping(gear, Fidelity.preset("flank"), predicted)}
+        return case | {"measured": measured_damping(gear, model, case["predicted"])}
     except ArithmeticError as error:
         return case | {"message": str(error)}
 
 
-def breakaway(travel: float) -> dict[str, Any]:
-    """Peak over running torque from rest at 15 rpm, 120 N m/rad, all parts with a static ratio of 1.2."""
-    settings = {f"{part}.static_ratio": 1.2 for part in RUBBING_PARTS} | {"column.stiffness": 120.0}
-    result = rps.run("stick-slip", gear_with(1.2, travel).replace(settings))
-    return {"travel": travel, "ratio": result.summary.get("breakaway_ratio")}
-
-
-# --- methods -----------------------------------------------------------------------------------------
 def methods(steps: int) -> list[dict[str, Any]]:
     """Error of the stick-slip period and CPU time of events, explicit and implicit integration."""
     model, drive = _damped(reduced_gear(gear_with(1.2, 0.0)), 0.05), 1.0
     exact = event_based(model, drive, rtol=1e-11)
     assert exact is not None
     period, cycles, natural = exact.stick + exact.slip, 6, 2 * np.pi / model.frequency
-    found: list[dict[str, Any]] = []
+    found: list[tuple[str, float, float]] = []
     for tolerance in np.geomspace(1e-2, 1e-9, steps):
-        start = process_time()
-        cycle = event_based(model, drive, cycles, float(tolerance))
-        error = abs((cycle.stick + cycle.slip) / period - 1) if cycle else np.nan
-        found.append({"method": "events", "error": error, "cpu": (process_time() - start) / cycles})
-    for implicit, per_period in ((False, 40), (True, 10)):
-        for zone in (0.1, 0.01):
-            for k in range(steps):
-                step = natural / (per_period * 2**k)
-                start = process_time()
-                time, twist = regularised(model, drive, zone * drive, step, cycles * period, implicit)
-                cpu = (process_time() - start) / cycles
-                name = f"{'implicit' if implicit else 'explicit'}, zone {zone:g}"
-                found.append({"method": name, "error": _period_error(time, twist, period), "cpu": cpu})
-    return [case for case in found if np.isfinite(case["error"])]
+        cpu, cycle = least_time(partial(event_based, model, drive, cycles, float(tolerance)), 1)
+        found.append(("events", abs((cycle.stick + cycle.slip) / period - 1) if cycle else np.nan, cpu))
+    for (implicit, per_period), zone in product(((False, 40), (True, 10)), (0.1, 0.01)):
+        for k in range(steps):
+            settings = zone * drive, natural / (per_period * 2**k), cycles * period, implicit
+            cpu, motion = least_time(partial(regularised, model, drive, *settings), 1)
+            name = f"{'implicit' if implicit else 'explicit'}, zone {zone:g}"
+            found.append((name, _period_error(*motion, period), cpu))
+    return [{"method": m, "error": e, "cpu": cpu / cycles} for m, e, cpu in found if np.isfinite(e)]
 
 
 def _period_error(time: np.ndarray, twist: np.ndarray, period: float) -> float:
@@ -233,51 +211,41 @@ def method_picture(found: list[dict[str, Any]]) -> Figure:
     return figure
 
 
-# --- tables ------------------------------------------------------------------------------------------
 def limits_table(folder: Path) -> str:
     """Measured and predicted limits of friction that depends on speed alone."""
-    rows = []
-    for case in load_data(folder / DATA)["limits"]:
-        if case["travel"]:  # bristles were measured with a law of earlier versions
-            continue
-        row = [f"{case['speed']:g}"]
-        if "message" in case:
-            predicted = [_shown(case["predicted"]), _shown(case["with_guides"])]
-            rows.append([*row, *predicted, f"*{case['message']}*", ""])
-        else:
-            share = f"{case['measured'] / case['with_guides']:.3f}" if case["with_guides"] else "-"
-            limits = [_shown(case[name]) for name in ("predicted", "with_guides", "measured")]
-            rows.append([*row, *limits, share])
-    head = ["speed rad/s", "one inertia N m s/rad", "whole gear N m s/rad", "measured N m s/rad"]
-    return markdown([*head, "measured / whole gear"], rows)
+    cases = load_data(folder / DATA)["limits"]
+    columns: Columns = {
+        "speed rad/s": "{speed:g}",
+        "one inertia N m s/rad": lambda case: _shown(case["predicted"]),
+        "whole gear N m s/rad": lambda case: _shown(case["with_guides"]),
+        "measured N m s/rad": lambda case: (
+            f"*{case['message']}*" if "message" in case else _shown(case["measured"])
+        ),
+        "measured / whole gear": _share,
+    }  # bristles were measured with a law of earlier versions
+    return table_of([case for case in cases if not case["travel"]], columns)
 
 
 def _shown(value: float | None) -> str:
     return "-" if value is None else f"{value:.4f}"
 
 
-def sticking_table(folder: Path) -> str:
-    """Largest sticking speeds, and the breakaway."""
-    data = load_data(folder / DATA)
-    rows = [[f"{ratio:g}", f"{speed:.2f}"] for ratio, speed in data["sticking"]]
-    return markdown(["damping ratio", "largest sticking speed rad/s"], rows)
+def _share(case: dict[str, Any]) -> str:
+    if "message" in case:
+        return ""
+    return f"{case['measured'] / case['with_guides']:.3f}" if case["with_guides"] else "-"
+
+
+STICKING: Columns = {
+    "damping ratio": lambda row: f"{row[0]:g}",
+    "largest sticking speed rad/s": lambda row: f"{row[1]:.2f}",
+}
 
 
 TOPIC = Topic(
-    "stick-slip of gear and column: maps, limits measured and predicted, methods",
     "2 min",
     "stick_slip",
     run,
-    {
-        "cells": (3, 2),
-        "limits": (),
-        "tried": (),
-        "steps": 1,
-        "sheets": ((1.2, 0.0), (1.2, 10e-6)),
-        "periods": 2,
-    },
-    {
-        "stick_slip_limits": limits_table,
-        "sticking": sticking_table,
-    },
+    {"cells": (3, 2), "limits": (), "tried": (), "steps": 1, "sheets": SHEETS[3:6:2], "periods": 2},
+    {"stick_slip_limits": limits_table, "sticking": rows_table(DATA, "sticking", STICKING)},
 )

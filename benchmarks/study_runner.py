@@ -250,7 +250,6 @@ def runner_table(folder: Path) -> str:
 
 
 TOPIC = Topic(
-    "the runner of studies: 1000 cases, memory, processes, kills, storing",
     "15 min",
     "study_runner",
     run,

@@ -1,8 +1,7 @@
 """Cost of a study over the number of its cases: random gears over a whole turn, in blocks, two processes.
 
 The gears are those of `studies/tolerance.toml`: runout, single pitch error and six more errors, one turn in
-steps of 1 degree. Elapsed times grow with what other processes do on the machine; the equilibria alone are
-measured on some of the same gears.
+steps of 1 degree. Elapsed times grow with what other processes do on the machine.
 """
 
 import os
@@ -11,22 +10,12 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from benchmarks.study_runner import watched, written
-from benchmarks.topic import ROOT, Topic, digits, load_data, markdown, save_data
-from rps_exudyn.gears.gear_pair import GearPair
+from benchmarks.topic import ROOT, Columns, Topic, digits, rows_table, save_data
 from rps_exudyn.pages.charts import style
-from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.maneuver import maneuvers_of_test
-from rps_exudyn.solvers.equilibrium import equilibrium_path
-from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.study.cases import setup_of
-from rps_exudyn.study.runner import StudyWork
 from rps_exudyn.study.store import Store
-from rps_exudyn.study.study_file import read_study
 
 STUDY = ROOT / "studies" / "tolerance.toml"
 DATA = "scaling.json"
@@ -34,70 +23,40 @@ PICTURE = "scaling.png"
 KEEP = '[keep]\nsignals = "none"\nblocks = true\n'
 
 
-def run(folder: Path, counts: Sequence[int] = (200, 1000, 10_000, 100_000), gears: int = 30) -> None:
-    """Run studies of so many cases, and the solver alone on so many gears."""
+def run(folder: Path, counts: Sequence[int] = (200, 1000, 10_000, 100_000)) -> None:
+    """Run studies of so many cases."""
     rows: list[dict[str, float]] = []
     with tempfile.TemporaryDirectory() as studies:
-        solver = solvers(Path(studies), gears)
-        print(solver, flush=True)
         for count in counts:
             rows.append(measured(Path(studies), count))
             print(rows[-1], flush=True)
-            save_data(folder / DATA, {"load": os.getloadavg()[0], "rows": rows, "solver": solver})
+            save_data(folder / DATA, {"load": os.getloadavg()[0], "rows": rows})
             style.save(picture(rows), folder / PICTURE)
 
 
 def measured(folder: Path, count: int) -> dict[str, float]:
     """Elapsed and CPU time [s], bytes and files of one study, start and storing included."""
     out = folder / f"of_{count}"
-    seen = watched(study_of(folder, count), out, 2)
+    seen = watched(tolerance_study(folder, count), out, 2)
     store = Store.open(out)
     start = time.perf_counter()
     rows = list(store.rows())
     reading = time.perf_counter() - start
-    files = store.blocks.paths
     return {
         "cases": count,
         "wall": seen["wall"],
         "cpu": seen["cpu"],
-        "memory": seen["memory"],
-        "bytes": sum(path.stat().st_size for path in files),
-        "files": len(files),
+        "bytes": sum(path.stat().st_size for path in store.blocks.paths),
         "reading": reading,
         "failed": sum(row.status != "ok" for _, row in rows),
     }
 
 
-def study_of(folder: Path, count: int) -> Path:
+def tolerance_study(folder: Path, count: int) -> Path:
     """Write the study with so many samples, without signals, in blocks."""
     text = STUDY.read_text().replace("samples = 200", f"samples = {count}")
     text = text.replace('gear = "gears/paper.toml"\n', "")  # the default gear is the paper's
     return written(folder, f"of_{count}", text.partition("[keep]")[0] + KEEP)
-
-
-def solvers(folder: Path, gears: int) -> dict[str, float]:
-    """CPU time per gear [ms] of the equilibria over a turn and over a pitch."""
-    study = read_study(study_of(folder, gears))
-    work = StudyWork.of(study, folder / "never")
-    cost = dict.fromkeys(("turn", "pitch"), 0.0)
-    for case in work.missing:
-        for span, changes in (("turn", {}), ("pitch", {"pinion.runout": 0.0, "pinion.pitch_error": 0.0})):
-            gear = setup_of(study, case).steering_gear.replace(changes)
-            cost[span] += 1e3 * followed(gear) / gears
-    return {**cost, "gears": gears}
-
-
-def followed(gear: SteeringGear) -> float:
-    """CPU time of a gear's first period [s], the less of two."""
-    fidelity = Fidelity.preset("quasi-static")
-    maneuver = maneuvers_of_test(gear, "pinion", fidelity.step_angle)[0].one_period()
-    balance = gear_forces(gear, fidelity).statics
-    best = np.inf
-    for _ in range(2):
-        start = time.process_time()
-        equilibrium_path(balance, GearPair.of(gear), maneuver.drive, maneuver.time)
-        best = min(best, time.process_time() - start)
-    return best
 
 
 def picture(rows: Sequence[dict[str, float]]) -> Figure:
@@ -114,35 +73,14 @@ def picture(rows: Sequence[dict[str, float]]) -> Figure:
     return figure
 
 
-def scaling_table(folder: Path) -> str:
-    """Studies over their number of cases."""
-    head = (
-        "cases",
-        "elapsed [s]",
-        "CPU per case [ms]",
-        "kB per case",
-        "summaries read in [s]",
-        "failed",
-    )
-    rows = [
-        (
-            f"{row['cases']:,}".replace(",", " "),
-            digits(row["wall"], 3),
-            digits(1e3 * row["cpu"] / row["cases"], 3),
-            digits(row["bytes"] / row["cases"] / 1e3),
-            digits(row["reading"]),
-            row["failed"],
-        )
-        for row in load_data(folder / DATA)["rows"]
-    ]
-    return markdown(head, rows)
-
-
+COLUMNS: Columns = {
+    "cases": lambda row: f"{row['cases']:,}".replace(",", " "),
+    "elapsed [s]": lambda row: digits(row["wall"], 3),
+    "CPU per case [ms]": lambda row: digits(1e3 * row["cpu"] / row["cases"], 3),
+    "kB per case": lambda row: digits(row["bytes"] / row["cases"] / 1e3),
+    "summaries read in [s]": lambda row: digits(row["reading"]),
+    "failed": "{failed}",
+}
 TOPIC = Topic(
-    "cost of a study over the number of its cases",
-    "5 min",
-    "study_runner",
-    run,
-    {"counts": (2, 4), "gears": 2},
-    {"study_scaling": scaling_table},
+    "5 min", "study_runner", run, {"counts": (2, 4)}, {"study_scaling": rows_table(DATA, "rows", COLUMNS)}
 )

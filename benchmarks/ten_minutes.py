@@ -8,7 +8,6 @@ import json
 import os
 import pty
 import re
-import resource
 import shlex
 import shutil
 import signal
@@ -18,13 +17,15 @@ import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
+from resource import RUSAGE_CHILDREN
 from time import monotonic
 from typing import Any
 from urllib.request import Request, urlopen
 
 import numpy as np
 
-from benchmarks.topic import ROOT, Topic, load_data, markdown, save_data
+from benchmarks.published import cpu_time_of
+from benchmarks.topic import ROOT, Columns, Topic, rows_table, save_data
 
 DATA = "ten_minutes.json"
 FIRST = "run"
@@ -65,38 +66,26 @@ PAGES = {  # command -> the page that it writes
 }
 
 
-def run(
-    folder: Path,
-    commands: Sequence[str] = COMMANDS,
-    repeats: int = 2,
-    first: bool = True,
-    clone: bool = True,
-    notebook: bool = True,
-) -> None:
-    """Do all steps in an empty folder; keep the least times of some repeats."""
+def run(folder: Path, commands: Sequence[str] = COMMANDS, repeats: int = 2, beside: bool = True) -> None:
+    """Do these steps in an empty folder, and those beside commands; keep the least times of some repeats."""
     steps: list[dict[str, Any]] = []
     with tempfile.TemporaryDirectory() as temporary:
         place = Path(temporary)
-        if clone:
+        write_measured(place / "measured.csv")
+        named = [(f"rps-exudyn {line}", command(line)) for line in commands]
+        if beside:
             copy = ["git", "clone", "-q", "--depth", "1", ROOT.as_uri(), str(place / "clone")]
             steps.append(timed("git clone", copy, place, {}))
-        if first:
             cache = {"NUMBA_CACHE_DIR": str(place / "cache")}
             steps.append(timed(f"rps-exudyn {FIRST}, compiling", command(FIRST), place, cache))
-        named = [(f"rps-exudyn {line}", command(line)) for line in commands]
-        if notebook:
             named.append((f"the cells of {NOTEBOOK}", [sys.executable, "-c", CELLS, NOTEBOOK]))
         for name, process in named:
-            line = name.removeprefix("rps-exudyn ")
-            if "--measured" in line:
-                write_measured(place / "measured.csv")
-            tries = []
+            line, tries = name.removeprefix("rps-exudyn "), []
             for _ in range(repeats):
                 if line.startswith("study"):
                     shutil.rmtree(place / "preload", ignore_errors=True)  # what is there is not done again
                 tries.append(timed(name, process, place, {}, explore if line == EXPLORE else None))
-            least = {each: min(found[each] for found in tries) for each in ("cpu", "wall", "silence")}
-            step = {**tries[0], **least}
+            step = tries[0] | {each: min(found[each] for found in tries) for each in ("cpu", "silence")}
             print(step, flush=True)
             if line in PAGES:
                 step["kilobytes"] = (place / PAGES[line]).stat().st_size / 1e3
@@ -116,15 +105,14 @@ Use = Callable[[str], bool]
 def timed(
     name: str, process: list[str], place: Path, environment: dict[str, str], use: Use | None = None
 ) -> dict[str, Any]:
-    """Run a process in a terminal; return its name with CPU time of it and its children, elapsed time, and
-    the longest time without output [s].
+    """Run a process in a terminal; return its name with CPU time of it and its children, and the longest time
+    without output [s].
 
     Raises:
         subprocess.CalledProcessError: it failed.
     """
     settings = surroundings() | environment
-    before, began, silences = children(), monotonic(), [0.0]
-    last = began
+    before, last, silences = cpu_time_of(RUSAGE_CHILDREN), monotonic(), [0.0]
     terminal, end = pty.openpty()
     with subprocess.Popen(process, cwd=place, env=settings, stdin=end, stdout=end, stderr=end) as running:
         os.close(end)
@@ -143,8 +131,7 @@ def timed(
     allowed = (0, 1) if " check" in name else (0,)  # 1: some limit is not kept
     if status not in allowed:
         raise subprocess.CalledProcessError(status, process, printed)
-    times = {"cpu": children() - before, "wall": monotonic() - began, "silence": max(silences)}
-    return {"command": name, **times}
+    return {"command": name, "cpu": cpu_time_of(RUSAGE_CHILDREN) - before, "silence": max(silences)}
 
 
 def explore(printed: str) -> bool:
@@ -168,12 +155,6 @@ def surroundings() -> dict[str, str]:
     return settings
 
 
-def children() -> float:
-    """CPU time of all processes that this one has started and seen ending [s]."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
-
-
 def write_measured(path: Path) -> None:
     """Write a made-up curve that stands for a measured one: what is timed does not depend on it."""
     angle = np.linspace(0, 360, 361)
@@ -182,26 +163,16 @@ def write_measured(path: Path) -> None:
     path.write_text(f"pinion_angle [deg]; pinion_torque [N m]\n{rows}\n", encoding="utf-8")
 
 
-def steps_table(folder: Path) -> str:
-    """Every step with its times."""
-    data = load_data(folder / DATA)
-    rows = [
-        [
-            f"`{step['command'].removeprefix('rps-exudyn ')}`",
-            f"{step['cpu']:.1f}",
-            f"{step['silence']:.1f}",
-            f"{step['kilobytes']:.0f}" if "kilobytes" in step else "",
-        ]
-        for step in data["steps"]
-    ]
-    return markdown(["step", "CPU time s", "longest silence s", "page kB"], rows)
-
-
+STEPS: Columns = {
+    "step": lambda step: f"`{step['command'].removeprefix('rps-exudyn ')}`",
+    "CPU time s": "{cpu:.1f}",
+    "longest silence s": "{silence:.1f}",
+    "page kB": lambda step: f"{step['kilobytes']:.0f}" if "kilobytes" in step else "",
+}
 TOPIC = Topic(
-    "what a newcomer does, each step with its time",
     "3 min",
     "first_use",
     run,
-    {"commands": ("init .",), "repeats": 1, "first": False, "clone": False, "notebook": False},
-    {"ten_minutes": steps_table},
+    {"commands": ("init .",), "repeats": 1, "beside": False},
+    {"ten_minutes": rows_table(DATA, "steps", STEPS)},
 )

@@ -16,7 +16,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import rps_exudyn as rps
-from benchmarks.topic import Topic, load_data, markdown, save_data
+from benchmarks.measure import quickest
+from benchmarks.topic import Columns, Topic, load_data, markdown, save_data, table_of
 from rps_exudyn.analysis.rack_motion import rack_poses
 from rps_exudyn.base.compiled import called
 from rps_exudyn.gears.gear_pair import GearPair
@@ -57,6 +58,7 @@ LOAD = 2000 / 9.80665  # of the load test [kg]
 COARSE, FINE = Division(flank=3, along=8, half_tooth=1, fillet=1, root=1, core=2), Division()
 ANGLES = 12  # over a pitch, at which yields are compared
 FLANKS = "same flank", "opposite flank"
+RACKS = "guided", "free"
 SHARES = 0.5, 0.95  # quantiles of the errors of yields
 PRESETS, REPEATS = ("quasi-static", "flank"), 4  # of the cost
 QUASI_STATIC = Fidelity.preset("quasi-static")
@@ -65,23 +67,15 @@ REFERENCE, FINE_STATIONS = "elements", {"strip_stations": 8}
 
 def gear_of(name: str) -> SteeringGear:
     """Return a named gear for one tooth pitch."""
-    z, m, helix, tooth, shift, tip, face, bar, line = GEARS[name]
-    return SteeringGear().replace(
-        {
-            "pinion.teeth": int(z),
-            "pinion.normal_module": 1e-3 * m,
-            "pinion.helix_angle": f"{helix} deg",
-            "rack.tooth_angle": f"{tooth} deg",
-            "pinion.profile_shift": shift,
-            "pinion.tip_diameter": 1e-3 * tip,
-            "pinion.face_width": 1e-3 * face,
-            "rack.bar_diameter": 1e-3 * bar,
-            "rack.reference_height": 1e-3 * line,
-            "bush.inner_diameter": 1e-3 * (bar + 1),
-            "test.turns": 1 / z,
-            "test.start_angle": 0.0,
-        }
-    )
+    z, m, helix, tooth, shift, *sizes = GEARS[name]
+    tip, face, bar, line = (1e-3 * size for size in sizes)
+    pinion = {"teeth": int(z), "normal_module": 1e-3 * m, "helix_angle": f"{helix} deg"}
+    pinion |= {"profile_shift": shift, "tip_diameter": tip, "face_width": face}
+    rack = {"tooth_angle": f"{tooth} deg", "bar_diameter": bar, "reference_height": line}
+    gear: dict[str, object] = {f"pinion.{name}": value for name, value in pinion.items()}
+    gear |= {f"rack.{name}": value for name, value in rack.items()}
+    gear |= {"bush.inner_diameter": 1e-3 * (sizes[2] + 1), "test.turns": 1 / z, "test.start_angle": 0.0}
+    return SteeringGear().replace(gear)
 
 
 def run(
@@ -107,7 +101,7 @@ def cases_of(gear: SteeringGear, division: Division) -> Iterator[tuple[str, Call
     """What is compared of a gear: its name, and what makes its numbers."""
     for form, settings in FORMS.items():
         formed = gear.replace(settings)
-        for rack in ("guided", "free"):
+        for rack in RACKS:
             yield f"{form}, {rack}", partial(by_laws, partial(free, formed, rack), division)
     yield "loaded", partial(by_laws, partial(loaded, gear), division)
     yield "yields", lambda: yields(gear, division)[0]
@@ -147,26 +141,22 @@ def cost(gear: SteeringGear) -> dict[str, dict[str, Any]]:
     are halved: preset -> law."""
 
     def least(preset: str, law: str) -> dict[str, float]:
-        runs = [
-            rps.run("free-pinion-torque", gear.replace({"mesh.law": law}), fidelity=preset)
-            for _ in range(REPEATS)
-        ]
-        finest, halvings = runs[0]["pinion_angle"].size - 1, int(runs[0].findings.get("halvings", 0))
-        return {
-            "seconds": min(each.counters["solver_cpu"] for each in runs),
-            "steps": sum(finest // 2**k for k in range(halvings + 1)),
-        }
+        by_law = gear.replace({"mesh.law": law})
+        best = quickest(lambda: rps.run("free-pinion-torque", by_law, fidelity=preset), REPEATS)
+        finest, halvings = best["pinion_angle"].size - 1, int(best.findings.get("halvings", 0))
+        steps = sum(finest // 2**k for k in range(halvings + 1))
+        return {"seconds": best.counters["solver_cpu"], "steps": steps}
 
     return {preset: {law: least(preset, law) for law in ("line", "teeth")} for preset in PRESETS}
 
 
 def numbers(result: Result) -> dict[str, Any]:
     """What is compared of a run; its message where it failed."""
-    names = "torque_mean", "torque_peak_to_peak", "efficiency_forward", "rack_y_mean"
+    names = (MEAN, RIPPLE, EFFICIENCY)
     found: dict[str, Any] = {name: result.summary[name] for name in names if name in result.summary}
     if "rack_y" in result.signals:
         found["approach"] = -float(np.mean(result["rack_y"]))
-    if "efficiency_forward" in found:
+    if EFFICIENCY in found:
         raising = slice(0, result["pinion_angle"].size // 2)
         travel = result.summary["rack_gain"] / (2 * np.pi) * result["pinion_angle"]
         found["lag"] = float(np.mean((travel - result["rack_displacement"])[raising]))
@@ -218,53 +208,43 @@ def along_lines(at: Any, body: str) -> Iterator[Line]:
 
 
 # --- tables and chart ----------------------------------------------------------------------------------
-def percent(value: float, of: float) -> str:
-    """Difference from another value in %."""
-    return f"{100 * (value / of - 1):+.2f}"
+LAWS = "teeth", "line"
+MEAN, RIPPLE, EFFICIENCY = "torque_mean", "torque_peak_to_peak", "efficiency_forward"
 
 
-def cases(folder: Path) -> Iterator[tuple[str, str, dict[str, Any]]]:
-    """Gear, form of its flanks and the numbers of the free torque with a guided and a free rack."""
-    for name, found in load_data(folder / DATA)["gears"].items():
-        for form in FORMS:
-            yield name, form, {rack: found[f"{form}, {rack}"] for rack in ("guided", "free")}
+def gears_of(folder: Path) -> Mapping[str, Any]:
+    """Name of a gear -> its cases."""
+    gears: Mapping[str, Any] = load_data(folder / DATA)["gears"]
+    return gears
+
+
+def off(case: Mapping[str, Any], law: str, name: str = MEAN) -> float:
+    """A law's number over that by elements - 1; nan where one of them is missing."""
+    return float(case[law].get(name, np.nan) / case[REFERENCE].get(name, np.nan) - 1)
+
+
+def percent(value: float) -> str:
+    """A difference in %."""
+    return f"{100 * value:+.2f}"
 
 
 def gears_table(folder: Path) -> str:
     """Each gear by elements, rack guided, and what the laws differ by: plain, with forms, under a load."""
     rows = []
-    for name, found in load_data(folder / DATA)["gears"].items():
+    for name, found in gears_of(folder).items():
         plain, formed = (found[f"{form}, guided"] for form in FORMS)
-        of, under = plain[REFERENCE], found["loaded"]
-        of_line = expected(name, "plain")
-        rows.append(
-            (
-                name,
-                f"{1e3 * of['torque_mean']:.1f}",
-                *(percent(plain[law]["torque_mean"], of["torque_mean"]) for law in ("teeth", "line")),
-                "" if of_line is None else f"{100 * of_line:+.2f}",
-                *(
-                    percent(formed[law]["torque_mean"], formed[REFERENCE]["torque_mean"])
-                    for law in ("teeth", "line")
-                ),
-                *(share(each, "teeth") for each in (plain, formed)),
-                percent(under["teeth"]["lag"], under[REFERENCE]["lag"]),
-            )
-        )
+        of_line, ripples = expected(name, "plain"), [off(each, "teeth", RIPPLE) for each in (plain, formed)]
+        cells = [f"{1e3 * plain[REFERENCE][MEAN]:.1f}", *(percent(off(plain, law)) for law in LAWS)]
+        cells += ["" if of_line is None else percent(of_line), *(percent(off(formed, law)) for law in LAWS)]
+        cells += ["-" if np.isnan(each) else f"{1 + each:.2f}" for each in ripples]
+        rows.append((name, *cells, percent(off(found["loaded"], "teeth", "lag"))))
     head = "gear", "N mm", "teeth %", "line %", "expected of line %", "formed: teeth %", "line %"
     return markdown((*head, "ripple, share", "formed", "lag under 2 kN %"), rows)
 
 
-def share(case: Mapping[str, Any], law: str) -> str:
-    """A law's share of the ripple by elements."""
-    name = "torque_peak_to_peak"
-    values = case[law].get(name), case[REFERENCE].get(name)
-    return f"{values[0] / values[1]:.2f}" if all(values) else "-"
-
-
 def yields_table(folder: Path) -> str:
     """Errors of yields along lines of contact, medians over the gears and the worst of them."""
-    gears = load_data(folder / DATA)["gears"].values()
+    gears = gears_of(folder).values()
     rows = []
     for name in next(iter(gears))["yields"]:
         errors = np.array([each["yields"][name] for each in gears if name in each["yields"]])
@@ -276,46 +256,32 @@ def yields_table(folder: Path) -> str:
 
 def summary_table(folder: Path) -> str:
     """What the laws are off by over all gears and flank forms."""
-    every = list(cases(folder))
+    gears = gears_of(folder).values()
+    free_cases = [found[f"{form}, {rack}"] for found in gears for form in FORMS for rack in RACKS]
+    guided = [found[f"{form}, guided"] for found in gears for form in FORMS]
     rows = []
-    for law in ("teeth", "line"):
-        means = [
-            each["torque_mean"] / found[rack][REFERENCE]["torque_mean"] - 1
-            for _, _, found in every
-            for rack in ("guided", "free")
-            if "torque_mean" in (each := found[rack][law])
-        ]
-        shares = [
-            each["torque_peak_to_peak"] / of
-            for _, _, found in every
-            if (of := found["guided"][REFERENCE].get("torque_peak_to_peak"))
-            and "torque_peak_to_peak" in (each := found["guided"][law])
-        ]
-        efficiency = [
-            each["efficiency_forward"] - found["loaded"][REFERENCE]["efficiency_forward"]
-            for found in load_data(folder / DATA)["gears"].values()
-            if "efficiency_forward" in (each := found["loaded"][law])
-        ]
-        rms = np.sqrt(np.mean(np.square(means)))
-        rows.append(
-            (
-                f"`{law}`",
-                f"{100 * min(means):+.2f} to {100 * max(means):+.2f} (RMS {100 * rms:.2f})",
-                f"{100 * min(efficiency):+.2f} to {100 * max(efficiency):+.2f}",
-                f"{100 * min(shares):.0f} to {100 * max(shares):.0f}",
-            )
-        )
+    for law in LAWS:
+        means = [off(case, law) for case in free_cases]
+        shares = [1 + off(case, law, RIPPLE) for case in guided]
+        loads = [(found["loaded"][law], found["loaded"][REFERENCE]) for found in gears]
+        points = [one.get(EFFICIENCY, np.nan) - of.get(EFFICIENCY, np.nan) for one, of in loads]
+        rms = f"(RMS {100 * np.sqrt(np.nanmean(np.square(means))):.2f})"
+        spans = [_span(means, "+.2f"), _span(points, "+.2f"), _span(shares, ".0f")]
+        rows.append((f"`{law}`", f"{spans[0]} {rms}", *spans[1:]))
     head = "law", "mean free torque %", "efficiency under 2 kN, points", "ripple, % of theirs"
     return markdown(head, rows)
+
+
+def _span(values: Sequence[float], form: str) -> str:
+    return f"{100 * np.nanmin(values):{form}} to {100 * np.nanmax(values):{form}}"
 
 
 def finer_table(folder: Path) -> str:
     """What finer elements change on the default gear, rack guided."""
     data = load_data(folder / DATA)
     coarse = next(iter(data["gears"].values()))["plain, guided"][REFERENCE]
-    fine = data["finer"]
-    names = {"torque_mean": "mean torque", "torque_peak_to_peak": "ripple", "approach": "approach"}
-    rows = [(title, percent(coarse[name], fine[name])) for name, title in names.items()]
+    names = {MEAN: "mean torque", RIPPLE: "ripple", "approach": "approach"}
+    rows = [(title, percent(coarse[name] / data["finer"][name] - 1)) for name, title in names.items()]
     return markdown(("of elements as published", "from finer ones, %"), rows)
 
 
@@ -323,17 +289,12 @@ def cost_table(folder: Path) -> str:
     """CPU time of law "teeth" over that of law "line", single runs and a step of them."""
     rows = []
     for preset, found in load_data(folder / DATA)["cost"].items():
-        runs = [found[law]["seconds"] for law in ("line", "teeth")]
-        steps = [of / found[law]["steps"] for of, law in zip(runs, ("line", "teeth"), strict=True)]
-        rows.append(
-            (
-                f"`{preset}`",
-                *(f"{1e3 * each:.3g}" for each in runs),
-                f"{runs[1] / runs[0]:.1f}",
-                *(f"{1e6 * each:.3g}" for each in steps),
-                f"{steps[1] / steps[0]:.1f}",
-            )
-        )
+        line, teeth = (found[law] for law in ("line", "teeth"))
+        cells = []
+        for unit, name in ((1e3, "runs"), (1e6, "steps")):
+            one, other = (unit * each["seconds"] / each.get(name, 1) for each in (line, teeth))
+            cells += [f"{one:.3g}", f"{other:.3g}", f"{other / one:.1f}"]
+        rows.append((f"`{preset}`", *cells))
     head = "preset", "run: line ms", "teeth ms", "ratio", "step: line us", "teeth us", "ratio"
     return markdown(head, rows)
 
@@ -341,34 +302,21 @@ def cost_table(folder: Path) -> str:
 def line_table(folder: Path) -> str:
     """Error of law "line" on plain flanks by the tips' truncation: as printed, and each gear left out of a
     fit of that formula to the others."""
-    gears = load_data(folder / DATA)["gears"]
+    gears = gears_of(folder)
     t = np.array([tip_truncation(gear_of(name)) for name in gears])
-    off = np.array(
-        [
-            found["plain, guided"]["line"]["torque_mean"] / found["plain, guided"][REFERENCE]["torque_mean"]
-            - 1
-            for found in gears.values()
-        ]
-    )
-    printed = off - np.array([expected(name, "plain") for name in gears])
-    rows = [("as printed", printed)]
+    error = np.array([off(found["plain, guided"], "line") for found in gears.values()])
+    rests = {"as printed": error - np.array([expected(name, "plain") for name in gears])}
     if t.size > 2:
-        left = [np.polyfit(np.delete(t, i), np.delete(off, i), 1) for i in range(t.size)]
-        rows.append(
-            ("each left out of the fit", off - [np.polyval(c, x) for c, x in zip(left, t, strict=True)])
-        )
-    return markdown(
-        ("error of `line` less the formula's", "RMS %", "largest %", f"within {100 * WITHIN:g} %"),
-        [
-            (
-                name,
-                f"{100 * np.sqrt(np.mean(rest**2)):.2f}",
-                f"{100 * np.abs(rest).max():.2f}",
-                f"{(np.abs(rest) <= WITHIN).sum()} of {rest.size}",
-            )
-            for name, rest in rows
-        ],
-    )
+        left = [np.polyfit(np.delete(t, i), np.delete(error, i), 1) for i in range(t.size)]
+        fitted = [np.polyval(c, x) for c, x in zip(left, t, strict=True)]
+        rests["each left out of the fit"] = error - fitted
+    columns: Columns = {
+        "error of `line` less the formula's": lambda row: row[0],
+        "RMS %": lambda row: f"{100 * np.sqrt(np.mean(row[1] ** 2)):.2f}",
+        "largest %": lambda row: f"{100 * np.abs(row[1]).max():.2f}",
+        f"within {100 * WITHIN:g} %": lambda row: f"{(np.abs(row[1]) <= WITHIN).sum()} of {row[1].size}",
+    }
+    return table_of(rests.items(), columns)
 
 
 def draw(course: Sequence[Any], path: Path) -> None:
@@ -396,7 +344,6 @@ def draw(course: Sequence[Any], path: Path) -> None:
 
 TINY = Division(flank=1, along=2, half_tooth=1, fillet=1, root=1, core=1)
 TOPIC = Topic(
-    "the laws of elastic teeth against finite elements of whole teeth, on named gears",
     "5 min",
     "tooth_compliance",
     run,

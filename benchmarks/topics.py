@@ -1,86 +1,36 @@
-"""All benchmark topics: name -> topic. A new benchmark is one module and one line here."""
+"""All benchmark topics: name -> topic. A new benchmark is one module and one entry here."""
 
-from benchmarks import (
-    efficiency_map,
-    explorer,
-    free_pinion_torque,
-    geometry,
-    law_on_gears,
-    many_gears,
-    measured_bow,
-    measured_intervals,
-    model_ladder,
-    paper,
-    rack_beam_elements,
-    rack_bow,
-    rack_deflection,
-    rattle_map,
-    scene_needs,
-    scenes,
-    start_up,
-    stick_slip,
-    study_runner,
-    study_scaling,
-    ten_minutes,
-    tooth_compliance,
-    validation,
-)
-from benchmarks.accuracy_speed import law_and_scaling, measured_points, overview, promise_check, promise_table
-from benchmarks.bad_inputs import bad_inputs, damaged_files
-from benchmarks.peers import scene_files, side_by_side
-from benchmarks.stability import (
-    check_cost,
-    corpus,
-    explicit_limits,
-    implicit_limits,
-    maps,
-    ordinary_gears,
-    random_plans,
-    wide_gears,
-)
+from pkgutil import resolve_name
+
 from benchmarks.topic import Topic
 
-TOPICS: dict[str, Topic] = {
-    "geometry": geometry.TOPIC,
-    "tooth_compliance": tooth_compliance.TOPIC,
-    "law_on_gears": law_on_gears.TOPIC,
-    "spheres_on_gears": law_on_gears.SPHERES_ALONE,
-    "free_pinion_torque": free_pinion_torque.TOPIC,
-    "model_ladder": model_ladder.TOPIC,
-    "scenes": scenes.TOPIC,
-    "paper": paper.TOPIC,
-    "efficiency_map": efficiency_map.TOPIC,
-    "rack_beams": rack_beam_elements.TOPIC,
-    "rattle_map": rattle_map.TOPIC,
-    "rack_deflection": rack_deflection.TOPIC,
-    "rack_bow": rack_bow.TOPIC,
-    "scene_needs": scene_needs.TOPIC,
-    "stick_slip": stick_slip.TOPIC,
-    "accuracy_speed": measured_points.TOPIC,
-    "law_and_scaling": law_and_scaling.TOPIC,
-    "overview": overview.TOPIC,
-    "promise_table": promise_table.TOPIC,
-    "promise_check": promise_check.TOPIC,
-    "stability_maps": maps.TOPIC,
-    "explicit_limits": explicit_limits.TOPIC,
-    "implicit_limits": implicit_limits.TOPIC,
-    "random_plans": random_plans.TOPIC,
-    "ordinary_gears": ordinary_gears.TOPIC,
-    "wide_gears": wide_gears.TOPIC,
-    "corpus": corpus.TOPIC,
-    "check_cost": check_cost.TOPIC,
-    "damaged_files": damaged_files.TOPIC,
-    "bad_inputs": bad_inputs.TOPIC,
-    "measured_intervals": measured_intervals.TOPIC,
-    "measured_bow": measured_bow.TOPIC,
-    "study_runner": study_runner.TOPIC,
-    "ten_minutes": ten_minutes.TOPIC,
-    "explorer": explorer.TOPIC,
-    "validation": validation.TOPIC,
-    "study_scaling": study_scaling.TOPIC,
-    "many_gears": many_gears.TOPIC,
-    "start_up": start_up.TOPIC,
-    "peer_scene": scene_files.TOPIC,
-    "peers": side_by_side.TOPIC,
-    "peer_rounds": side_by_side.AGAIN,
+MODULES = {
+    "geometry": "geometry",                            "tooth_compliance": "tooth_compliance",
+    "law_on_gears": "law_on_gears",                    "free_pinion_torque": "free_pinion_torque",
+    "model_ladder": "model_ladder",                    "scenes": "scenes",
+    "paper": "paper",                                  "efficiency_map": "efficiency_map",
+    "rack_beams": "rack_beam_elements",                "rattle_map": "rattle_map",
+    "rack_deflection": "rack_deflection",              "rack_bow": "rack_bow",
+    "scene_needs": "scene_needs",                      "stick_slip": "stick_slip",
+    "accuracy_speed": "accuracy_speed.measured_points", "law_and_scaling": "accuracy_speed.law_and_scaling",
+    "overview": "accuracy_speed.overview",             "promise_table": "accuracy_speed.promise_table",
+    "promise_check": "accuracy_speed.promise_check",   "stability_maps": "stability.maps",
+    "explicit_limits": "stability.explicit_limits",    "implicit_limits": "stability.implicit_limits",
+    "random_plans": "stability.random_plans",          "ordinary_gears": "stability.ordinary_gears",
+    "wide_gears": "stability.wide_gears",              "corpus": "stability.corpus",
+    "check_cost": "stability.check_cost",              "damaged_files": "bad_inputs.damaged_files",
+    "bad_inputs": "bad_inputs.bad_inputs",             "measured_intervals": "measured_intervals",
+    "measured_bow": "measured_bow",                    "study_runner": "study_runner",
+    "ten_minutes": "ten_minutes",                      "explorer": "explorer",
+    "validation": "validation",                        "study_scaling": "study_scaling",
+    "many_gears": "many_gears",                        "start_up": "start_up",
+    "peer_scene": "peers.scene_files",                 "peers": "peers.side_by_side",
+}  # fmt: skip
+PARTS = {
+    "spheres_on_gears": "law_on_gears:SPHERES_ALONE",
+    "peer_rounds": "peers.side_by_side:AGAIN",
 }
+"""Topics beside that of their module."""
+
+PLACES = {name: f"{module}:TOPIC" for name, module in MODULES.items()} | PARTS
+TOPICS: dict[str, Topic] = {name: resolve_name(f"benchmarks.{place}") for name, place in PLACES.items()}

@@ -38,10 +38,8 @@ def rows_table(kind: str, folder: Path) -> str:
             by_verdict.setdefault(shown["verdict"], []).append(shown["row"].replace("|", "/") + size)
     for verdict in UNJUDGED & by_verdict.keys():
         by_verdict[verdict] = [f"{len(by_verdict[verdict])} rows"]
-    return markdown(
-        ("verdict", "rows (E / u_val or share)"),
-        [(v, "; ".join(x)) for v, x in by_verdict.items()],
-    )
+    shown_rows = [(verdict, "; ".join(rows)) for verdict, rows in by_verdict.items()]
+    return markdown(("verdict", "rows (E / u_val or share)"), shown_rows)
 
 
 def conclusions_table(folder: Path) -> str:
@@ -70,23 +68,12 @@ def _written(each: Input) -> str:
     return each.text if each.about in ("value", "error") else f"{each.text} ({each.about})"
 
 
+TOY = ["undercut-limit", "iso-single-stiffness", "bush-stiffness", "bar-frequency-y", "paper-point-contact"]
 TOPIC = Topic(
-    "rows of manuals, standards and closed forms against the package, with verdicts",
     "40 s",
     "validation",
     run,
-    {
-        "only": (
-            "undercut-limit",
-            "iso-single-stiffness",
-            "bush-stiffness",
-            "bar-frequency-y",
-            "paper-point-contact",
-        )
-    },
+    {"only": TOY},
     {f"validation_{kind}": partial(rows_table, kind) for kind in KINDS}
-    | {
-        "validation_pedigree": pedigree_table,
-        "validation_conclusions": conclusions_table,
-    },
+    | {"validation_pedigree": pedigree_table, "validation_conclusions": conclusions_table},
 )

@@ -5,6 +5,7 @@ looked at when the reader's rules were made.
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -14,9 +15,11 @@ PLAIN = "pinion_angle [deg],pinion_torque [Nm]\n"
 GERMAN = "Winkel [°];Drehmoment [Nm]\n"
 
 
-def table(head: str, line: Callable[[int, float, float], str]) -> str:
+def table(
+    head: str, line: Callable[[int, float, float], str], angle: Any = ANGLE, torque: Any = TORQUE
+) -> str:
     """A text with a line for each point: number, angle [deg], torque [N m]."""
-    points = enumerate(zip(ANGLE.tolist(), TORQUE.tolist(), strict=True))
+    points = enumerate(zip(np.asarray(angle).tolist(), np.asarray(torque).tolist(), strict=True))
     return head + "".join(f"{line(i, angle, torque)}\n" for i, (angle, torque) in points)
 
 

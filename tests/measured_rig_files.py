@@ -35,7 +35,7 @@ WIDE_TORQUE = np.where(np.arange(WIDE.size) < 161, 0.63, -0.61) + 0.02 * np.cos(
 
 def of(angle: Any = ANGLE, torque: Any = TORQUE, head: str = HEAD) -> str:
     """Angles and torques of any lengths below a header."""
-    return head + "".join(f"{a:.5f};{t:.5f}\n" for a, t in zip(angle, torque, strict=True))
+    return table(head, lambda i, a, t: f"{a:.5f};{t:.5f}", angle, torque)
 
 
 def late(rows: int) -> str:

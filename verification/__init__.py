@@ -1,8 +1,8 @@
 """Independent methods, references, and where methods fail. For benchmarks and tests.
 
-references         methods of a scene that must agree, and the reference they give
+references         methods of a scene that must agree, and the reference they give; `variants`, `limited`
 runs               measured runs of a scene, their headline signal and its errors
-work_precision     errors of curves, Pareto fronts, fitted orders
+work_precision     errors of curves, Pareto fronts
 population         random gears that promises are made for
 runge_kutta        the gear by classical Runge-Kutta          } methods
 slow_swing         a reversal in the limit of slow motion     } besides
@@ -14,5 +14,6 @@ law_elements       law "teeth" with the compliance of finite elements; `tooth_el
 sampler            random gears and plans over every declared parameter; `ranges`, `stated_ranges`
 plan_reference     the right figures of any plan, known before it is run; `seat_cells`, `refined_steps`
 stick_slip         stick-slip of gear and column, reduced to one inertia, by events and by limits
-stability          whether a plan's number is right; bisected limits
+stability          whether a plan's number is right; bisected limits; `stable_step`
+shaping            the pinion as it is cut; `flank_deviation`
 """

@@ -1,4 +1,4 @@
-"""Errors of a curve and its cost: references with uncertainty, errors, orders, Pareto fronts.
+"""Errors of a curve and its cost: references with uncertainty, errors, Pareto fronts.
 
     reference = agreed_reference({"equilibria by generators": first, "slow dynamics by strips": second})
     reference.uncertainty             # the methods' largest difference, RMS in % of the mean
@@ -16,8 +16,6 @@ import numpy as np
 
 from rps_exudyn.analysis.curve import Curve, both_over_time, rms_difference, size_of
 from rps_exudyn.analysis.harmonics import order_amplitude
-
-FAR_ABOVE = 5  # times the floor: errors from which an order is fitted
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,13 +99,6 @@ def pareto_front(cost: np.ndarray, error: np.ndarray) -> np.ndarray:
         dtype=bool,
     )
     return finite & ~beaten
-
-
-def observed_order(size: np.ndarray, error: np.ndarray, floor: float) -> float | None:
-    """Exponent p of error ~ size^p over the points well above the floor; None with fewer than three."""
-    size, error = np.asarray(size, dtype=float), np.asarray(error, dtype=float)
-    above = np.isfinite(error) & (error > FAR_ABOVE * floor) & (size > 0)
-    return power_law(size[above], error[above])[0] if above.sum() >= 3 else None
 
 
 def power_law(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatter
 
-from benchmarks.accuracy_speed.measurement import FAMILIES, PRESET_FAMILIES, Measurement, Point
+from benchmarks.accuracy_speed.measurement import PRESET_FAMILIES, Measurement, Point
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import PRESETS
 from rps_exudyn.results.law_error import LawError
@@ -60,7 +60,7 @@ def work_precision_figure(measurement: Measurement) -> Figure:
     in_decades(axes)
     floor = measurement.reference.uncertainty
     drawn = [point for point in measurement.points if point.ok and np.isfinite(point.error)]
-    for family in FAMILIES:
+    for family in STYLES:
         _draw_family(axes, family, [point for point in drawn if point.family == family], floor)
     _mark_defaults(axes, drawn, floor)
     _draw_failures(axes, [point for point in measurement.points if not point.ok])
@@ -115,13 +115,19 @@ def _draw_family(axes: Axes, family: str, points: list[Point], floor: float) -> 
     if not points:
         return
     colour, marker = STYLES[family]
-    error = np.maximum([point.error for point in points], floor)
-    cost = np.array([point.cost for point in points])
-    front = pareto_front(cost, error)
+    error, cost = np.maximum([point.error for point in points], floor), [point.cost for point in points]
     # as an image, of which a page with hundreds of marks is half as large
     axes.plot(error, cost, marker, color=colour, alpha=0.25, markersize=4, markeredgewidth=0, rasterized=True)
-    order = np.argsort(error[front])
-    axes.plot(error[front][order], cost[front][order], marker + "-", color=colour, markersize=6, label=family)
+    axes.plot(*front(points, floor), marker + "-", color=colour, markersize=6, label=family)
+
+
+def front(points: list[Point], floor: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """Error [%], at least the floor, and cost [s] of the points that no other beats, by error."""
+    error = np.maximum([point.error for point in points], floor)
+    cost = np.array([point.cost for point in points])
+    best = pareto_front(cost, error)
+    order = np.argsort(error[best])
+    return error[best][order], cost[best][order]
 
 
 def _mark_defaults(axes: Axes, points: list[Point], floor: float) -> None:
@@ -156,16 +162,10 @@ def _draw_failures(axes: Axes, points: list[Point]) -> None:
 def _draw_floor(axes: Axes, floor: float) -> None:
     axes.axvspan(floor / 3, floor, color=style.COLOURS["reference"], alpha=0.25, linewidth=0)
     axes.set_xlim(left=floor / 3)
-    axes.annotate(
-        f"floor {floor:.2g} %",
-        (floor / 3, 0.01),
-        xycoords=("data", "axes fraction"),
-        fontsize=8,
-        color="#444444",
-    )
+    place: Any = {"xycoords": ("data", "axes fraction"), "fontsize": 8, "color": "#444444"}
+    axes.annotate(f"floor {floor:.2g} %", (floor / 3, 0.01), **place)
 
 
-# --- cost against size -----------------------------------------------------------------------------
 def scaling_figure(measured: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> Figure:
     """Cost over size of each problem, sizes and CPU seconds (n,), with the exponent fitted to them."""
     figure, (axes,) = style.panels([4.6], 9.0)
@@ -181,7 +181,6 @@ def scaling_figure(measured: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> Fig
     return figure
 
 
-# --- the contact law's own uncertainty -------------------------------------------------------------
 def law_band_figure(
     angle: np.ndarray, torques: Mapping[str, np.ndarray], default: str, errors: Mapping[str, LawError]
 ) -> Figure:

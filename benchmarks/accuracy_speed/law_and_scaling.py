@@ -4,16 +4,17 @@ Spheres and segments are read from the measured points of the free pinion torque
 """
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
-from time import process_time
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from benchmarks.accuracy_speed.chart import law_band_figure, scaling_figure
 from benchmarks.accuracy_speed.measurement import Measurement, load_measurement
-from benchmarks.accuracy_speed.tables import LAW_HEAD, LIMITS, SCALING_HEAD, law_rows, scaling_rows
-from benchmarks.topic import Topic, load_data, markdown, save_data
+from benchmarks.accuracy_speed.tables import LIMITS, laws_table, scaling_table
+from benchmarks.measure import least_time, run_ok
+from benchmarks.topic import Topic, save_data
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -33,9 +34,6 @@ LAWS: dict[str, dict[str, object]] = {
 BANDS = {DEFAULT: MEASURED["line"], BENDING: MEASURED["teeth"]}
 """Laws that are drawn with what they are off by."""
 
-ZONES = (0.02, 0.1, 0.5, 1.0)
-"""Friction zone over the smallest sliding speed."""
-
 Series = dict[str, tuple[np.ndarray, np.ndarray]]
 """What grows -> sizes and CPU seconds, (n,) each."""
 
@@ -49,61 +47,39 @@ def run(
 ) -> None:
     """Compute the torque by every law at `angles` angles of a tooth pitch, and measure cost over size."""
     angle = np.linspace(0, 2 * np.pi * PITCH, angles)
-    torques = {name: torque(angle, settings, {"step_angle": step}) for name, settings in LAWS.items()}
-    mean = torques[DEFAULT].mean()
-    zones = [
-        (zone, 100 * (torque(angle, {}, {"zone_ratio": zone, "step_angle": step}).mean() / mean - 1))
-        for zone in ZONES
-    ]
+    torques = {name: torque(angle, settings, step) for name, settings in LAWS.items()}
     file = folder / "free-pinion-torque.h5"
-    series = {
-        **(of_points(load_measurement(file)) if file.exists() else {}),
-        **of_turns(turns),
-        **of_cases(cases),
-    }
+    measured = of_points(load_measurement(file)) if file.exists() else {}
+    series = measured | of_turns(turns) | of_cases(cases)
     style.save(law_band_figure(angle, torques, DEFAULT, BANDS), folder / "contact_law.png")
     style.save(scaling_figure(series), folder / "scaling.png")
     content = {
         "angle": np.round(angle, 6).tolist(),
         "torques": {name: np.round(values, 7).tolist() for name, values in torques.items()},
         "default": DEFAULT,
-        "zones": zones,
         "scaling": {name: [size.tolist(), cost.tolist()] for name, (size, cost) in series.items()},
     }
     save_data(folder / LIMITS, content)
 
 
-def torque(angle: np.ndarray, gear: dict[str, object], model: dict[str, object]) -> np.ndarray:
+def torque(angle: np.ndarray, law: dict[str, object], step: str) -> np.ndarray:
     """Torque in equilibrium over one tooth pitch [N m]."""
-    chosen = GEAR.replace({**gear, "test.turns": PITCH})
-    run = run_scene("free-pinion-torque", chosen, Fidelity.preset("quasi-static").replace(model))
-    if not run.ok:
-        raise SystemExit(run.outcome.message)
-    return CubicSpline(run.signals["pinion_angle"], run.signals["pinion_torque"])(angle)
+    model = Fidelity.preset("quasi-static").replace({"step_angle": step})
+    run = run_ok("free-pinion-torque", GEAR.replace({**law, "test.turns": PITCH}), model)
+    return CubicSpline(run["pinion_angle"], run["pinion_torque"])(angle)
 
 
 def of_points(measurement: Measurement) -> Series:
     """Cost per revolution over the spheres of general contact, and over the segments of the bush."""
-    ok = [point for point in measurement.points if point.ok]
-    spheres = [
-        (float(p.fidelity.profile_samples * p.fidelity.axial_samples), p.cost)
-        for p in ok
-        if p.study == "general_contact"
-    ]
-    segments = [
-        (float(p.label.split()[1].strip(",")), p.cost)
-        for p in ok
-        if p.study == "bush" and "step_angle 1 " in p.label
-    ]
-    found: dict[str, list[tuple[float, float]]] = {
-        "spheres of a flank, general contact": spheres,
-        "segments of the bush, flank contact": segments,
-    }
-    return {
-        name: (np.array([size for size, _ in rows], dtype=float), np.array([cost for _, cost in rows]))
-        for name, rows in found.items()
-        if len(rows) > 2
-    }
+    found: dict[str, list[tuple[float, float]]] = {}
+    for point in (each for each in measurement.points if each.ok):
+        if point.study == "general_contact":
+            spheres = float(point.fidelity.profile_samples * point.fidelity.axial_samples)
+            found.setdefault("spheres of a flank, general contact", []).append((spheres, point.cost))
+        if point.study == "bush" and "step_angle 1 " in point.label:
+            segments = float(point.label.split()[1].strip(","))
+            found.setdefault("segments of the bush, flank contact", []).append((segments, point.cost))
+    return {name: tuple(np.array(rows).T) for name, rows in found.items() if len(rows) > 2}
 
 
 def of_turns(counts: Sequence[float]) -> Series:
@@ -122,24 +98,20 @@ def solver_cost(preset: str, turns: float) -> float:
 
 def of_cases(counts: Sequence[int]) -> Series:
     """Cost of whole cases one after the other, with all that is set up for each."""
-    costs = []
-    for count in counts:
-        start = process_time()
+
+    def work(count: int) -> None:
         for number in range(count):
             gear = GEAR.replace({"yoke.preload": 300.0 + number})
             run_scene("free-pinion-torque", gear, Fidelity.preset("quasi-static"))
-        costs.append(process_time() - start)
+
+    costs = [least_time(partial(work, count), 1)[0] for count in counts]
     return {"cases, quasi-static, with their setting up": (np.array(counts, dtype=float), np.array(costs))}
 
 
 TOPIC = Topic(
-    "what the contact law leaves open; cost against the size of the problem",
     "1 min",
     "accuracy_speed",
     run,
     {"angles": 7, "turns": (0.05, 0.1), "cases": (1, 2), "step": "10 deg"},
-    {
-        "contact_laws": lambda folder: markdown(LAW_HEAD, law_rows(load_data(folder / LIMITS))),
-        "scaling": lambda folder: markdown(SCALING_HEAD, scaling_rows(load_data(folder / LIMITS))),
-    },
+    {"contact_laws": laws_table, "scaling": scaling_table},
 )

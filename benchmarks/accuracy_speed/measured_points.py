@@ -13,19 +13,10 @@ from pathlib import Path
 from types import MappingProxyType
 
 from benchmarks.accuracy_speed.chart import work_precision_figure
-from benchmarks.accuracy_speed.convergence import fitted_orders
 from benchmarks.accuracy_speed.loop_points import loop_points
-from benchmarks.accuracy_speed.measurement import (
-    Measurement,
-    PlannedPoint,
-    Point,
-    load_measurement,
-    measure_point,
-)
+from benchmarks.accuracy_speed.measurement import Measurement, PlannedPoint, load_measurement, measure_point
 from benchmarks.accuracy_speed.tables import TABLES
-from benchmarks.accuracy_speed.variants import VARIANTS, of_family, reference_of_variant
 from benchmarks.topic import Topic
-from rps_exudyn.base.errors import InputError
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -40,6 +31,7 @@ from verification.flywheel import explicit_run
 from verification.law_area import by_law
 from verification.references import Method, as_run, by_strips, over_generators, reference_of, still
 from verification.runs import SceneReference, run_scene
+from verification.variants import VARIANTS, of_family, reference_of_variant
 from verification.work_precision import Reference
 
 PLANS = Path(__file__).parent / "plans"
@@ -116,28 +108,20 @@ def measure_scene(
     file = folder / f"{scene}.h5"
     names = [(plan.study, plan.label) for plan in planned]
     measurement = Measurement(scene, reference.headline, planned=names, origin=provenance())
-    measurement.points = [point for point in stored(file) if (point.study, point.label) in names]
+    before = load_measurement(file).points if file.exists() else []
+    measurement.points = [point for point in before if (point.study, point.label) in names]
     missing = measurement.missing
     for plan in planned:
         if (plan.study, plan.label) not in missing:
             continue
         warm_up(scene, plan)
         point = measure_point(plan, reference_for(plan, reference), repeats)
-        cost, error = f"{1e3 * point.cost:10.3f} ms", f"{point.rms:9.4f} %"
-        print(f"{point.status:15s} {cost} {error}  {plan.study}: {plan.label}", flush=True)
+        about = f"{1e3 * point.cost:10.3f} ms {point.rms:9.4f} %  {plan.study}: {plan.label}"
+        print(f"{point.status:15s}", about, flush=True)
         measurement.points.append(point)
         measurement.save(file)
-    measurement.orders = fitted_orders(measurement)
     measurement.save(file)
     style.save(work_precision_figure(measurement), file.with_suffix(".png"))
-
-
-def stored(file: Path) -> list[Point]:
-    """Points measured before; none if there is no file of them."""
-    try:
-        return load_measurement(file).points
-    except InputError:
-        return []
 
 
 def points_of(scene: str, plans: Sequence[str], thinned: Callable[[Study], Study]) -> Iterator[PlannedPoint]:
@@ -221,7 +205,6 @@ BUILT = {"explicit": explicit_points, "faceted": faceted_points, "loop": loop_po
 COARSE = {"generators": over_generators(40, as_run(still("3 deg"))), "strips": as_run(by_strips("3 deg"))}
 
 TOPIC = Topic(
-    "cost and error of every model of every scene: charts, fronts, orders, references",
     "30 min",
     "accuracy_speed",
     run,

@@ -5,14 +5,13 @@ Each point is kept as soon as it is measured, failed ones too; a planned point w
 
 import json
 from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 
-from benchmarks.accuracy_speed.variants import variant_of
 from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.base.files import replacing
 from rps_exudyn.base.hdf5 import opened
@@ -21,6 +20,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes.scene_run import SceneRun
 from verification.runs import SceneReference, revolutions, run_scene
+from verification.variants import variant_of
 from verification.work_precision import Reference
 
 FILETYPE = "rps_exudyn-work-precision"
@@ -28,34 +28,6 @@ VERSION = (1, 1)
 
 REPEATS = 15
 ENOUGH_TIME = 1.5  # CPU seconds spent on repeating one point
-
-FAMILIES = {
-    "general contact": "spheres on triangles in Exudyn",
-    "flank": "analytic flank contact in Exudyn",
-    "flank, bush chain": "the same with the bush as a chain",
-    "quasi-static": "the same contact in equilibrium",
-    "flank, line": "flank contact by the default law, compared with its own reference",
-    "quasi-static, line": "that in equilibrium",
-    "flank, teeth": "teeth that bend together, likewise",
-    "quasi-static, teeth": "that in equilibrium",
-    "flank, bending rack": "the default law and a rack that bends, likewise",
-    "quasi-static, bending rack": "that in equilibrium",
-    "flank, supported pinion": "the default law and a pinion on bearings, likewise",
-    "quasi-static, supported pinion": "that in equilibrium",
-    "flank, Stribeck": "the default law and friction that falls with speed, likewise",
-    "quasi-static, Stribeck": "that in equilibrium",
-    "flank, bristles": "the default law and friction with a state, likewise",
-    "quasi-static, bristles": "that in equilibrium",
-    "flank, four bristles": "that with four elements, likewise",
-    "quasi-static, four bristles": "that in equilibrium",
-    "loop over gears, line": "equilibria by the default law of many gears computed together, of each",
-    "spheres at rest": "equilibrium, contact of the spheres",
-    "shaped pinion": "spheres at rest on flanks as they are cut, compared with those on the analytic flank",
-    "meshed pinion": "spheres at rest on triangles, likewise",
-    "explicit": "flank contact, Exudyn's explicit solvers",
-    "closed form": "formulas",
-}
-"""Models that are drawn and compared together -> what they are."""
 
 PRESET_FAMILIES = {
     "full": "general contact",
@@ -66,7 +38,7 @@ PRESET_FAMILIES = {
 
 
 def family_of(gear: SteeringGear, fidelity: Fidelity) -> str:
-    """The family of a model of a gear, one of `FAMILIES`."""
+    """The family of a model of a gear: what is drawn and compared together."""
     return ", ".join(filter(None, (_kind_of(fidelity), variant_of(gear, fidelity))))
 
 
@@ -82,7 +54,7 @@ def _kind_of(fidelity: Fidelity) -> str:
 
 @dataclass(frozen=True)
 class Point:
-    """One measured model of a scene. Errors in % of the mean, lift in m; nan where there is none."""
+    """One measured model of a scene. Errors in % of the mean; nan where there is none."""
 
     study: str  # file in which it was planned
     label: str
@@ -92,17 +64,9 @@ class Point:
     message: str
     cost: float  # CPU seconds of the solver per revolution, the least of several
     repeats: int
-    steps: float = np.nan  # counters per revolution
-    newton_iterations: float = np.nan
-    jacobians: float = np.nan
-    force_evaluations: float = np.nan
     rms: float = np.nan
     rms_linear: float = np.nan
     bias: float = np.nan
-    peak_to_peak: float = np.nan
-    tooth_order: float = np.nan
-    first_order: float = np.nan
-    lift: float = np.nan
 
     @property
     def fidelity(self) -> Fidelity:
@@ -120,19 +84,6 @@ class Point:
         return max(self.rms, self.rms_linear)
 
 
-@dataclass(frozen=True)
-class Order:
-    """Exponent p of error ~ size^p over measured points; nan where too few of them are above the floor."""
-
-    family: str
-    knob: str  # what is made smaller
-    error: str  # which error falls with it
-    observed: float
-    expected: float
-    points: int  # that were fitted
-    why: str  # this is expected
-
-
 @dataclass
 class Measurement:
     """All points of one scene."""
@@ -142,17 +93,12 @@ class Measurement:
     points: list[Point] = field(default_factory=list)
     planned: list[tuple[str, str]] = field(default_factory=list)  # study and label of each point
     origin: dict[str, str] = field(default_factory=dict)
-    orders: list[Order] = field(default_factory=list)  # of convergence, fitted
 
     @property
     def missing(self) -> list[tuple[str, str]]:
         """Study and label of the points that were planned and not measured."""
         measured = {(point.study, point.label) for point in self.points}
         return [name for name in self.planned if name not in measured]
-
-    def of_family(self, family: str) -> list[Point]:
-        """Measured points of a family."""
-        return [point for point in self.points if point.family == family]
 
     def save(self, path: str | Path) -> None:
         """Write the file, whole or not at all.
@@ -193,12 +139,7 @@ def measure_point(plan: PlannedPoint, reference: SceneReference, repeats: int = 
         runs.append(plan.run())
         spent += runs[-1].outcome.cpu_s
     best = min(runs, key=lambda run: run.outcome.cpu_s)
-    turned = plan.revolutions
-    numbers: dict[str, float] = {name: count / turned for name, count in best.outcome.counters.items()}
-    if best.ok:
-        errors, lift = reference.errors_of(best.signals, plan.fidelity)
-        numbers |= {name: value for name, value in asdict(errors).items() if value is not None}
-        numbers |= {"lift": lift} if lift is not None else {}
+    found = reference.errors_of(best.signals, plan.fidelity)[0] if best.ok else None
     return Point(
         study=plan.study,
         label=plan.label,
@@ -206,14 +147,13 @@ def measure_point(plan: PlannedPoint, reference: SceneReference, repeats: int = 
         settings=json.dumps(plan.fidelity.model_dump()),
         status=str(best.outcome.status),
         message=best.outcome.message if not best.ok else "",
-        cost=best.outcome.cpu_s / turned,
+        cost=best.outcome.cpu_s / plan.revolutions,
         repeats=len(runs),
-        **{name: numbers[name] for name in NUMBERS if name in numbers},
+        **({name: getattr(found, name) for name in ERRORS} if found else {}),
     )
 
 
-TEXTS = [each.name for each in fields(Point) if each.type is str]
-NUMBERS = [each.name for each in fields(Point) if each.name not in (*TEXTS, "cost", "repeats")]
+ERRORS = ("rms", "rms_linear", "bias")
 
 
 def load_measurement(path: str | Path) -> Measurement:
@@ -239,7 +179,6 @@ def load_measurement(path: str | Path) -> Measurement:
             points=[Point(**dict(zip(columns, row, strict=True))) for row in rows],
             planned=[(study, label) for study, label in json.loads(file.attrs["planned"])],
             origin=json.loads(file.attrs["origin"]),
-            orders=[Order(**row) for row in json.loads(file.attrs.get("orders", "[]"))],
         )
 
 
@@ -250,7 +189,6 @@ def _write(measurement: Measurement, file: h5py.File) -> None:
         scene=measurement.scene,
         planned=json.dumps(measurement.planned),
         origin=json.dumps(measurement.origin),
-        orders=json.dumps([asdict(each) for each in measurement.orders]),
     )
     reference = file.create_group("reference")
     curve = measurement.reference.curve

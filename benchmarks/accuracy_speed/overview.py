@@ -6,21 +6,22 @@ or below what is known of the gear, means nothing for the gear.
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from benchmarks.accuracy_speed.chart import STYLES, in_decades
+from benchmarks.accuracy_speed.chart import STYLES, front, in_decades
 from benchmarks.accuracy_speed.measurement import Point, load_measurement
-from benchmarks.topic import Topic, digits, load_data, markdown, save_data
+from benchmarks.accuracy_speed.tables import cheapest
+from benchmarks.topic import Columns, Topic, digits, load_data, save_data, table_of
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.inference.uncertainty.quick_band import quick_band
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import MEASURED
-from verification.work_precision import pareto_front
 
 POINTS, DATA, PICTURE = "free-pinion-torque.h5", "overview.json", "overview.png"
 SHOWN = {
@@ -32,10 +33,7 @@ SHOWN = {
 }
 """Family -> its name for a reader, in the order of their costs."""
 
-INPUTS = {
-    "series": "inputs of a series",
-    "unknown": "inputs unknown",
-}
+INPUTS = {"series": "inputs of a series", "unknown": "inputs unknown"}
 WANTED = (10.0, 3.0, 1.0, 0.1, 0.01)  # [%]
 
 
@@ -46,7 +44,12 @@ def run(folder: Path, runs: int = 64) -> None:
     if (folder / POINTS).exists():
         points = [point for point in load_measurement(folder / POINTS).points if point.ok]
         style.save(overview_figure(points, found), folder / PICTURE)
-        rows = [row for wanted in WANTED if (row := cheapest(points, wanted))]
+        best = {wanted: cheapest(points, SHOWN, wanted) for wanted in WANTED}
+        rows = [
+            {"wanted": wanted, "family": point.family, "error": point.error, "cost": point.cost}
+            for wanted, point in best.items()
+            if point
+        ]
     save_data(folder / DATA, {"uncertainties": found, "cheapest": rows})
 
 
@@ -64,24 +67,15 @@ def half_width(inputs: str, runs: int) -> float:
     return mean.half_width / mean.median
 
 
-def cheapest(points: Iterable[Point], wanted: float) -> dict[str, object] | None:
-    """The cheapest shown model that keeps an error [%]; None if no model does."""
-    fit = [point for point in points if point.family in SHOWN and point.error <= wanted]
-    if not fit:
-        return None
-    best = min(fit, key=lambda point: point.cost)
-    return {"wanted": wanted, "family": best.family, "error": best.error, "cost": best.cost}
-
-
 def overview_figure(points: Iterable[Point], uncertain: Mapping[str, float]) -> Figure:
     """Fronts of a few families in plain words, and a line at each uncertainty [%]."""
     figure, (axes,) = style.panels([4.8], 9.0)
     in_decades(axes)
     every = [point for point in points if np.isfinite(point.error)]
     for family, name in SHOWN.items():
-        front = _front([point for point in every if point.family == family])
         colour, marker = STYLES[family]
-        axes.plot(*front, marker + "-", color=colour, markersize=6, label=name)
+        best = front([point for point in every if point.family == family])
+        axes.plot(*best, marker + "-", color=colour, markersize=6, label=name)
     _mark(axes, uncertain)
     axes.set_xlim(0.001, 100)
     axes.set_xlabel("numerical error of the torque, RMS over the motion [% of the mean]")
@@ -91,52 +85,29 @@ def overview_figure(points: Iterable[Point], uncertain: Mapping[str, float]) -> 
     return figure
 
 
-def _front(points: list[Point]) -> tuple[np.ndarray, np.ndarray]:
-    """Error [%] and cost [s] of the points that no other beats, by error."""
-    error, cost = (np.array([getattr(point, name) for point in points]) for name in ("error", "cost"))
-    front = pareto_front(cost, error)
-    order = np.argsort(error[front])
-    return error[front][order], cost[front][order]
-
-
 def _mark(axes: Axes, uncertain: Mapping[str, float]) -> None:
     """Draw a line at each uncertainty; what lies left of it is lost in it."""
     for name, percent in uncertain.items():
         axes.axvline(percent, **style.REFERENCE_LINE)
-        axes.annotate(
-            f"{name}: {digits(percent)} %",
-            (percent, 0.45),
-            xycoords=("data", "axes fraction"),
-            xytext=(3, 0),
-            textcoords="offset points",
-            rotation=90,
-            ha="left",
-            va="center",
-            fontsize=9,
-            color="#444444",
-        )
+        place: Any = {"xytext": (3, 0), "xycoords": ("data", "axes fraction"), "textcoords": "offset points"}
+        look: Any = {"rotation": 90, "ha": "left", "va": "center", "fontsize": 9, "color": "#444444"}
+        axes.annotate(f"{name}: {digits(percent)} %", (percent, 0.45), **place, **look)
 
 
 def worth_table(folder: Path) -> str:
     """What each digit costs, and in which uncertainties it is lost."""
     data = load_data(folder / DATA)
-    rows = [
-        [
-            f"{row['wanted']:g} %",
-            SHOWN[row["family"]],
-            f"{digits(1e3 * row['cost'])} ms",
-            ", ".join(name for name, value in data["uncertainties"].items() if value > row["wanted"]) or "-",
-        ]
-        for row in data["cheapest"]
-    ]
-    return markdown(["numerical error", "cheapest model", "CPU time per revolution", "lost in"], rows)
+
+    def larger(row: Mapping[str, float]) -> str:
+        return ", ".join(name for name, size in data["uncertainties"].items() if size > row["wanted"]) or "-"
+
+    columns: Columns = {
+        "numerical error": "{wanted:g} %",
+        "cheapest model": lambda row: SHOWN[row["family"]],
+        "CPU time per revolution": lambda row: f"{digits(1e3 * row['cost'])} ms",
+        "lost in": larger,
+    }
+    return table_of(data["cheapest"], columns)
 
 
-TOPIC = Topic(
-    "what a digit of the torque costs, beside the uncertainties of contact law and inputs",
-    "5 s",
-    "accuracy_speed",
-    run,
-    {"runs": 12},
-    {"digits_worth": worth_table},
-)
+TOPIC = Topic("5 s", "accuracy_speed", run, {"runs": 12}, {"digits_worth": worth_table})

@@ -8,26 +8,24 @@ wanted, missed if the error less their difference is not, and undecided between.
 it fails, is refused, or calls its accuracy not promised, not reached or not confirmed.
 """
 
-import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from time import process_time
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from benchmarks.accuracy_speed.limited import cpu_limit
 from benchmarks.accuracy_speed.promise_scenes import SCENES, Measured
-from benchmarks.topic import Topic, load_data, markdown, save_data
+from benchmarks.topic import Topic, begun, load_data, markdown, save_data
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import replacing
+from rps_exudyn.base.files import write_json
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.simulate.by_accuracy import choose, known_scenes
 from rps_exudyn.simulate.run import simulate
+from verification.limited import cpu_limit
 from verification.scene_truth import Truth, truth_of
 from verification.wide_tests import gears_under_tests
 
@@ -48,40 +46,38 @@ def run(
 ) -> None:
     """Draw gears, run and judge them; a run goes on with what the folder has."""
     keep = folder / PARTIAL
-    rows: dict[str, list[dict[str, Any]]] = json.loads(keep.read_text()) if keep.exists() else {}
+    rows: dict[str, list[dict[str, Any]]] = begun(keep)
     for scene, measured in scenes.items():
         known = rows.setdefault(scene, [])
         while len(known) < most and not _enough(known, judged):
             gear = gears_under_tests(SEED, scene, len(known) + 1)[-1]
             known.append(checked(scene, gear, measured))
             print(scene, len(known), [each["verdict"] for each in known[-1]["by"]], flush=True)
-            with replacing(keep) as partial:
-                partial.write_text(json.dumps(rows))
+            write_json(keep, rows)
     save_data(folder / DATA, {"seed": SEED, "scenes": rows})
     keep.unlink()
 
 
+def _promised(rows: Sequence[Mapping[str, Any]], at: int) -> list[Mapping[str, Any]]:
+    """What was kept or missed of the promises of an accuracy, by its place."""
+    return [row["by"][at] for row in rows if row["by"][at]["verdict"] in ("kept", "missed")]
+
+
 def _enough(rows: Sequence[Mapping[str, Any]], judged: int) -> bool:
-    return all(
-        sum(row["by"][at]["verdict"] in ("kept", "missed") for row in rows) >= judged
-        for at in range(len(WANTED))
-    )
+    return all(len(_promised(rows, at)) >= judged for at in range(len(WANTED)))
 
 
 def checked(scene: str, gear: SteeringGear, measured: Measured) -> dict[str, Any]:
     """What the promises were on one gear."""
-    allowed, began = measured.allowed(scene), process_time()
+    allowed = measured.allowed(scene)
     everything = dict.fromkeys(allowed, np.inf)
-    found: dict[str, Any]
     try:
         with cpu_limit(measured.longest):
             truth = truth_of(scene, gear, measured.methods, tuple(allowed), everything)
     except ArithmeticError as error:  # without a reference no run is judged, and none is made
-        found = {"reference": str(error), "by": [{"verdict": "no reference"} for _ in WANTED]}
-    else:
-        verdicts = [verdict_on(scene, gear, truth, wanted, measured.longest) for wanted in WANTED]
-        found = {"reference": truth.uncertainty, "by": verdicts}
-    return {"speed": gear.test.speed, **found, "seconds": process_time() - began}
+        return {"reference": str(error), "by": [{"verdict": "no reference"} for _ in WANTED]}
+    verdicts = [verdict_on(scene, gear, truth, wanted, measured.longest) for wanted in WANTED]
+    return {"reference": truth.uncertainty, "by": verdicts}
 
 
 def verdict_on(scene: str, gear: SteeringGear, truth: Truth, wanted: float, longest: float) -> dict[str, Any]:
@@ -98,18 +94,11 @@ def verdict_on(scene: str, gear: SteeringGear, truth: Truth, wanted: float, long
     if result.status is not Status.OK:
         return {**answer, "verdict": str(result.status), "said": result.message}
     error = truth.errors_of(result, Fidelity.model_validate(result.fidelity))[quantity]
-    answer |= {"error": error, "doubt": truth.uncertainty[quantity]}
-    return {
-        **answer,
-        "verdict": "outside" if not SAID.isdisjoint(result.codes) else judged_by(**answer, wanted=wanted),
-    }
-
-
-def judged_by(error: float, doubt: float, wanted: float, **_: object) -> str:
-    """Return whether a promise is kept, missed or undecided; errors and the reference's doubt in %."""
-    if error + doubt <= wanted:
-        return "kept"
-    return "missed" if error - doubt > wanted else "undecided"
+    doubt = truth.uncertainty[quantity]
+    verdict = "kept" if error + doubt <= wanted else "missed" if error - doubt > wanted else "undecided"
+    if not SAID.isdisjoint(result.codes):
+        verdict = "outside"
+    return {**answer, "error": error, "doubt": doubt, "verdict": verdict}
 
 
 def check_table(folder: Path) -> str:
@@ -117,20 +106,19 @@ def check_table(folder: Path) -> str:
     rows = []
     for scene, known in load_data(folder / DATA)["scenes"].items():
         cells, others = [], Counter[str]()
-        for at, _ in enumerate(WANTED):
-            by = [row["by"][at] for row in known]
-            promised = [each for each in by if each["verdict"] in ("kept", "missed")]
+        for at in range(len(WANTED)):
+            promised = _promised(known, at)
             worst = max((each["error"] for each in promised), default=0.0)
             kept = sum(each["verdict"] == "kept" for each in promised)
             cells.append(f"{kept} of {len(promised)}, {worst:.1g} %")
-            others += Counter(each["verdict"] for each in by if each not in promised)
+            verdicts = (row["by"][at]["verdict"] for row in known)
+            others += Counter(each for each in verdicts if each not in ("kept", "missed"))
         rows.append((scene, *cells, ", ".join(f"{count} {name}" for name, count in others.most_common())))
     head = ("scene", *(f"{wanted:g} % wanted: kept, largest error" for wanted in WANTED), "not judged")
     return markdown(head, rows)
 
 
 TOPIC = Topic(
-    "promises of --accuracy kept on other gears, under tests from the wide ranges",
     "30 min",
     "accuracy_speed",
     run,

@@ -13,10 +13,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from benchmarks.accuracy_speed.limited import cpu_limit
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
+from verification.limited import cpu_limit
 from verification.references import SHAKEN, STRIPS, by_strips
 from verification.runs import run_scene
 from verification.scene_truth import Made, Make, by_model, impact_in_parts
@@ -71,23 +71,22 @@ def moving(step: str, **changes: Any) -> Make:
 
 def shortly(make: Make, seconds: float) -> Make:
     """Method: another one that fails where it takes more CPU time than this [s]."""
+    return cpu_limit(seconds)(make)
+
+
+def struck(parts: int) -> Make:
+    """Method: an impact in so many parts of the scene's step; the test must be short."""
 
     def limited(scene: str, gear: SteeringGear) -> Made:
-        with cpu_limit(seconds):
-            return make(scene, gear)
+        _check_short((gear.test.pulses + 1) * gear.test.pulse_period, LONGEST_TEST)
+        return impact_in_parts(parts)(scene, gear)
 
     return limited
 
 
-def of_short_tests(make: Make, seconds: float) -> Make:
-    """Method: another one of impacts that fails where the test itself is longer than this [s]."""
-
-    def limited(scene: str, gear: SteeringGear) -> Made:
-        if (gear.test.pulses + 1) * gear.test.pulse_period > seconds:
-            raise ArithmeticError(f"the test is longer than {seconds:g} s")
-        return make(scene, gear)
-
-    return limited
+def _check_short(duration: float, limit: float) -> None:
+    if duration > limit:
+        raise ArithmeticError(f"the test is longer than {limit:g} s")
 
 
 def rattling(swing_steps: int) -> Make:
@@ -96,8 +95,7 @@ def rattling(swing_steps: int) -> Make:
 
     def limited(scene: str, gear: SteeringGear) -> Made:
         test = gear.test
-        if (test.road_cycles + 1) * test.road_phases / test.road_frequency > LONGEST_RATTLE:
-            raise ArithmeticError(f"the test is longer than {LONGEST_RATTLE:g} s")
+        _check_short((test.road_cycles + 1) * test.road_phases / test.road_frequency, LONGEST_RATTLE)
         if not run_scene(scene, gear, COARSE).summary.get("rattle_impacts_per_cycle"):
             raise ArithmeticError("nothing hits: the plunger does not reach the yokenut, or never leaves it")
         return fine(scene, gear)
@@ -139,10 +137,7 @@ SWUNG: dict[str, Make] = {**IN_MOTION, "equilibria": shortly(by_model(by_strips(
 # --- impacts -----------------------------------------------------------------------------------------
 STRUCK: list[Setting] = [("flank", None, {"swing_steps": n, **FINE}) for n in (8, 17, 34)]
 LONGEST_TEST = 60e-3  # of an impact that is measured [s]
-HIT: dict[str, Make] = {
-    "a third of the step": of_short_tests(impact_in_parts(3), LONGEST_TEST),
-    "half the step": of_short_tests(impact_in_parts(2), LONGEST_TEST),
-}
+HIT: dict[str, Make] = {"a third of the step": struck(3), "half the step": struck(2)}
 
 LONGEST_RATTLE = 90e-3  # of all cycles and phases of a road's force that is measured [s]
 COARSE = Fidelity.preset("flank").replace({"swing_steps": 8})

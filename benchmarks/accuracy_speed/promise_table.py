@@ -10,7 +10,6 @@ Contact laws `area` and `teeth` are measured on the first of these gears: how ma
 table they need for what the table promises.
 """
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
@@ -18,15 +17,15 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.accuracy_speed.limited import cpu_limit
 from benchmarks.accuracy_speed.promise_scenes import SCENES, STEADY, Measured, Setting
-from benchmarks.topic import Topic
-from rps_exudyn.base.files import replacing, write_json
+from benchmarks.topic import Topic, begun
+from rps_exudyn.base.files import write_json
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.scenes.maneuver import whole_periods
 from rps_exudyn.simulate.by_accuracy import TABLE, beyond_in_run, beyond_promise
+from verification.limited import cpu_limit
 from verification.runs import revolutions, run_scene
 from verification.scene_truth import truth_of
 from verification.wide_tests import gears_under_tests
@@ -51,7 +50,7 @@ def run(
     `table` is the file that is written; a relative path is one in the folder.
     """
     keep = folder / RAW
-    raw: dict[str, Any] = json.loads(keep.read_text()) if keep.exists() else {}
+    raw: dict[str, Any] = begun(keep)
     for scene, measured in scenes.items():
         population = gears_under_tests(SEED, scene, gears or measured.gears)
         for law in ("line", *(laws if scene == LAW_SCENE else ())):
@@ -63,14 +62,13 @@ def run(
                 if law == "line" and "errors" in rows[-1] and costed < measured.costed:
                     rows[-1]["cost"] = costs_on(scene, gear, measured)
                 print(law, scene, len(rows), rows[-1].get("refused", "measured"), flush=True)
-                with replacing(keep) as partial:
-                    partial.write_text(json.dumps(raw))
+                write_json(keep, raw)
         publish(scene, measured, raw, population, folder / table)
     keep.unlink()
 
 
 def within_limit(scene: str, gear: SteeringGear, measured: Measured) -> dict[str, Any]:
-    """Errors and costs of all settings on one gear, or why it has none: it may take too long."""
+    """Errors of all settings on one gear, or why it has none: it may take too long."""
     try:
         with cpu_limit(measured.longest):
             return errors_on(scene, gear, measured)
@@ -79,28 +77,24 @@ def within_limit(scene: str, gear: SteeringGear, measured: Measured) -> dict[str
 
 
 def errors_on(scene: str, gear: SteeringGear, measured: Measured) -> dict[str, Any]:
-    """Errors and costs of all settings on one gear, or why it has none."""
+    """Errors of all settings on one gear.
+
+    Raises:
+        ArithmeticError: it has none.
+    """
     allowed = measured.allowed(scene)
-    try:
-        truth = truth_of(scene, gear, measured.methods, tuple(allowed), allowed)
-    except ArithmeticError as error:
-        return {"refused": str(error)}
+    truth = truth_of(scene, gear, measured.methods, tuple(allowed), allowed)
     if truth.failed and measured.all_methods:
-        return {"refused": "; ".join(f"{name}: {why}" for name, why in truth.failed.items())}
+        raise ArithmeticError("; ".join(f"{name}: {why}" for name, why in truth.failed.items()))
     signals = next(iter(truth.runs.values()))[0].signals
     if beyond := beyond_promise(gear) or beyond_in_run(scene, signals):
-        return {"refused": beyond.removeprefix("; ")}
+        raise ArithmeticError(beyond.removeprefix("; "))
     found = []
     for setting in measured.settings:
         fidelity = fidelity_of(setting, gear)
         tried = run_scene(scene, gear, fidelity)
         found.append(truth.errors_of(tried, fidelity) if tried.ok else None)
-    return {
-        "uncertainty": truth.uncertainty,
-        "failed": dict(truth.failed),
-        "speed": gear.test.speed,
-        "errors": found,
-    }
+    return {"uncertainty": truth.uncertainty, "errors": found}
 
 
 def costs_on(scene: str, gear: SteeringGear, measured: Measured) -> list[float | None]:
@@ -119,13 +113,12 @@ def fidelity_of(setting: Setting, gear: SteeringGear) -> Fidelity:
     return Fidelity.preset(preset).replace({**step, **changes})
 
 
-# --- the table -------------------------------------------------------------------------------------
 def publish(
     scene: str, measured: Measured, raw: dict[str, Any], gears: list[SteeringGear], path: Path
 ) -> None:
     """Write this scene's part of the table; other scenes stay unmodified."""
-    before = json.loads(path.read_text()) if path.exists() else {"scenes": {}, "laws": {}}
-    scenes, laws, rows = before["scenes"], before.get("laws", {}), raw[scene]
+    before, rows = begun(path), raw[scene]
+    scenes, laws = before.get("scenes", {}), before.get("laws", {})
     alike = [whole_periods(gear, 2 * np.pi) == gear.pinion.teeth for gear in gears]
     tables = [
         {"quantity": quantity, **table}
@@ -157,10 +150,12 @@ def rows_of(
         succeeded = np.array([one is not None and np.isfinite(one[quantity]) for one in found])
         if not succeeded.any() or 1 - succeeded.mean() > measured.most_failures:
             continue
-        ran = [(one, teeth) for one, (_, teeth), well in zip(found, known, succeeded, strict=True) if well]
-        errors = np.array([one[quantity] for one, _ in ran]) + doubts[succeeded]
-        costs = cost_of(at, known)
-        settings.append(setting_row(setting, margin * errors.max(), errors, costs, 1 - succeeded.mean()))
+        errors = doubts[succeeded] + [found[i][quantity] for i in np.flatnonzero(succeeded)]
+        (preset, angles, changes), (cost, cost_of_turn) = setting, cost_of(at, known)
+        numbers = {"promised": margin * errors.max(), "median": np.median(errors), "cost": cost}
+        numbers |= {"cost_of_turn": cost_of_turn, "failed": 1 - succeeded.mean()}
+        rounded = {name: float(f"{number:.3g}") for name, number in numbers.items()}
+        settings.append({"preset": preset, "angles_per_pitch": angles, "settings": changes, **rounded})
     floor = float(f"{margin * doubts.max(initial=0.0):.2g}")
     return {"floor": floor, "gears": len(known), "margin": margin, "settings": settings}
 
@@ -172,22 +167,6 @@ def cost_of(at: int, known: Sequence[tuple[dict[str, Any], bool]]) -> tuple[floa
     kinds = [[cost for cost, teeth in costs if teeth == kind] for kind in (True, False)]
     alike, other = (float(np.median(kind or [cost for cost, _ in costs])) for kind in kinds)
     return alike, other
-
-
-def setting_row(
-    setting: Setting, promised: float, errors: np.ndarray, costs: Sequence[float], failed: float
-) -> dict[str, Any]:
-    """One row of the table, rounded."""
-    preset, angles, changes = setting
-    numbers = {
-        "promised": promised,
-        "median": float(np.median(errors)),
-        "cost": costs[0],
-        "cost_of_turn": costs[1],
-        "failed": failed,
-    }
-    rounded = {name: float(f"{number:.3g}") for name, number in numbers.items()}
-    return {"preset": preset, "angles_per_pitch": angles, "settings": changes, **rounded}
 
 
 def factor_of(rows: list[dict[str, Any]], table: dict[str, Any]) -> float:
@@ -216,20 +195,10 @@ def factor_of(rows: list[dict[str, Any]], table: dict[str, Any]) -> float:
     return FACTORS[-1]
 
 
-_STEADY = SCENES[LAW_SCENE]
+TWO = {name: SCENES[LAW_SCENE].methods[name] for name in ("equilibria", "dynamics")}
 TOPIC = Topic(
-    "the table behind --accuracy: errors of settings on random gears under random tests",
     "40 min",
     "accuracy_speed",
     run,
-    {
-        "scenes": {
-            LAW_SCENE: Measured(
-                STEADY[:2], {name: _STEADY.methods[name] for name in ("equilibria", "dynamics")}
-            )
-        },
-        "gears": 2,
-        "laws": (),
-        "table": Path(TABLE.name),
-    },
+    {"scenes": {LAW_SCENE: Measured(STEADY[:2], TWO)}, "gears": 2, "laws": (), "table": Path(TABLE.name)},
 )

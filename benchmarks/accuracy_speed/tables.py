@@ -1,13 +1,12 @@
 """Tables about speed and accuracy, from the files of measured points: models, fronts, references, orders."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from benchmarks.accuracy_speed.measurement import Measurement, Point, load_measurement
-from benchmarks.topic import digits, markdown
+from benchmarks.topic import Columns, digits, load_data, markdown, table_of
 from rps_exudyn.scenes import SCENE_NAMES
 from verification.work_precision import power_law
 
@@ -23,12 +22,11 @@ MODELS = {
     "quasi_static_teeth": (f"step_angle 1 °, {DEFAULT_STRIPS}",),
     "flank_bending": ("rack.modes 8, step_angle 1 °",),
     "quasi_static_bending": ("rack.modes 8, step_angle 1 °",),
-    "flank_stribeck": ("step_angle 1 °",),
-    "quasi_static_stribeck": ("step_angle 1 °",),
-    "flank_bristles": ("step_angle 1 °",),
-    "quasi_static_bristles": ("step_angle 1 °",),
-    "flank_four_bristles": ("step_angle 1 °",),
-    "quasi_static_four_bristles": ("step_angle 1 °",),
+    **{
+        f"{preset}_{law}": ("step_angle 1 °",)
+        for law in ("stribeck", "bristles", "four_bristles")
+        for preset in ("flank", "quasi_static")
+    },
     "loop": ("step_angle 5 °",),
     "closed_form": ("",),
 }
@@ -51,28 +49,20 @@ def of_torque(folder: Path, *studies: str) -> list[Point]:
 
 def models_table(folder: Path) -> str:
     """Return what each kind of model costs per revolution, and how far its torque is from the reference."""
-    points = of_torque(folder, *MODELS)
-    shown = [
-        p
-        for study, labels in MODELS.items()
-        for p in points
-        if p.study == study and p.label.startswith(labels)
-    ]
-    rows = [
-        (
-            p.family,
-            p.label,
-            digits(p.cost),
-            *([f"{p.error:.2g}", f"{p.bias:+.2g}"] if p.ok else [p.status, ""]),
-        )
-        for p in shown
-    ]
-    return markdown(("family", "settings", "CPU s", "error %", "of the mean %"), rows)
+    columns: Columns = {
+        "family": lambda point: point.family,
+        "settings": lambda point: point.label,
+        "CPU s": lambda point: digits(point.cost),
+        "error %": lambda point: f"{point.error:.2g}" if point.ok else point.status,
+        "of the mean %": lambda point: f"{point.bias:+.2g}" if point.ok else "",
+    }
+    points = [point for point in of_torque(folder, *MODELS) if point.label.startswith(MODELS[point.study])]
+    return table_of(sorted(points, key=lambda point: list(MODELS).index(point.study)), columns)
 
 
-def cheapest(points: Iterable[Point], family: str, error: float) -> Point | None:
-    """The cheapest point of a family that keeps an error [%]."""
-    keeps = [point for point in points if point.ok and point.family == family and point.error <= error]
+def cheapest(points: Iterable[Point], families: Collection[str], error: float) -> Point | None:
+    """The cheapest point of these families that keeps an error [%]."""
+    keeps = [point for point in points if point.ok and point.family in families and point.error <= error]
     return min(keeps, key=lambda point: point.cost, default=None)
 
 
@@ -97,35 +87,30 @@ def _cheapest_of(points: Sequence[Point], kind: str, error: float) -> Point | No
     alone."""
     by_default = f"{kind}, line"
     family = by_default if any(point.family == by_default for point in points) else kind
-    return cheapest(points, family, error)
+    return cheapest(points, (family,), error)
 
 
-# --- contact law and size ----------------------------------------------------------------------------
-def law_rows(content: Any) -> list[tuple[str, ...]]:
-    """Law, mean [N mm], off the default's [%], peak to peak [N mm]."""
+def laws_table(folder: Path) -> str:
+    """Mean torque and ripple by every law."""
+    content = load_data(folder / LIMITS)
     torques = {name: np.array(values) for name, values in content["torques"].items()}
     default = torques[content["default"]].mean()
-    return [
-        (name, f"{1e3 * t.mean():.1f}", f"{100 * (t.mean() / default - 1):+.2f}", f"{1e3 * np.ptp(t):.1f}")
-        for name, t in torques.items()
-    ]
+    columns: Columns = {
+        "law": lambda row: row[0],
+        "mean N mm": lambda row: f"{1e3 * row[1].mean():.1f}",
+        "against the default %": lambda row: f"{100 * (row[1].mean() / default - 1):+.2f}",
+        "peak to peak N mm": lambda row: f"{1e3 * np.ptp(row[1]):.1f}",
+    }
+    return table_of(torques.items(), columns)
 
 
-def scaling_rows(content: Any) -> list[tuple[str, ...]]:
-    """Return what grows, range of its size, of its cost [s], fitted exponent."""
-    return [
-        (
-            name,
-            f"{size[0]:g} to {size[-1]:g}",
-            f"{cost[0]:.2g} to {cost[-1]:.2g}",
-            f"{power_law(np.array(size), np.array(cost))[0]:.2f}",
-        )
-        for name, (size, cost) in content["scaling"].items()
-    ]
-
-
-LAW_HEAD = ("law", "mean N mm", "against the default %", "peak to peak N mm")
-SCALING_HEAD = ("size", "range", "CPU s", "exponent")
+def scaling_table(folder: Path) -> str:
+    """Return what grows, range of its size, of its cost, fitted exponent."""
+    rows = []
+    for name, (size, cost) in load_data(folder / LIMITS)["scaling"].items():
+        spans = f"{size[0]:g} to {size[-1]:g}", f"{cost[0]:.2g} to {cost[-1]:.2g}"
+        rows.append((name, *spans, f"{power_law(np.array(size), np.array(cost))[0]:.2f}"))
+    return markdown(("size", "range", "CPU s", "exponent"), rows)
 
 
 def facets_table(folder: Path) -> str:
@@ -139,8 +124,4 @@ def facets_table(folder: Path) -> str:
     return markdown(("family", "facets, material left over", "torque, RMS", "mean"), rows)
 
 
-TABLES = {
-    "models": models_table,
-    "accuracy_scenes": scenes_table,
-    "facets": facets_table,
-}
+TABLES = {"models": models_table, "accuracy_scenes": scenes_table, "facets": facets_table}

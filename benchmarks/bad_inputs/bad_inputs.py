@@ -6,7 +6,6 @@ a time limit.
 """
 
 import atexit
-import csv
 import os
 import signal
 import socket
@@ -14,7 +13,6 @@ import subprocess
 import sys
 import tempfile
 import traceback
-from collections import Counter, defaultdict
 from contextlib import chdir, redirect_stderr, redirect_stdout, suppress
 from functools import cache
 from io import StringIO
@@ -23,7 +21,7 @@ from threading import Thread
 from time import monotonic, sleep
 
 from benchmarks.bad_inputs.inputs import SECRET, BadInput, corpus, stands_in
-from benchmarks.topic import Topic, markdown
+from benchmarks.topic import Topic, load_rows, markdown, save_rows
 from rps_exudyn.base.files import printable
 from rps_exudyn.cli.main import main
 from rps_exudyn.pages.explore.server import Explorer
@@ -32,16 +30,8 @@ from rps_exudyn.parameters.gear import SteeringGear
 
 DATA = "bad_inputs.csv"
 COLUMNS = (
-    "topic",
-    "arguments",
-    "status",
-    "traceback",
-    "lost",
-    "beyond_limit_s",
-    "left_alive",
-    "outside",
-    "said",
-)
+    "topic", "arguments", "status", "traceback", "lost", "beyond_limit_s", "left_alive", "outside", "said",
+)  # fmt: skip
 LATE = 2.0  # [s] that nothing may be alive beyond its limit
 LIMITED = """
 import resource, signal, sys
@@ -57,9 +47,7 @@ def run(folder: Path, every: int = 1, alone: bool = True) -> None:
     """Try every n-th input, also those that need a process of their own, and write what became of it."""
     precious = precious_file()
     chosen = [bad for bad in corpus(precious)[::every] if alone or not bad.is_alone]
-    rows = [tried(bad, precious) for bad in chosen]
-    with (folder / DATA).open("w", newline="", encoding="utf-8", errors="replace") as file:
-        csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])
+    save_rows(folder / DATA, COLUMNS, [tried(bad, precious) for bad in chosen])
 
 
 @cache
@@ -106,9 +94,9 @@ def _here(bad: BadInput, folder: Path) -> tuple[int, str, float, int]:
 
 def _served(bad: BadInput, folder: Path) -> tuple[int, str, float, int]:
     """Send a request to an explorer; 2 if it is refused, -1 if a sound one has no answer afterwards."""
-    server, errors = _explorer()
-    errors.seek(0)
-    errors.truncate()
+    server = _explorer()
+    server.errors.seek(0)
+    server.errors.truncate()
     with chdir(folder), socket.create_connection(("127.0.0.1", server.server_port), timeout=60) as link:
         with suppress(OSError):  # refused before it was read to its end
             link.sendall(bad.request or b"")
@@ -119,7 +107,7 @@ def _served(bad: BadInput, folder: Path) -> tuple[int, str, float, int]:
                 reply += part
     answers = "curves" in server.answering.computed(Wish({}), bad.topic, 0)
     refused = not reply.startswith(b"HTTP/1.0 200") or b'"problems"' in reply
-    said = errors.getvalue() + reply.decode("utf-8", "replace").rpartition("\r\n")[2]
+    said = server.errors.getvalue() + reply.decode("utf-8", "replace").rpartition("\r\n")[2]
     return (2 * refused if answers else -1), said, 0.0, 0
 
 
@@ -136,13 +124,13 @@ class WatchedExplorer(Explorer):
 
 
 @cache
-def _explorer() -> tuple[WatchedExplorer, StringIO]:
-    """A server in a thread, and what it prints."""
+def _explorer() -> WatchedExplorer:
+    """A server in a thread."""
     server = WatchedExplorer(SteeringGear())
     server.answering.warm_up()
     Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True).start()
     atexit.register(server.server_close)
-    return server, server.errors
+    return server
 
 
 def _in_process(bad: BadInput, folder: Path) -> tuple[int, str, float, int]:
@@ -187,30 +175,18 @@ def _children(pid: int) -> set[int]:
 
 def inputs_table(folder: Path) -> str:
     """What became of the inputs of each topic."""
-    with (folder / DATA).open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    counts: dict[str, Counter[str]] = defaultdict(Counter)
-    for row in rows:
-        for name in (row["topic"], "**all**"):
-            counts[name]["inputs"] += 1
-            counts[name]["refused"] += row["status"] == "2"
-            counts[name]["tracebacks"] += row["traceback"] == "True"
-            counts[name]["lost"] += row["lost"] == "True"
-            counts[name]["outside"] += row["outside"] == "True"
-            counts[name]["alive"] += float(row["beyond_limit_s"]) > LATE or int(row["left_alive"]) > 0
-    columns = ("inputs", "refused", "tracebacks", "lost", "outside", "alive")
+    rows = load_rows(folder / DATA)
+
+    def line(name: str, rows: list[dict[str, str]]) -> tuple[str | int, ...]:
+        refused = sum(row["status"] == "2" for row in rows)
+        faults = (sum(row[fault] == "True" for row in rows) for fault in ("traceback", "lost", "outside"))
+        late = sum(float(row["beyond_limit_s"]) > LATE or int(row["left_alive"]) > 0 for row in rows)
+        return name, len(rows), refused, *faults, late
+
+    topics = dict.fromkeys(row["topic"] for row in rows)
+    lines = [line(topic, [row for row in rows if row["topic"] == topic]) for topic in topics]
     head = ("bad", "inputs", "refused", "tracebacks", "lost", "read outside", "alive 2 s beyond limit")
-    total = counts.pop("**all**")
-    lines = [(name, *(count[column] for column in columns)) for name, count in counts.items()]
-    odd = [line for line in lines if any(line[3:])]
-    return markdown(head, [*odd, ("**all**", *(total[column] for column in columns))])
+    return markdown(head, [*(each for each in lines if any(each[3:])), line("**all**", rows)])
 
 
-TOPIC = Topic(
-    "bad inputs of every kind, and what becomes of them",
-    "10 min",
-    "bad_inputs",
-    run,
-    {"every": 25, "alone": False},
-    {"bad_inputs": inputs_table},
-)
+TOPIC = Topic("10 min", "bad_inputs", run, {"every": 25, "alone": False}, {"bad_inputs": inputs_table})

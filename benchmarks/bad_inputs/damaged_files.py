@@ -5,12 +5,10 @@ that reads it. Right is: no exception but `InputError`, the file's name in the s
 all other cases as before.
 """
 
-import csv
 import shutil
 import sys
 import tempfile
 import warnings
-from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
@@ -20,7 +18,7 @@ from typing import Any
 import numpy as np
 
 import rps_exudyn as rps
-from benchmarks.topic import ROOT, Topic, markdown
+from benchmarks.topic import ROOT, Topic, load_rows, markdown, save_rows
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.main import main
 from rps_exudyn.cli.output import WRONG_INPUT
@@ -46,31 +44,19 @@ def _bit_flipped(content: bytes, rng: np.random.Generator) -> bytes:
     return content[:at] + bytes([content[at] ^ (1 << bit)]) + content[at + 1 :]
 
 
-def _truncated(content: bytes, rng: np.random.Generator) -> bytes:
-    return content[: int(rng.integers(len(content)))]
-
-
 def _part_zeroed(content: bytes, rng: np.random.Generator) -> bytes:
     first = int(rng.integers(len(content))) // 512 * 512
     last = min(first + 4096, len(content))
     return content[:first] + bytes(last - first) + content[last:]
 
 
-def _all_zeroed(content: bytes, rng: np.random.Generator) -> bytes:
-    return bytes(len(content))
-
-
-def _longer(content: bytes, rng: np.random.Generator) -> bytes:
-    return content + rng.bytes(OVERWRITTEN)
-
-
 DAMAGES: dict[str, Damage] = {
     "40 bytes overwritten": _overwritten,
     "one bit flipped": _bit_flipped,
-    "truncated": _truncated,
+    "truncated": lambda content, rng: content[: int(rng.integers(len(content)))],
     "a page zeroed": _part_zeroed,
-    "all zeroed": _all_zeroed,
-    "40 bytes appended": _longer,
+    "all zeroed": lambda content, rng: bytes(len(content)),
+    "40 bytes appended": lambda content, rng: content + rng.bytes(OVERWRITTEN),
 }
 WEIGHTS = (0.5, 0.15, 0.15, 0.1, 0.02, 0.08)
 
@@ -80,9 +66,7 @@ def run(folder: Path, count: int = 300) -> None:
     rng = np.random.default_rng(20)
     with tempfile.TemporaryDirectory() as temporary:
         study = _study(Path(temporary) / "study")
-        rows = [(number, *trial(study, rng)) for number in range(count)]
-    with (folder / DATA).open("w", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])
+        save_rows(folder / DATA, COLUMNS, [(number, *trial(study, rng)) for number in range(count)])
 
 
 def _study(folder: Path) -> Path:
@@ -103,8 +87,7 @@ def trial(study: Path, rng: np.random.Generator) -> tuple[str, str, bool, str]:
     with tempfile.TemporaryDirectory() as temporary:
         copy = Path(shutil.copytree(study, Path(temporary) / "study"))
         cases = sorted((copy / "cases").glob("*.h5"))
-        candidates = [cases[int(rng.integers(len(cases)))]] * 4
-        candidates += [copy / name for name in ("study.json", "table.h5")]
+        candidates = [cases[int(rng.integers(len(cases)))]] * 4 + [copy / "study.json", copy / "table.h5"]
         path = candidates[int(rng.integers(len(candidates)))]
         kind = str(rng.choice(list(DAMAGES), p=WEIGHTS))
         before, content = CaseTable.of(Store.open(copy)), path.read_bytes()
@@ -171,24 +154,19 @@ def _command(arguments: list[str]) -> tuple[int, str]:
 
 def damaged_table(folder: Path) -> str:
     """How many damaged files of each kind were noticed."""
-    with (folder / DATA).open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    files = Counter(row["file"] for row in rows)
-    noticed = Counter(row["file"] for row in rows if row["noticed"] == "True")
-    tracebacks = Counter(row["file"] for row in rows if row["traceback"])
-    lines = [(name, files[name], noticed[name], tracebacks[name]) for name in sorted(files)]
-    total = (sum(files.values()), sum(noticed.values()), sum(tracebacks.values()))
-    return markdown(
-        ("file", "damaged", "noticed and named", "tracebacks"),
-        [*lines, ("**all**", *(f"**{number}**" for number in total))],
-    )
+    rows = load_rows(folder / DATA)
+
+    def counts(rows: list[dict[str, str]]) -> tuple[int, int, int]:
+        return (
+            len(rows),
+            sum(row["noticed"] == "True" for row in rows),
+            sum(bool(row["traceback"]) for row in rows),
+        )
+
+    files = sorted({row["file"] for row in rows})
+    lines = [(name, *counts([row for row in rows if row["file"] == name])) for name in files]
+    total = ("**all**", *(f"**{number}**" for number in counts(rows)))
+    return markdown(("file", "damaged", "noticed and named", "tracebacks"), [*lines, total])
 
 
-TOPIC = Topic(
-    "damaged files of studies, and whether readers notice",
-    "2 min",
-    "bad_inputs",
-    run,
-    {"count": 6},
-    {"damaged_files": damaged_table},
-)
+TOPIC = Topic("2 min", "bad_inputs", run, {"count": 6}, {"damaged_files": damaged_table})

@@ -22,66 +22,59 @@ LONG = ("run", "--out", "long.h5", "--set", "fidelity.step_angle=0.002 deg", "--
 
 VALUES = (
     "", " ", "nan", "-inf", "1e400", "-1e308", "1e-320", "3 parsecs", "3 N N", "three", "0x10", "1,5",
-    "[1, 2]",
-    "{a=1}", "true", "None", "1/0", "__import__('os')", "½", "１２", "µm", "5 mm deg", "--5", "'", '"', "\\",
-    "%s",
-    "9" * 400, "a" * 3000, "\udcff", "🛞", "1e5 km", "-1 mm", "-3", "0", "1e9", "$HOME", "../..", "*",
+    "[1, 2]", "{a=1}", "true", "None", "1/0", "__import__('os')", "½", "１２", "µm", "5 mm deg", "--5", "'",
+    '"', "\\", "%s", "9" * 400, "a" * 3000, "\udcff", "🛞", "1e5 km", "-1 mm", "-3", "0", "1e9", "$HOME",
+    "../..", "*",
 )  # fmt: skip
 WORDS = (
     "", "-", "--", "---", "--help=3", "--no-json", "--json=maybe", "--out", "--out=", "--set", "--set==",
-    "--set=a=b=c",
-    "--jobs=0", "--jobs=-1", "--jobs=many", "--cluster=", "--cluster=nowhere", "--time-limit=0",
-    "--time-limit=-1 s",
-    "--time-limit=nan", "--time-limit=1e400 s", "--time-limit=3 m", "--accuracy=0%", "--accuracy=1",
-    "--accuracy=-1%",
-    "--accuracy=nan%", "--fidelity=", "--mesh=", "--plot=", "--plot=/dev/null/a.png", "--out=/a/b/c.h5",
-    "--out=.h5",
-    "--out=a.h5/", "--out=\0.h5", "--measured=.", "--measured=nothing.csv", "--gear=.", "--gear=/dev/null",
-    "🛞",
-    "precious.h5/x", "..", "~", "/", "/dev/null", "\udcff", "a" * 5000, "nothing.h5", "--robust=3",
-    "--version=3",
+    "--set=a=b=c", "--jobs=0", "--jobs=-1", "--jobs=many", "--cluster=", "--cluster=nowhere",
+    "--time-limit=0", "--time-limit=-1 s", "--time-limit=nan", "--time-limit=1e400 s", "--time-limit=3 m",
+    "--accuracy=0%", "--accuracy=1", "--accuracy=-1%", "--accuracy=nan%", "--fidelity=", "--mesh=",
+    "--plot=", "--plot=/dev/null/a.png", "--out=/a/b/c.h5", "--out=.h5", "--out=a.h5/", "--out=\0.h5",
+    "--measured=.", "--measured=nothing.csv", "--gear=.", "--gear=/dev/null", "🛞", "precious.h5/x", "..",
+    "~", "/", "/dev/null", "\udcff", "a" * 5000, "nothing.h5", "--robust=3", "--version=3",
 )  # fmt: skip
 COMMANDS = ("run", "study", "show", "diff", "rerun", "geometry", "describe", "collect", "report", "nothing")
 TOML = (
     "", "\0", "\ufeff[yoke]\npreload = 300\n", "[yoke", "yoke = 3", "[yoke]\npreload = \n",
-    "[yoke]\npreload = nan",
-    "[yoke]\npreload = inf", "[yoke]\npreload = 1979-05-27", "[yoke]\npreload = {}", "[yoke]\npreload = []",
-    "[yoke]\npreload = true", '[yoke]\npreload = "300"', "[yoke]\n[yoke]", "[yoke]\npreload = 1\npreload = 2",
-    "[[yoke]]\npreload = 300", "[yoke.preload]\nvalue = 3", "[Yoke]\npreload = 300", "[yoke]\nPreload = 300",
-    '["yoke\\u0000"]\npreload = 300', "a = " + "[" * 3000, "[yoke]\npreload = " + "9" * 5000, "x = 1\n" * 3,
-    '[yoke]\npreload = "3 N"\nextra = 1', "[test]\nturns = -1", "[test]\nspeed = 0", "[pinion]\nteeth = 6.5",
-    "[pinion]\nteeth = 1000000000", "\x80\x81", "<gear/>", '{"yoke": {"preload": 300}}', "# nothing\n" * 1000,
+    "[yoke]\npreload = nan", "[yoke]\npreload = inf", "[yoke]\npreload = 1979-05-27", "[yoke]\npreload = {}",
+    "[yoke]\npreload = []", "[yoke]\npreload = true", '[yoke]\npreload = "300"', "[yoke]\n[yoke]",
+    "[yoke]\npreload = 1\npreload = 2", "[[yoke]]\npreload = 300", "[yoke.preload]\nvalue = 3",
+    "[Yoke]\npreload = 300", "[yoke]\nPreload = 300", '["yoke\\u0000"]\npreload = 300', "a = " + "[" * 3000,
+    "[yoke]\npreload = " + "9" * 5000, "x = 1\n" * 3, '[yoke]\npreload = "3 N"\nextra = 1',
+    "[test]\nturns = -1", "[test]\nspeed = 0", "[pinion]\nteeth = 6.5", "[pinion]\nteeth = 1000000000",
+    "\x80\x81", "<gear/>", '{"yoke": {"preload": 300}}', "# nothing\n" * 1000,
 )  # fmt: skip
 DISTRIBUTIONS = (
     "1 +- -1", "1 +- 0", "+-", "+- 3", "1 +-", "1 +- 1 +- 1", "nan +- 1", "1 +- nan", "1 +- inf",
-    "1e400 +- 1",
-    "uniform(1)", "uniform()", "uniform(2, 1)", "uniform(1, 1)", "uniform(1, nan)", "uniform(-5, 3)",
-    "normal(1, -1)", "normal(0, 1)", "lognormal(1, 1)", "lognormal(-1, 2)", "lognormal(1, nan)",
-    "loguniform(0, 1)", "beta(1, 2)", "uniform(1 parsec, 2 parsec)", "uniform((1), 2)", "1 +- 1 parsec",
-    "uniform(0, 1e300)", "1 ± ½", "normal(" + "9" * 400 + ", 1)",
+    "1e400 +- 1", "uniform(1)", "uniform()", "uniform(2, 1)", "uniform(1, 1)", "uniform(1, nan)",
+    "uniform(-5, 3)", "normal(1, -1)", "normal(0, 1)", "lognormal(1, 1)", "lognormal(-1, 2)",
+    "lognormal(1, nan)", "loguniform(0, 1)", "beta(1, 2)", "uniform(1 parsec, 2 parsec)", "uniform((1), 2)",
+    "1 +- 1 parsec", "uniform(0, 1e300)", "1 ± ½", "normal(" + "9" * 400 + ", 1)",
 )  # fmt: skip
 BANDS = (
-    ("--band", "0"), ("--band", "-5"), ("--band", "7"), ("--band", "1e3"), ("--band", "9" * 30), ("--band=",),
-    ("--band", "9", "10"), ("--inputs", "series"), ("--band", "9", "--inputs", "all"),
+    ("--band", "0"), ("--band", "-5"), ("--band", "7"), ("--band", "1e3"), ("--band", "9" * 30),
+    ("--band=",), ("--band", "9", "10"), ("--inputs", "series"), ("--band", "9", "--inputs", "all"),
     ("--band", "9", "--accuracy", "1%"), ("--band", "9", "--robust"), ("--band", "9", "--time-limit", "9 s"),
 )  # fmt: skip
 TABLES = (
     "", "pinion_angle [deg],pinion_torque [N m]\n", "a,b\n1,2\n",
-    "pinion_angle [deg],pinion_torque [N m]\n1\n",
-    "pinion_angle [deg],pinion_torque [N m]\n1,x\n", "pinion_angle [deg],pinion_torque [N m]\nnan,nan\n",
-    "pinion_angle [deg],pinion_torque [N m]\n1e400,2\n", "pinion_angle [m],pinion_torque [N m]\n1,2\n2,3\n",
-    "pinion_angle [deg],pinion_angle [deg],pinion_torque [N m]\n1,2,3\n", "\0\0\0",
-    "\ufeff" * 3, '"', "x" * 200000,
-    "pinion_angle [deg];pinion_torque [N m]\n1;2\n", "pinion_angle [deg],pinion_torque [N m]\n" + "1,2\n" * 3,
+    "pinion_angle [deg],pinion_torque [N m]\n1\n", "pinion_angle [deg],pinion_torque [N m]\n1,x\n",
+    "pinion_angle [deg],pinion_torque [N m]\nnan,nan\n", "pinion_angle [deg],pinion_torque [N m]\n1e400,2\n",
+    "pinion_angle [m],pinion_torque [N m]\n1,2\n2,3\n",
+    "pinion_angle [deg],pinion_angle [deg],pinion_torque [N m]\n1,2,3\n", "\0\0\0", "\ufeff" * 3, '"',
+    "x" * 200000, "pinion_angle [deg];pinion_torque [N m]\n1;2\n",
+    "pinion_angle [deg],pinion_torque [N m]\n" + "1,2\n" * 3,
 )  # fmt: skip
 ENVIRONMENTS = (
     {"HOME": "/nowhere"}, {"HOME": ""}, {"TMPDIR": "/nowhere"}, {"TERM": "nothing"}, {"TERM": ""},
-    {"COLUMNS": "0"},
-    {"COLUMNS": "-5"}, {"COLUMNS": "many"}, {"LANG": "C", "LC_ALL": "C"}, {"LC_ALL": "nonsense"},
-    {"PYTHONIOENCODING": "ascii"}, {"PYTHONIOENCODING": "utf-16"}, {"MPLBACKEND": "nonsense"},
-    {"MPLCONFIGDIR": "/dev/null"}, {"NO_COLOR": "1", "FORCE_COLOR": "1"}, {"OMP_NUM_THREADS": "many"},
-    {"HDF5_USE_FILE_LOCKING": "nonsense"}, {"PYTHONWARNINGS": "error::DeprecationWarning"}, {"TZ": "nowhere"},
-    {"SOURCE_DATE_EPOCH": "never"}, {"PATH": ""}, {"GIT_DIR": "/nowhere"}, {"PYTHONOPTIMIZE": "2"},
+    {"COLUMNS": "0"}, {"COLUMNS": "-5"}, {"COLUMNS": "many"}, {"LANG": "C", "LC_ALL": "C"},
+    {"LC_ALL": "nonsense"}, {"PYTHONIOENCODING": "ascii"}, {"PYTHONIOENCODING": "utf-16"},
+    {"MPLBACKEND": "nonsense"}, {"MPLCONFIGDIR": "/dev/null"}, {"NO_COLOR": "1", "FORCE_COLOR": "1"},
+    {"OMP_NUM_THREADS": "many"}, {"HDF5_USE_FILE_LOCKING": "nonsense"},
+    {"PYTHONWARNINGS": "error::DeprecationWarning"}, {"TZ": "nowhere"}, {"SOURCE_DATE_EPOCH": "never"},
+    {"PATH": ""}, {"GIT_DIR": "/nowhere"}, {"PYTHONOPTIMIZE": "2"},
 )  # fmt: skip
 CACHES = (
     {"NUMBA_CACHE_DIR": "/dev/null"}, {"NUMBA_CACHE_DIR": "/proc"}, {"NUMBA_CACHE_DIR": "precious.h5"},
@@ -161,17 +154,20 @@ class BadInput:
 
 def corpus(precious: bytes) -> list[BadInput]:
     """All bad inputs; `precious` is the content of a sound result's file."""
-    rng = random.Random(500)
+    rng, limited = random.Random(500), (*LONG, "--time-limit", "60 s")
+    gear, measured = (*CHEAP, "--gear", "gear.toml"), (*CHEAP, "--measured", "m.csv")
     return [
         *_settings(rng),
         *_words(rng),
-        *_gear_files(),
+        *(BadInput("gear files", gear, {"gear.toml": _latin(text)}) for text in TOML),
         *_study_files(rng),
-        *_measured(),
+        *(BadInput("measured curves", measured, {"m.csv": text.encode()}) for text in TABLES),
         *_result_files(precious),
         *_disks(),
-        *_environments(),
-        *_signals(),
+        *(BadInput("environment", CHEAP, environment=each) for each in ENVIRONMENTS),
+        *(BadInput("cache", CHEAP, environment=each) for each in CACHES),
+        *(BadInput("signals", LONG, signal=name, after=6.0 + k) for k, name in enumerate(SIGNALS)),
+        *(BadInput("signals", limited, signal=name, after=7.0 + k) for k, name in enumerate(SIGNALS)),
         *_distributions(),
         *_limits(),
         *_endless_files(),
@@ -205,12 +201,6 @@ def _words(rng: random.Random) -> Iterator[BadInput]:
             yield BadInput("words", arguments)
 
 
-def _gear_files() -> Iterator[BadInput]:
-    for content in TOML:
-        files = {"gear.toml": content.encode("latin-1", "replace")}
-        yield BadInput("gear files", (*CHEAP, "--gear", "gear.toml"), files)
-
-
 def _study_files(rng: random.Random) -> Iterator[BadInput]:
     """Shipped studies with a piece cut out, doubled or exchanged."""
     shipped = sorted((ROOT / "studies").glob("*.toml"))
@@ -222,14 +212,11 @@ def _study_files(rng: random.Random) -> Iterator[BadInput]:
         content = (text[:first] + middle + text[last:]).encode("utf-8", "replace")
         yield BadInput("study files", ("study", "s.toml", "--dry-run"), {"s.toml": content})
     for toml in TOML[:20]:
-        files = {"s.toml": toml.encode("latin-1", "replace")}
-        yield BadInput("study files", ("study", "s.toml", "--dry-run"), files)
+        yield BadInput("study files", ("study", "s.toml", "--dry-run"), {"s.toml": _latin(toml)})
 
 
-def _measured() -> Iterator[BadInput]:
-    for content in TABLES:
-        files = {"m.csv": content.encode()}
-        yield BadInput("measured curves", (*CHEAP, "--measured", "m.csv"), files)
+def _latin(text: str) -> bytes:
+    return text.encode("latin-1", "replace")
 
 
 def _result_files(precious: bytes) -> Iterator[BadInput]:
@@ -244,25 +231,8 @@ def _result_files(precious: bytes) -> Iterator[BadInput]:
 def _disks() -> Iterator[BadInput]:
     for size in (0, 1, 100, 3000, 9000, 20000):
         yield BadInput("disk", CHEAP, largest_file=size)
-    for arguments in (
-        ("geometry", "--out", "a.glb"),
-        ("geometry", "--out", "a.png"),
-        ("report", "precious.h5"),
-    ):
-        yield BadInput("disk", arguments, largest_file=2000)
-
-
-def _environments() -> Iterator[BadInput]:
-    for environment in ENVIRONMENTS:
-        yield BadInput("environment", CHEAP, environment=environment)
-    for environment in CACHES:
-        yield BadInput("cache", CHEAP, environment=environment)
-
-
-def _signals() -> Iterator[BadInput]:
-    for number, name in enumerate(SIGNALS):
-        yield BadInput("signals", LONG, signal=name, after=6.0 + number)
-        yield BadInput("signals", (*LONG, "--time-limit", "60 s"), signal=name, after=7.0 + number)
+    for line in ("geometry --out a.glb", "geometry --out a.png", "report precious.h5"):
+        yield BadInput("disk", tuple(line.split()), largest_file=2000)
 
 
 def _limits() -> Iterator[BadInput]:
@@ -297,13 +267,8 @@ def _hostile_files(precious: bytes) -> Iterator[BadInput]:
         files = {"x.h5": changed(precious, change)}
         for line in ("show x.h5", "rerun x.h5", "report x.h5", "diff x.h5 precious.h5"):
             yield BadInput("hostile files", tuple(line.split()), files)
-    deep = (
-        "[" * 10**5,
-        '{"a":' * 10**5,
-        "[" + "[]," * 10**5 + "[]]",
-        '{"filetype": "rps_exudyn-study"}',
-        "\0",
-    )
+    many = 10**5
+    deep = ("[" * many, '{"a":' * many, "[" + "[]," * many + "[]]", '{"filetype": "rps_exudyn-study"}', "\0")
     for text in deep:
         for line in ("collect s", "report s", "fit free.csv --like s/study.json", "study s/study.json"):
             yield BadInput("hostile files", tuple(line.split()), {"s/study.json": text.encode()})
@@ -382,14 +347,8 @@ def _requests() -> Iterator[BadInput]:
     texts = [*REQUESTS, *plain]
     for path in ("/curve", "/gear"):
         bodies = [dumps({"state": state, "tab": "x", "number": 1}) for state in STATES]
-        bodies += [
-            "",
-            "{",
-            "[" * 10**4,
-            "null",
-            '{"state": {}, "number": "x"}',
-            '{"state": {}, "number": []}',
-        ]
+        bodies += ["", "{", "[" * 10**4, "null"]
+        bodies += [f'{{"state": {{}}, "number": {number}}}' for number in ("[]", '"x"')]
         ends = [*(f"Content-Length: {len(body)}\r\n\r\n{body}" for body in bodies)]
         ends += [f"{head}\r\n\r\n{{}}" for head in HEADS]
         texts += [f"POST {path} HTTP/1.0\r\n{host}{kind}{end}" for end in ends]

@@ -12,20 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.peers import scene
 from benchmarks.peers.geometry import BAR, SIDES, TEETH, pinion_flanks, rack_tooth
-from benchmarks.peers.scene import (
-    APPROACH,
-    FLYWHEEL,
-    FRICTION,
-    PAIR,
-    PRELOAD,
-    RACK_MASS,
-    RUN_IN,
-    SPEED,
-    STIFFNESS,
-    Run,
-    rack_start,
-)
 
 
 @dataclass(frozen=True)
@@ -49,25 +37,20 @@ class Drake:
             f"{self.approximation}, {self.surface}s"
         )
 
-    def run(self, turned: float) -> Run:
-        """Run over an angle [rad].
-
-        Raises:
-            ArithmeticError: the solver failed, or the rack left the mesh.
-        """
+    def run(self, turned: float) -> scene.Run:
+        """Run over an angle [rad], as `Method` says."""
         start = process_time()
         simulator, plant = self._simulator()
         context = simulator.get_mutable_context()
         own = plant.GetMyMutableContextFromRoot(context)
         pinion, slide_x, slide_y = (plant.GetJointByName(name) for name in ("turn", "x", "y"))
-        pinion.set_angle(own, -RUN_IN)
-        pinion.set_angular_rate(own, SPEED)
-        x, y = rack_start(-RUN_IN) - [0.0, PAIR.bar_axis_height]
-        slide_x.set_translation(own, x)
-        slide_x.set_translation_rate(own, PAIR.gain * SPEED)
-        slide_y.set_translation(own, y)
+        pinion.set_angle(own, scene.START[0])
+        pinion.set_angular_rate(own, scene.RATES[0])
+        slide_x.set_translation(own, scene.START[1])
+        slide_x.set_translation_rate(own, scene.RATES[1])
+        slide_y.set_translation(own, scene.START[2])
         forces = plant.get_generalized_contact_forces_output_port(plant.GetModelInstanceByName("gear"))
-        steps = int(np.ceil((turned + RUN_IN) / SPEED / self.step))
+        steps = scene.steps_of(turned, self.step)
         angle, torque = np.empty(steps), np.empty(steps)
         loop = process_time()
         try:
@@ -78,9 +61,8 @@ class Drake:
         except RuntimeError as error:
             raise ArithmeticError(f"Drake: {error}") from error
         end = process_time()
-        if not abs(slide_y.get_translation(own)) < 10 * APPROACH:
-            raise ArithmeticError("Drake: the rack left the mesh")
-        return Run(angle, torque, end - loop, end - start)
+        scene.check_mesh("Drake", slide_y.get_translation(own))
+        return scene.Run(angle, torque, end - loop, end - start)
 
     def _simulator(self) -> tuple[Any, Any]:
         from pydrake import geometry
@@ -98,16 +80,16 @@ class Drake:
             contact_surface_representation=self.surface,
         )
         plant, _ = plants.AddMultibodyPlant(config, builder)
-        plant.mutable_gravity_field().set_gravity_vector([0, -PRELOAD / RACK_MASS, 0])
+        plant.mutable_gravity_field().set_gravity_vector([0, -scene.PRELOAD / scene.RACK_MASS, 0])
         gear = plant.AddModelInstance("gear")
 
         def body(name: str, mass: float, inertia: float) -> Any:
             unit = UnitInertia.SolidSphere(np.sqrt(2.5 * inertia / mass))
             return plant.AddRigidBody(name, gear, SpatialInertia(mass, np.zeros(3), unit))
 
-        friction = plants.CoulombFriction(FRICTION, FRICTION)
-        pinion = body("pinion", 1.0, FLYWHEEL)
-        frame = RigidTransform(RotationMatrix(PAIR.pinion_frame), np.zeros(3))
+        friction = plants.CoulombFriction(scene.FRICTION, scene.FRICTION)
+        pinion = body("pinion", 1.0, scene.FLYWHEEL)
+        frame = RigidTransform(RotationMatrix(scene.PAIR.pinion_frame), np.zeros(3))
         plant.AddJoint(RevoluteJoint("turn", _fixed(plant, "axis", frame), pinion.body_frame(), [0, 0, -1]))
         rigid = geometry.ProximityProperties()
         geometry.AddRigidHydroelasticProperties(rigid)
@@ -115,8 +97,8 @@ class Drake:
         plant.RegisterCollisionGeometry(
             pinion, RigidTransform(), _mesh(self.chord_error, self.longest), "flanks", rigid
         )
-        between, rack = body("between", 1e-6, 1e-9), body("rack", RACK_MASS, 1e-2)
-        axis = _fixed(plant, "bar", RigidTransform([0, PAIR.bar_axis_height, 0]))
+        between, rack = body("between", 1e-6, 1e-9), body("rack", scene.RACK_MASS, 1e-2)
+        axis = _fixed(plant, "bar", RigidTransform([0, scene.PAIR.bar_axis_height, 0]))
         plant.AddJoint(PrismaticJoint("x", axis, between.body_frame(), [1, 0, 0]))
         plant.AddJoint(PrismaticJoint("y", between.body_frame(), rack.body_frame(), [0, 1, 0]))
         for tooth in TEETH:
@@ -130,7 +112,7 @@ class Drake:
 
         vertices, faces = rack_tooth(tooth)
         compliant = geometry.ProximityProperties()
-        modulus = STIFFNESS * _depth_of_centroid(tooth, vertices, faces)
+        modulus = scene.STIFFNESS * _depth_of_centroid(tooth, vertices, faces)
         geometry.AddCompliantHydroelasticProperties(1.0, modulus, compliant)
         geometry.AddContactMaterial(0.0, None, friction, compliant)
         shape = geometry.Convex(vertices.T, f"tooth {tooth}")

@@ -15,22 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.peers.geometry import SIDES, TEETH, flank_box, pieces, samples
-from benchmarks.peers.scene import (
-    APPROACH,
-    FLYWHEEL,
-    FRICTION,
-    PAIR,
-    PRELOAD,
-    RACK_MASS,
-    RUN_IN,
-    SPEED,
-    STIFFNESS,
-    Run,
-    rack_start,
-)
+from benchmarks.peers import scene
+from benchmarks.peers.geometry import FLANKS, RADIUS, SIDES, TEETH, flank_box, pieces, springs
 
-RADIUS = 0.1e-3  # of the spheres [m]
 IMPEDANCE = 0.9
 
 
@@ -59,65 +46,53 @@ class MuJoCo:
             f"impratio {self.impratio:g}, {self.cone} cone"
         )
 
-    def run(self, turned: float) -> Run:
-        """Run over an angle [rad].
-
-        Raises:
-            ArithmeticError: the rack left the mesh, or a number is not finite.
-        """
+    def run(self, turned: float) -> scene.Run:
+        """Run over an angle [rad], as `Method` says."""
         import mujoco
 
         start = process_time()
         model = self._model()
         data = mujoco.MjData(model)
-        data.qpos[:] = -RUN_IN, *(rack_start(-RUN_IN) - [0.0, PAIR.bar_axis_height])
-        data.qvel[:] = SPEED, PAIR.gain * SPEED, 0.0
-        steps = int(np.ceil((turned + RUN_IN) / SPEED / self.step))
+        data.qpos[:], data.qvel[:] = scene.START, scene.RATES
+        steps = scene.steps_of(turned, self.step)
         angle, torque = np.empty(steps), np.empty(steps)
         loop = process_time()
         for i in range(steps):
             mujoco.mj_step(model, data)
             angle[i], torque[i] = data.qpos[0], -data.qfrc_constraint[0]
         end = process_time()
-        angle -= SPEED * self.step / 2  # of the step in whose middle the force acted
-        if not np.isfinite(torque).all() or abs(data.qpos[2]) > 10 * APPROACH:
-            raise ArithmeticError(f"MuJoCo: the rack ends {1e3 * data.qpos[2]:.3g} mm off its place")
-        return Run(angle, torque, end - loop, end - start)
+        angle -= scene.SPEED * self.step / 2  # of the step in whose middle the force acted
+        scene.check_mesh("MuJoCo", data.qpos[2])
+        return scene.Run(angle, torque, end - loop, end - start)
 
     def _model(self) -> Any:
         import mujoco
 
         spec = mujoco.MjSpec()
         option = spec.option
-        option.timestep, option.gravity = self.step, (0, 0, 0)
+        option.timestep = self.step
+        option.gravity = 0, -scene.PRELOAD / scene.RACK_MASS, 0  # the preload: the pinion cannot move along Y
         option.impratio = self.impratio
         option.cone = getattr(mujoco.mjtCone, f"mjCONE_{self.cone.upper()}")
         option.solver, option.tolerance, option.iterations = mujoco.mjtSolver.mjSOL_NEWTON, 1e-10, 50
         option.ccd_tolerance, option.ccd_iterations = 1e-10, 200  # depths are micrometres
         option.disableflags |= mujoco.mjtDisableBit.mjDSBL_MULTICCD  # one contact for a pair: its area's
         option.integrator = mujoco.mjtIntegrator.mjINT_EULER
-        pinion = spec.worldbody.add_body(name="pinion", quat=_quaternion(PAIR.pinion_frame))
-        pinion.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=(0, 0, -1), armature=FLYWHEEL)
+        pinion = spec.worldbody.add_body(name="pinion", quat=_quaternion(scene.PAIR.pinion_frame))
+        pinion.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=(0, 0, -1), armature=scene.FLYWHEEL)
         _weigh(pinion, 0.25)
-        rack = spec.worldbody.add_body(name="rack", pos=(0, PAIR.bar_axis_height, 0))
+        rack = spec.worldbody.add_body(name="rack", pos=(0, scene.PAIR.bar_axis_height, 0))
         for axis in ((1, 0, 0), (0, 1, 0)):
             rack.add_joint(type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis)
-        _weigh(rack, RACK_MASS)
+        _weigh(rack, scene.RACK_MASS)
         self._add_boxes(rack)
         stiffness = self._add_flanks(spec, pinion)
         model = spec.compile()
-        weight = model.body_invweight0[[1, 2], 0].sum()
-        factor = IMPEDANCE * (1 - IMPEDANCE) * weight
-        per = -factor * stiffness
-        boxes = model.ngeom - len(stiffness)
-        of_rack = np.flatnonzero(model.geom_bodyid == 2)
+        per = -IMPEDANCE * (1 - IMPEDANCE) * model.body_invweight0[[1, 2], 0].sum() * stiffness
         of_pinion = np.flatnonzero(model.geom_bodyid == 1)
-        assert len(of_rack) == boxes
         model.geom_solref[of_pinion, 0] = per
         model.geom_solref[of_pinion, 1] = per * self.damping / IMPEDANCE
-        # a constant force on the rack
-        model.qpos_spring[2] = 0.0
-        return _pressed(model)
+        return model
 
     def _add_boxes(self, rack: Any) -> None:
         import mujoco
@@ -125,45 +100,34 @@ class MuJoCo:
         for tooth in TEETH:
             for group, side in enumerate(SIDES):
                 centre, half, axes = flank_box(tooth, side)
-                rack.add_geom(
-                    type=mujoco.mjtGeom.mjGEOM_BOX,
-                    pos=centre,
-                    size=half,
-                    quat=_quaternion(axes),
-                    contype=0,
-                    conaffinity=1 << group,
-                    **_surface(),
-                )
+                of = {"contype": 0, "conaffinity": 1 << group, **_surface()}
+                box = {"type": mujoco.mjtGeom.mjGEOM_BOX, "pos": centre, "size": half}
+                rack.add_geom(quat=_quaternion(axes), **box, **of)
 
     def _add_flanks(self, spec: Any, pinion: Any) -> np.ndarray:
         """Add the pinion's flanks; return the stiffness of each piece [N/m], in order."""
         import mujoco
 
         stiffness = []
-        for (tooth, side), found in samples(self.profile, self.axial).items():
+        for tooth, side in FLANKS:
             common = {"contype": 1 << SIDES.index(side), "conaffinity": 0, "priority": 1, **_surface()}
             if self.kind == "spheres":
-                fits = np.sqrt(1 - RADIUS / found.curvature_radii)
-                for point, normal in zip(found.points, found.normals, strict=True):
-                    pinion.add_geom(
-                        type=mujoco.mjtGeom.mjGEOM_SPHERE,
-                        pos=point - RADIUS * normal,
-                        size=(RADIUS, 0, 0),
-                        **common,
-                    )
-                stiffness += list(STIFFNESS * found.areas * fits)
+                sphere = {"type": mujoco.mjtGeom.mjGEOM_SPHERE, "size": (RADIUS, 0, 0), **common}
+                for centre, own in springs(tooth, side, self.profile, self.axial):
+                    pinion.add_geom(pos=centre, **sphere)
+                    stiffness.append(own)
                 continue
             for number, (corners, area) in enumerate(pieces(tooth, side, self.profile, self.axial)):
                 name = f"{tooth} {side} {number}"
                 spec.add_mesh(name=name, uservert=corners.ravel())
                 pinion.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, **common)
-                stiffness.append(STIFFNESS * area)
+                stiffness.append(scene.STIFFNESS * area)
         return np.array(stiffness)
 
 
 def _surface() -> dict[str, Any]:
     return {
-        "friction": (FRICTION, 0, 0),
+        "friction": (scene.FRICTION, 0, 0),
         "condim": 3,
         "mass": 0.0,
         "solimp": (IMPEDANCE, IMPEDANCE, 1e-3, 0.5, 2),
@@ -180,9 +144,3 @@ def _quaternion(axes: np.ndarray) -> np.ndarray:
     found = np.empty(4)
     mujoco.mju_mat2Quat(found, np.ascontiguousarray(axes).ravel())
     return found
-
-
-def _pressed(model: Any) -> Any:
-    """A gravity that is the preload: only the rack has weight along Y, the pinion cannot move there."""
-    model.opt.gravity[:] = 0.0, -PRELOAD / RACK_MASS, 0.0
-    return model

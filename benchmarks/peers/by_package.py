@@ -25,11 +25,7 @@ class Package:
         return ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in self.settings.items())
 
     def run(self, turned: float) -> Run:
-        """Run over an angle [rad].
-
-        Raises:
-            ArithmeticError: the run was not ok.
-        """
+        """Run over an angle [rad], as `Method` says."""
         start = process_time()
         fidelity = Fidelity.preset(self.program).replace({**GUIDED, **self.settings})
         run = run_scene(SCENE, GEAR.replace({"test.turns": turned / TURN}), fidelity)

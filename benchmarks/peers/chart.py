@@ -15,6 +15,7 @@ STYLES = {
     "MuJoCo, spheres": ("#e69138", "D"),
     "MuJoCo, convex pieces": ("#b45f06", "v"),
     "Drake, hydroelastic": ("#674ea7", "P"),
+    "Newton, spheres": ("#45818e", "X"),
 }
 """Colour and marker of each program."""
 

@@ -1,6 +1,7 @@
 """Tables about the peers, from the stored rows: errors, times, ratios at equal error, versions."""
 
 from collections.abc import Callable, Sequence
+from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
@@ -17,14 +18,9 @@ ASKED = {"quasi-static": 10.0, "flank": 10.0, "full": 1.0}
 Time = Callable[[Row], float]
 
 
-def whole(row: Row) -> float:
-    """Time of a whole run [s]."""
-    return row.whole_s
-
-
-def loop(row: Row) -> float:
-    """Time of the solver's loop [s]."""
-    return row.loop_s
+whole: Time = attrgetter("whole_s")
+loop: Time = attrgetter("loop_s")
+"""Times of a whole run, and of the solver's loop [s]."""
 
 
 def peers_of(rows: Sequence[Row]) -> list[str]:
@@ -49,22 +45,21 @@ def ratios(rows: Sequence[Row], preset: str, peer: str, time: Time) -> list[floa
     return found
 
 
-# --- tables ------------------------------------------------------------------------------------------
 def peers_table(folder: Path) -> str:
     """Errors and times of each program's most accurate setting."""
     rows = from_data(load_data(folder / DATA)["rows"])
     shown = [
         (row.program, row.label, f"{row.error:.2g}", digits(row.whole_s))
         for program in dict.fromkeys(row.program for row in rows)
-        for row in front_of([row for row in rows if row.ok and row.program == program])[-1:]
+        for row in front_of([row for row in rows if row.ok and row.program == program], whole)[-1:]
     ]
     return markdown(("program", "settings", "error %", "whole run CPU s"), shown)
 
 
-def front_of(rows: Sequence[Row]) -> list[Row]:
+def front_of(rows: Sequence[Row], time: Time) -> list[Row]:
     """Rows that no other one beats in both time and error, quickest first."""
-    best = pareto_front(np.array([row.whole_s for row in rows]), np.array([row.error for row in rows]))
-    return sorted((row for row, one in zip(rows, best, strict=True) if one), key=whole)
+    best = pareto_front(np.array([time(row) for row in rows]), np.array([row.error for row in rows]))
+    return sorted((row for row, one in zip(rows, best, strict=True) if one), key=time)
 
 
 def ratios_table(folder: Path) -> str:
@@ -100,11 +95,8 @@ def search_table(folder: Path) -> str:
 def versions_table(folder: Path) -> str:
     """Versions of the programs, and those that are missing."""
     content = load_data(folder / DATA)
-    rows = [
-        *content["versions"].items(),
-        *((name, f"left out: {why}") for name, why in content["absent"].items()),
-    ]
-    return markdown(("program", "version"), rows)
+    absent = {name: f"left out: {why}" for name, why in content["absent"].items()}
+    return markdown(("program", "version"), (content["versions"] | absent).items())
 
 
 TABLES = {

@@ -1,17 +1,18 @@
 """The gear's geometry in the forms in which other programs take it: spheres, convex pieces, meshes."""
 
+from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from benchmarks.peers.scene import APPROACH, PAIR
+from benchmarks.peers.scene import APPROACH, PAIR, STIFFNESS
 from rps_exudyn.gears.helicoid import Flank
-from rps_exudyn.gears.pinion_mesh import PinionMesh, pinion_mesh
+from rps_exudyn.gears.pinion_mesh import pinion_mesh
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.tooth_contact.mean_depth import axial_reach, contact_ends
-from rps_exudyn.tooth_contact.spheres import FLANK_MARGIN, FlankSamples, sample_flank
+from rps_exudyn.tooth_contact.spheres import FLANK_MARGIN, sample_flank
 
 BAR = RackBar.of(SteeringGear())
 SIDES = (-1, 1)
@@ -22,13 +23,18 @@ EDGE_POINTS = 25  # of a rack tooth's flank along the round bar's edge
 PIECE_DEPTH = 0.1e-3  # of a convex piece of the pinion, below the flank [m]
 
 
-def samples(profile: int, axial: int) -> dict[tuple[int, int], FlankSamples]:
-    """Return the package's samples of each pinion flank, by tooth and side, in the pinion frame."""
-    flanks = product(range(PAIR.teeth), SIDES)
-    return {
-        (tooth, side): sample_flank(Flank(PAIR, tooth, side), profile, axial, APPROACH)
-        for tooth, side in flanks
-    }
+FLANKS = tuple(product(range(PAIR.teeth), SIDES))
+"""Tooth and side of each flank of the pinion."""
+
+RADIUS = 0.1e-3  # of the spheres [m]
+
+
+def springs(tooth: int, side: int, profile: int, axial: int) -> Iterator[tuple[np.ndarray, float]]:
+    """Yield the centre of each sphere on a pinion flank, pinion frame [m], and the stiffness of its contact
+    with a plane [N/m]: that of its area in the package."""
+    found = sample_flank(Flank(PAIR, tooth, side), profile, axial, APPROACH)
+    stiffness = STIFFNESS * found.areas * np.sqrt(1 - RADIUS / found.curvature_radii)
+    yield from zip(found.points - RADIUS * found.normals, stiffness.tolist(), strict=True)
 
 
 def pieces(tooth: int, side: int, profile: int, axial: int) -> list[tuple[np.ndarray, float]]:
@@ -93,14 +99,9 @@ def rack_tooth(tooth: int) -> tuple[np.ndarray, np.ndarray]:
     return vertices, faces
 
 
-def pinion(chord_error: float) -> PinionMesh:
-    """Return the package's closed mesh of the pinion within `chord_error` [m]."""
-    return pinion_mesh(PAIR, chord_error)
-
-
 def pinion_flanks(chord_error: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the flanks of that mesh alone: vertices (n, 3) [m] and triangles (m, 3)."""
-    mesh = pinion(chord_error)
+    """Return the flanks of the package's mesh within `chord_error` [m]: vertices (n, 3), triangles (m, 3)."""
+    mesh = pinion_mesh(PAIR, chord_error)
     faces = np.concatenate([patch.faces for patch in mesh.flanks.values()])
     used, faces = np.unique(faces, return_inverse=True)
     return mesh.vertices[used], faces.reshape(-1, 3)

@@ -4,20 +4,14 @@ from itertools import product
 
 from benchmarks.peers.by_drake import Drake
 from benchmarks.peers.by_mujoco import MuJoCo
+from benchmarks.peers.by_newton import Newton
 from benchmarks.peers.by_package import Package
 from benchmarks.peers.scene import Method
 
 FULL = (
-    (8, 8, 8),
-    (10, 8, 8),
-    (10, 8, 6),
-    (12, 8, 5),
-    (14, 10, 4),
-    (19, 13, 4),
-    (27, 18, 3),
-    (36, 24, 3),
+    (8, 8, 8), (10, 8, 8), (10, 8, 6), (12, 8, 5), (14, 10, 4), (19, 13, 4), (27, 18, 3), (36, 24, 3),
     (27, 18, 1),
-)
+)  # fmt: skip
 """Spheres along the profile and the face, steps in degrees."""
 
 OF_PACKAGE: list[Method] = [
@@ -50,13 +44,9 @@ SEARCHED: list[Method] = [
     *(Drake(3e-6, 1e-3, approximation) for approximation in ("similar", "sap", "tamsi")),
     *(Drake(chord, 1e-3, surface="triangle") for chord in (3e-6, 1e-6)),
     Drake(3e-6, 1e-3, longest=2e-3),
+    *(Newton(n, m, 1e-4) for n, m in SPHERES),
+    *(Newton(20, 8, step, damping) for step, damping in ((2e-4, 2e-5), (5e-5, 2e-5), (1e-4, 1e-4))),
 ]
 """Candidates, each run over one tooth pitch; those on the front of their family go into the rounds."""
-
-FINEST: dict[str, Method] = {
-    "MuJoCo, spheres": MuJoCo("spheres", 54, 36, 2e-4, 1e-4),
-    "Drake, hydroelastic": Drake(1e-6, 2.5e-4),
-}
-"""What each peer tends to: its difference from the reference is one of models, not of numbers."""
 
 MOST = 4  # settings of a peer's family in the rounds

@@ -4,7 +4,7 @@ A method that fails is a row with its message; a program that is not installed i
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from typing import Any
@@ -12,19 +12,16 @@ from typing import Any
 import numpy as np
 
 from benchmarks.peers.reference import ANGLES
-from benchmarks.peers.scene import GEAR, TURN, Method, Run
-from benchmarks.peers.score import averaged, score
+from benchmarks.peers.scene import TURN, Method, Run
+from benchmarks.peers.score import score
 
-PITCH = round(360 / GEAR.pinion.teeth)  # angles of `ANGLES` on a tooth pitch
-NEEDED = {"MuJoCo": ("mujoco", "mujoco"), "Drake": ("pydrake", "drake")}
+NEEDED = {"MuJoCo": ("mujoco", "mujoco"), "Drake": ("pydrake", "drake"), "Newton": ("newton", "newton")}
 """Program -> the module that it needs, and the distribution that has it."""
 
 NOT_TO_BE_HAD = {
     "Chrono": "the package index holds only its reserved name without content (projectchrono 0.0.0), and "
-    "another project by the name pychrono",
+    "another project by the name pychrono"
 }
-Finest = Mapping[str, np.ndarray]
-"""Program -> the torque that it tends to itself, at `ANGLES` [N m]."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +36,6 @@ class Row:
     loop_s: float = np.nan
     whole_s: float = np.nan
     rounds: int = 0
-    own: float = np.nan  # RMS error against the program's own finest curve [%]
 
     @property
     def ok(self) -> bool:
@@ -76,12 +72,7 @@ def versions() -> dict[str, str]:
 
 
 def measured(
-    methods: Sequence[Method],
-    torque: np.ndarray,
-    rounds: int,
-    enough_s: float,
-    turned: float = TURN,
-    finest: Finest | None = None,
+    methods: Sequence[Method], torque: np.ndarray, rounds: int, enough_s: float, turned: float = TURN
 ) -> list[Row]:
     """Run all methods in rounds, each once a round; `torque` [N m] is the reference at `ANGLES`.
 
@@ -95,7 +86,7 @@ def measured(
         method = methods[i]
         if i in failed:
             return Row(method.program, method.label, failed[i])
-        return _row(method, runs[i], torque, turned, (finest or {}).get(method.program))
+        return _row(method, runs[i], torque, turned)
 
     for number in range(rounds):
         for i, method in enumerate(methods):
@@ -109,27 +100,11 @@ def measured(
     return [row(i) for i in range(len(methods))]
 
 
-def _row(
-    method: Method, runs: Sequence[Run], torque: np.ndarray, turned: float, finest: np.ndarray | None
-) -> Row:
+def _row(method: Method, runs: Sequence[Run], torque: np.ndarray, turned: float) -> Row:
     covered = np.rad2deg(turned) + 1e-6 >= ANGLES
-    curve = np.rad2deg(runs[0].angle), runs[0].torque
-    off = score(*curve, ANGLES[covered], torque[covered])
-    own = np.nan if finest is None else score(*curve, ANGLES[covered], finest[covered]).error
+    off = score(np.rad2deg(runs[0].angle), runs[0].torque, ANGLES[covered], torque[covered])
     loop, whole = (min(getattr(run, name) for run in runs) * TURN / turned for name in ("loop_s", "whole_s"))
-    return Row(method.program, method.label, "", *off, loop, whole, len(runs), own)
-
-
-def curve_of(method: Method) -> np.ndarray:
-    """Return the torque that a method finds over one tooth pitch, repeated, at `ANGLES` [N m].
-
-    Raises:
-        ArithmeticError: the run failed.
-    """
-    pitch = ANGLES[:PITCH]
-    run = method.run(TURN / GEAR.pinion.teeth)
-    found = averaged(np.rad2deg(run.angle), run.torque, pitch)
-    return np.resize(found, ANGLES.size)
+    return Row(method.program, method.label, "", *off, loop, whole, len(runs))
 
 
 def as_data(rows: Sequence[Row]) -> list[dict[str, Any]]:
@@ -138,5 +113,5 @@ def as_data(rows: Sequence[Row]) -> list[dict[str, Any]]:
 
 
 def from_data(rows: Sequence[Mapping[str, Any]]) -> list[Row]:
-    """Return the rows that `as_data` wrote."""
-    return [Row(**row) for row in rows]
+    """Return the rows that `as_data` wrote, perhaps of earlier versions with more fields."""
+    return [Row(**{each.name: row[each.name] for each in fields(Row) if each.name in row}) for row in rows]

@@ -74,6 +74,23 @@ class Method(Protocol):
         """
 
 
-def rack_start(angle: float) -> np.ndarray:
-    """Return X and Y of the bar's axis at a pinion angle, pressed in by the preload [m], shape (2,)."""
-    return np.array([PAIR.gain * angle, PAIR.bar_axis_height - APPROACH])
+START = np.array([-RUN_IN, -PAIR.gain * RUN_IN, -APPROACH])
+"""Where a program with a run-in begins: pinion angle [rad], X and Y of the rack from its place [m] ..."""
+
+RATES = SPEED * np.array([1.0, PAIR.gain, 0.0])
+"""... and how fast [rad/s, m/s]."""
+
+
+def steps_of(turned: float, step: float) -> int:
+    """Return how many steps a run over an angle [rad] takes, with its run-in."""
+    return int(np.ceil((turned + RUN_IN) / SPEED / step))
+
+
+def check_mesh(program: str, place: float) -> None:
+    """Check Y of the rack at the end, from its place at rest [m].
+
+    Raises:
+        ArithmeticError: the rack left the mesh, or the number is not finite.
+    """
+    if not abs(place) < 10 * APPROACH:
+        raise ArithmeticError(f"{program}: the rack ends {1e3 * place:.3g} mm off its place")

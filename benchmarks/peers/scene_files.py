@@ -8,19 +8,8 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from benchmarks.peers import score
+from benchmarks.peers import scene, score
 from benchmarks.peers.reference import ANGLES, COARSE, FINE, at_angles, reference
-from benchmarks.peers.scene import (
-    APPROACH,
-    FRICTION,
-    GEAR,
-    PAIR,
-    PRELOAD,
-    RACK_MASS,
-    SETTINGS,
-    SPEED,
-    STIFFNESS,
-)
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.base.files import replacing
 from rps_exudyn.gears.export import assembled
@@ -31,16 +20,16 @@ CHORD_ERRORS = {"pinion": 8e-6, "rack": 4e-5}
 """Of the published solids [m], which are small so. The rack's flanks are planes, and exact in any mesh."""
 
 
-def run(folder: Path, methods: Mapping[str, Method] | None = None) -> None:
+def run(folder: Path, methods: Mapping[str, Method] = FINE) -> None:
     """Write the folder's files."""
-    found = reference(methods or FINE)
+    found = reference(methods)
     torque = at_angles(found)
     save_data(
         folder / PARAMETERS,
         {
             "scene": scene_parameters(),
-            "gear": GEAR.model_dump(include={"basic_rack", "pinion", "rack", "installation", "mesh"}),
-            "changed_from_default": {**SETTINGS, "mesh.law": GEAR.mesh.law},
+            "gear": scene.GEAR.model_dump(include={"basic_rack", "pinion", "rack", "installation", "mesh"}),
+            "changed_from_default": {**scene.SETTINGS, "mesh.law": scene.GEAR.mesh.law},
             "reference": {
                 "mean": float(np.mean(torque[:-1])),
                 "peak_to_peak": float(np.ptp(torque)),
@@ -61,20 +50,20 @@ def run(folder: Path, methods: Mapping[str, Method] | None = None) -> None:
 def scene_parameters() -> dict[str, Any]:
     """Return what a program needs beside the geometry [SI]."""
     return {
-        "preload": PRELOAD,
-        "friction": FRICTION,
-        "pressure_per_depth": STIFFNESS,
-        "pinion_speed": SPEED,
-        "rack_mass": RACK_MASS,
+        "preload": scene.PRELOAD,
+        "friction": scene.FRICTION,
+        "pressure_per_depth": scene.STIFFNESS,
+        "pinion_speed": scene.SPEED,
+        "rack_mass": scene.RACK_MASS,
         "rack_freedoms": ["X", "Y"],
-        "pinion_axis": PAIR.pinion_frame[:, 2].tolist(),
+        "pinion_axis": scene.PAIR.pinion_frame[:, 2].tolist(),
         "pinion_turns_about_its_axis": -1,
-        "rack_travel_per_radian": PAIR.gain,
-        "bar_axis_height": PAIR.bar_axis_height,
-        "rack_pressed_in_by": APPROACH,
-        "base_radius": PAIR.base_radius,
-        "base_helix_angle": PAIR.beta_b,
-        "normal_base_pitch": PAIR.normal_base_pitch,
+        "rack_travel_per_radian": scene.PAIR.gain,
+        "bar_axis_height": scene.PAIR.bar_axis_height,
+        "rack_pressed_in_by": scene.APPROACH,
+        "base_radius": scene.PAIR.base_radius,
+        "base_helix_angle": scene.PAIR.beta_b,
+        "normal_base_pitch": scene.PAIR.normal_base_pitch,
     }
 
 
@@ -82,7 +71,7 @@ def write_geometry(folder: Path) -> None:
     """Write pinion and rack at pinion angle 0, housing frame: STL [mm] of each, GLB [m] of both."""
     meshes = {}
     for name, chord_error in CHORD_ERRORS.items():
-        solid = assembled(GEAR, chord_error=chord_error)[name]
+        solid = assembled(scene.GEAR, chord_error=chord_error)[name]
         meshes[name] = trimesh.Trimesh(solid.vertices, solid.faces, process=False)
     with replacing(folder / "gear.glb") as partial:
         partial.write_bytes(trimesh.Scene(meshes).export(file_type="glb"))
@@ -92,7 +81,6 @@ def write_geometry(folder: Path) -> None:
             partial.write_bytes(mesh.export(file_type="stl"))
 
 
-# --- tables ------------------------------------------------------------------------------------------
 def reference_table(folder: Path) -> str:
     """Mean and variation of the reference, and how far its methods differ."""
     found = load_data(folder / PARAMETERS)["reference"]
@@ -104,11 +92,4 @@ def reference_table(folder: Path) -> str:
     return markdown(("reference", ""), rows)
 
 
-TOPIC = Topic(
-    "the scene of the peers as a benchmark for any program: geometry, parameters, curve, measure",
-    "20 s",
-    "peers/benchmark",
-    run,
-    {"methods": COARSE},
-    {"peer_reference": reference_table},
-)
+TOPIC = Topic("20 s", "peers/benchmark", run, {"methods": COARSE}, {"peer_reference": reference_table})

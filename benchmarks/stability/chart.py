@@ -47,14 +47,8 @@ def _draw_map(axes: Axes, content: Mapping[str, Any]) -> None:
     flagged = np.argwhere(content["flagged"])[:, ::-1]  # column and row
     if flagged.size:
         label = "refused or called invalid"
-        dots: Any = {
-            "linestyle": "",
-            "marker": "o",
-            "markersize": 4,
-            "color": "white",
-            "markeredgecolor": "black",
-        }
-        handles += axes.plot(*np.transpose(flagged), **dots, label=label)
+        dots: Any = {"markersize": 4, "markeredgecolor": "black", "label": label}
+        handles += axes.plot(*np.transpose(flagged), "o", color="white", **dots)
     for line, dashes in zip(content["lines"], LINES, strict=False):
         across = np.arange(-0.5, len(x), 1.0)  # to both sides of every column
         places = [_place(limit, y) for limit in line["y"]]

@@ -2,11 +2,11 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from time import process_time
 from typing import Any
 
 import rps_exudyn as rps
-from benchmarks.topic import Topic, digits, load_data, markdown, save_data
+from benchmarks.measure import least_time
+from benchmarks.topic import Columns, Topic, digits, load_data, save_data, table_of
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
@@ -28,23 +28,15 @@ DATA = "check_cost.json"
 SLOW = 0.5  # CPU time of a run [s] above which two runs are enough
 
 
-class Clock:
-    """CPU time spent in one function [s]."""
+def timed(work: Callable[..., Any], taken: list[float]) -> Callable[..., Any]:
+    """The same function, which adds to a list what CPU time it takes [s]."""
 
-    def __init__(self) -> None:
-        self.seconds = 0.0
+    def with_time(*given: Any, **named: Any) -> Any:
+        seconds, found = least_time(lambda: work(*given, **named), 1)
+        taken.append(seconds)
+        return found
 
-    def around(self, work: Callable[..., Any]) -> Callable[..., Any]:
-        """The same function, timed."""
-
-        def timed(*given: Any, **named: Any) -> Any:
-            start = process_time()
-            try:
-                return work(*given, **named)
-            finally:
-                self.seconds += process_time() - start
-
-        return timed
+    return with_time
 
 
 def run(folder: Path, cases: Sequence[str] = tuple(CASES), repeats: int = 20) -> None:
@@ -55,36 +47,29 @@ def run(folder: Path, cases: Sequence[str] = tuple(CASES), repeats: int = 20) ->
 def cost(fidelity: Fidelity, settings: dict[str, Any], turns: float, repeats: int) -> dict[str, float]:
     """CPU time of a run [ms], and what the checks take of it [%]."""
     gear = SteeringGear().replace(settings | {"test.turns": turns})
-    scene, before, after = "free-pinion-torque", Clock(), Clock()
+    scene, before, after, whole = "free-pinion-torque", list[float](), list[float](), list[float]()
     first = rps.run(scene, gear, fidelity=fidelity)  # compiled and loaded
-    steady, timed = scene_named(scene).steady, RunOptions(check=after.around(validated))
-    repeats = repeats if first.cpu_s < SLOW else min(repeats, 2)
-    start = process_time()
-    for _ in range(repeats):
-        before.around(refused)(gear, fidelity, steady=steady)
-        run_unchecked(scene, gear, fidelity, timed)
-    whole = process_time() - start
+    steady, options = scene_named(scene).steady, RunOptions(check=timed(validated, after))
+    for _ in range(repeats if first.cpu_s < SLOW else min(repeats, 2)):
+        timed(refused, before)(gear, fidelity, steady=steady)
+        timed(run_unchecked, whole)(scene, gear, fidelity, options)
+    seconds = sum(before) + sum(whole)
     return {
-        "run_ms": round(1e3 * whole / repeats, 3),
-        "before_percent": round(100 * before.seconds / whole, 3),
-        "after_percent": round(100 * after.seconds / whole, 3),
+        "run_ms": round(1e3 * seconds / len(whole), 3),
+        "before_percent": round(100 * sum(before) / seconds, 3),
+        "after_percent": round(100 * sum(after) / seconds, 3),
     }
 
 
-def cost_table(folder: Path) -> str:
-    """Every case."""
-    rows = [
-        (name, digits(case["run_ms"], 3), f"{case['before_percent'] + case['after_percent']:.2g}")
-        for name, case in load_data(folder / DATA)["cases"].items()
-    ]
-    return markdown(("run", "CPU ms", "checks, %"), rows)
-
-
+COLUMNS: Columns = {
+    "run": lambda row: row[0],
+    "CPU ms": lambda row: digits(row[1]["run_ms"], 3),
+    "checks, %": lambda row: f"{row[1]['before_percent'] + row[1]['after_percent']:.2g}",
+}
 TOPIC = Topic(
-    "what the checks before and after a run cost",
     "30 s",
     "stability",
     run,
     {"cases": ("equilibria, a tooth pitch",), "repeats": 2},
-    {"check_cost": cost_table},
+    {"check_cost": lambda folder: table_of(load_data(folder / DATA)["cases"].items(), COLUMNS)},
 )

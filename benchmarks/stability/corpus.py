@@ -1,13 +1,12 @@
 """What the bad cases of tests/bad_cases.json give without any check, and with all of them."""
 
-import csv
 import sys
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
 import rps_exudyn as rps
-from benchmarks.topic import ROOT, Topic, markdown
+from benchmarks.topic import ROOT, Topic, load_rows, markdown, save_rows, shown
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from verification.stability import ScenePlan, cpu_time_limit, error_of, reference, unchecked
@@ -22,14 +21,9 @@ def run(folder: Path, names: Sequence[str] = ()) -> None:
     sys.path.insert(0, str(ROOT / "tests"))
     from bad_cases import bad_cases
 
-    rows = []
-    for name, case in bad_cases().items():
-        if names and name not in names:
-            continue
-        rows.append((name, *row_of(case.plan)))
-        print(*rows[-1], sep=" | ", flush=True)
-    with (folder / DATA).open("w", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])
+    chosen = {name: case for name, case in bad_cases().items() if name in names or not names}
+    rows = shown((name, *row_of(case.plan)) for name, case in chosen.items())
+    save_rows(folder / DATA, COLUMNS, rows)
 
 
 def row_of(plan: ScenePlan) -> tuple[str, str, str, str, str]:
@@ -62,26 +56,13 @@ def _reference(plan: ScenePlan) -> float:
 
 def corpus_table(folder: Path) -> str:
     """Outcomes of all cases."""
-    with (folder / DATA).open(newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = load_rows(folder / DATA)
     outcomes = Counter(row["outcome"] for row in rows)
     wrong = sum(row["outcome"] == "ok" and not abs(float(row["error"])) <= 0.02 for row in rows)
-    return markdown(
-        ("bad cases", "number"),
-        [
-            ("cases", len(rows)),
-            ("ok without checks", sum(row["without_checks"] == "ok" for row in rows)),
-            *((f"{name} with checks", number) for name, number in outcomes.most_common()),
-            ("**ok with checks and more than 2 % wrong**", f"**{wrong}**"),
-        ],
-    )
+    counts = {"cases": len(rows), "ok without checks": sum(row["without_checks"] == "ok" for row in rows)}
+    counts |= {f"{name} with checks": number for name, number in outcomes.most_common()}
+    last = ("**ok with checks and more than 2 % wrong**", f"**{wrong}**")
+    return markdown(("bad cases", "number"), [*counts.items(), last])
 
 
-TOPIC = Topic(
-    "known bad cases with and without checks",
-    "2 min",
-    "stability",
-    run,
-    {"names": ("plan 202",)},
-    {"corpus": corpus_table},
-)
+TOPIC = Topic("2 min", "stability", run, {"names": ("plan 202",)}, {"corpus": corpus_table})

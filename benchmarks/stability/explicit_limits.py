@@ -6,67 +6,43 @@ classical Runge-Kutta (`verification.runge_kutta`): explicit solvers of Exudyn h
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from benchmarks.stability.chart import draw_limits
-from benchmarks.stability.stable_step import (
-    disturbance_dies,
-    explicit_euler,
-    largest_damping,
-    largest_frequency,
-    runge_kutta_4,
-    stable_step,
-    state_matrix,
-)
-from benchmarks.topic import Topic, load_data, markdown, save_data
+from benchmarks.topic import Topic, load_data, markdown, save_data, shown
 from rps_exudyn.forces.bush import bush_chain, resting_segments
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.solids import bush_segment_solid
 from rps_exudyn.multibody.bodies import add_chain
-from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.prescribed_motion import DrivenBody, Steady, travel_per_radian
-from verification.law_area import by_law
-from verification.runge_kutta import FreeMotion
 from verification.stability import bisected
+from verification.stable_step import GEAR, DrivenGear, explicit_euler, runge_kutta_4, stable_step
 
 DATA = "explicit.json"
-GEAR = by_law(SteeringGear(), "area")  # whose stiffness is varied
 RPM = np.pi / 30
 
 
-@dataclass(frozen=True)
-class Limit:
-    """A bisected limit of the step and the predicted one [s]."""
-
-    line: str
-    at: str
-    measured: float
-    predicted: float
-    by_frequency: float | None = None  # predicted from omega_max alone ...
-    by_damping: float | None = None  # ... and from c_max alone
+Limit = dict[str, Any]
 
 
-def _about(predicted: float) -> tuple[float, float]:
-    """Steps well below and above a prediction, powers of four: where bisection looks is not its choice."""
-    return 4.0 ** np.floor(np.log(predicted / 1.5) / np.log(4)), 4.0 ** np.ceil(
-        np.log(predicted * 1.5) / np.log(4)
-    )
+def limit_of(line: str, at: str, holds: Callable[[float], bool], predicted: float) -> Limit:
+    """Bisect a limit of the step, beside the predicted one [s], from powers of four: where it looks first is
+    not the prediction's choice."""
+    low, high = np.log([predicted / 1.5, predicted * 1.5]) / np.log(4)
+    measured = bisected(holds, 4.0 ** np.floor(low), 4.0 ** np.ceil(high))
+    return {"line": line, "at": at, "measured": measured, "predicted": predicted}
 
 
 # --- Exudyn's explicit solvers ----------------------------------------------------------------------
 def ball_pressed() -> Iterator[Limit]:
     """A ball of 10 g on a plate in GeneralContact, by velocity Verlet: 2 / omega."""
     for stiffness in (1e5, 1e6, 1e7, 1e8):
-        predicted = 2 / np.sqrt(stiffness / BALL)
-        limit = bisected(partial(_ball_is_bounded, stiffness), *_about(predicted))
-        yield Limit("Verlet, ball on a plate", f"{stiffness:g} N/m", limit, predicted)
+        holds, predicted = partial(_ball_is_bounded, stiffness), 2 / np.sqrt(stiffness / BALL)
+        yield limit_of("Verlet, ball on a plate", f"{stiffness:g} N/m", holds, predicted)
 
 
 STICK_ZONE = 1e-3  # [m/s]
@@ -78,23 +54,20 @@ def ball_held_by_friction() -> Iterator[Limit]:
     stiffness, friction = 1e5, 0.5
     rate = friction * 0.4e-3 * stiffness / (BALL * STICK_ZONE)
     for solver, growth in STICK_LIMITS.items():
-        predicted = stable_step(np.array([[-rate]]), growth)
 
         def sticks(h: float, solver: str = solver) -> bool:
             mbs = _ball(stiffness, friction, 0.01 * STICK_ZONE)
             _march(mbs, h, 400, solver)
             return bool(abs(mbs.systemData.GetODE2Coordinates_t()[0]) < 0.01 * STICK_ZONE)
 
-        limit = bisected(sticks, *_about(predicted))
-        yield Limit("stick of a ball", solver, limit, predicted, by_damping=predicted)
+        yield limit_of("stick of a ball", solver, sticks, stable_step(np.array([[-rate]]), growth))
 
 
 def chain_alone() -> Iterator[Limit]:
     """The bush's chain alone, by velocity Verlet: 2 / omega_max."""
     for segments in (1, 2, 5, 10, 25):
-        predicted = 2 / chain_frequency(segments)
-        limit = bisected(partial(chain_is_bounded, segments), *_about(predicted))
-        yield Limit("Verlet, bush as a chain", f"{segments} segments", limit, predicted)
+        holds, predicted = partial(chain_is_bounded, segments), 2 / chain_frequency(segments)
+        yield limit_of("Verlet, bush as a chain", f"{segments} segments", holds, predicted)
 
 
 BALL = 0.01  # [kg]
@@ -102,20 +75,10 @@ BALL = 0.01  # [kg]
 
 def _ball(stiffness: float, friction: float = 0.0, slip: float = 0.0) -> Any:
     """Pressed 0.4 mm deep; it slides along x with `slip` [m/s]."""
-    import exudyn as exu
-    from exudyn.itemInterface import (
-        Force,
-        MarkerBodyPosition,
-        MarkerBodyRigid,
-        MarkerNodePosition,
-        NodePoint,
-        ObjectGround,
-        ObjectMassPoint,
-    )
+    from exudyn import itemInterface as items
 
-    exu.config.printToConsole, exu.config.suppressWarnings = False, True
-    mbs = exu.SystemContainer().AddSystem()
-    plate = mbs.AddMarker(MarkerBodyRigid(bodyNumber=mbs.AddObject(ObjectGround())))
+    mbs = _system()
+    plate = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=mbs.AddObject(items.ObjectGround())))
     contact = mbs.AddGeneralContact()
     contact.verboseMode, contact.sphereSphereContact = 0, False
     contact.frictionProportionalZone = STICK_ZONE
@@ -125,21 +88,27 @@ def _ball(stiffness: float, friction: float = 0.0, slip: float = 0.0) -> Any:
     corners = np.array([[-1.0, -1, 0], [3, -1, 0], [-1, 3, 0]])
     contact.AddTrianglesRigidBodyBased(plate, 1e6 * stiffness, 0.0, 0, corners.tolist(), [[0, 1, 2]])
     rates = [slip, 0, 1e-9]
-    node = mbs.AddNode(NodePoint(referenceCoordinates=[0.1, 0.1, 0.6e-3], initialVelocities=rates))
-    body = mbs.AddObject(ObjectMassPoint(mass=BALL, nodeNumber=node))
-    contact.AddSphereWithMarker(mbs.AddMarker(MarkerBodyPosition(bodyNumber=body)), 1e-3, stiffness, 0.0, 0)
-    marker = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
-    mbs.AddLoad(Force(markerNumber=marker, loadVector=[0, 0, -0.4e-3 * stiffness]))  # which holds it there
+    node = mbs.AddNode(items.NodePoint(referenceCoordinates=[0.1, 0.1, 0.6e-3], initialVelocities=rates))
+    body = mbs.AddObject(items.ObjectMassPoint(mass=BALL, nodeNumber=node))
+    on_body = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body))
+    contact.AddSphereWithMarker(on_body, 1e-3, stiffness, 0.0, 0)
+    marker = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node))
+    held = [0, 0, -0.4e-3 * stiffness]
+    mbs.AddLoad(items.Force(markerNumber=marker, loadVector=held))
     mbs.Assemble()
     return mbs
 
 
-def _chain(segments: int) -> Any:
+def _system() -> Any:
     import exudyn as exu
 
     exu.config.printToConsole, exu.config.suppressWarnings = False, True
+    return exu.SystemContainer().AddSystem()
+
+
+def _chain(segments: int) -> Any:
     gear = GEAR.replace({"bush.segments": segments})
-    mbs, parts = exu.SystemContainer().AddSystem(), bush_chain(gear)
+    mbs, parts = _system(), bush_chain(gear)
     rest = resting_segments(gear, parts, np.array([1e-3, 1e-3, 1e-3, 1e-5, 1e-5, 1e-5]), parts.end_station)
     solid = bush_segment_solid(gear).mass_properties
     height = GearPair.of(gear).bar_axis_height
@@ -189,12 +158,11 @@ def _march(mbs: Any, step: float, steps: int, solver: str) -> None:
     mbs.SolveDynamic(settings, solverType=getattr(exu.DynamicSolverType, solver))
 
 
-# --- RK4 on the gear --------------------------------------------------------------------
 @dataclass(frozen=True)
 class Gears:
     """One parameter of a driven gear at several values."""
 
-    line: str
+    varied: str
     driven: str  # "pinion", "rack", whose pinion is free, or "nothing": the pinion is held
     path: str  # of the gear's parameter or, after "fidelity.", of a choice
     values: tuple[float, ...]
@@ -203,56 +171,21 @@ class Gears:
     choices: Mapping[str, Any] = field(default_factory=dict)  # of the fidelity besides
 
 
+OF_SLIDING = "{:g} of the sliding speed"
 SPHERES = {"mesh": "general-contact", "profile_samples": 20, "axial_samples": 14}
+SOFT = (5e12, 2e13, 1e14)
 LINES = (
-    Gears(
-        "rack driven, contact stiffness",
-        "rack",
-        "mesh.stiffness",
-        (1e12, 5e12, 2e13, 1e14, 5e14),
-        "{:g} N/m³",
-    ),
-    Gears(
-        "rack driven, spheres, contact stiffness",
-        "rack",
-        "mesh.stiffness",
-        (5e12, 2e13, 1e14),
-        "{:g} N/m³",
-        choices=SPHERES,
-    ),
-    Gears("pinion driven, seat stiffness", "pinion", "yoke.seat_stiffness", (2e7, 2e8, 2e9), "{:g} N/m"),
-    Gears("pinion driven, plunger mass", "pinion", "yoke.plunger_mass", (0.006, 0.06, 0.6), "{:g} g", 1e-3),
-    Gears(
-        "rack driven, pinion density",
-        "rack",
-        "pinion.density",
-        (785.0, 2500.0, 7850.0, 78500.0),
-        "{:g} kg/m³",
-    ),
-    Gears("rack driven, mesh damping", "rack", "mesh.damping", (1e-6, 1e-5, 1e-4, 1e-3), "{:g} µs", 1e-6),
-    Gears(
-        "pinion driven, speed",
-        "pinion",
-        "test.speed",
-        tuple(n * RPM for n in (0.5, 3, 15, 60, 300)),
-        "{:g} rpm",
-        RPM,
-    ),
-    Gears(
-        "pinion driven, friction zone",
-        "pinion",
-        "fidelity.zone_ratio",
-        (0.01, 0.1, 1.0),
-        "{:g} of the sliding speed",
-    ),
-    Gears(
-        "pinion held, friction zone",
-        "nothing",
-        "fidelity.zone_ratio",
-        (0.01, 0.03, 0.1, 0.3, 1.0),
-        "{:g} of the sliding speed",
-    ),
+    Gears("contact stiffness", "rack", "mesh.stiffness", (1e12, 5e12, 2e13, 1e14, 5e14), "{:g} N/m³"),
+    Gears("spheres, contact stiffness", "rack", "mesh.stiffness", SOFT, "{:g} N/m³", choices=SPHERES),
+    Gears("seat stiffness", "pinion", "yoke.seat_stiffness", (2e7, 2e8, 2e9), "{:g} N/m"),
+    Gears("plunger mass", "pinion", "yoke.plunger_mass", (0.006, 0.06, 0.6), "{:g} g", 1e-3),
+    Gears("pinion density", "rack", "pinion.density", (785.0, 2500.0, 7850.0, 78500.0), "{:g} kg/m³"),
+    Gears("mesh damping", "rack", "mesh.damping", (1e-6, 1e-5, 1e-4, 1e-3), "{:g} µs", 1e-6),
+    Gears("speed", "pinion", "test.speed", tuple(n * RPM for n in (0.5, 3, 15, 60, 300)), "{:g} rpm", RPM),
+    Gears("friction zone", "pinion", "fidelity.zone_ratio", (0.01, 0.1, 1.0), OF_SLIDING),
+    Gears("friction zone", "nothing", "fidelity.zone_ratio", (0.01, 0.03, 0.1, 0.3, 1.0), OF_SLIDING),
 )
+DRIVES = {"rack": "rack driven", "pinion": "pinion driven", "nothing": "pinion held"}
 
 
 def on_the_gear(lines: Sequence[Gears] = LINES) -> Iterator[Limit]:
@@ -260,74 +193,16 @@ def on_the_gear(lines: Sequence[Gears] = LINES) -> Iterator[Limit]:
     for line in lines:
         for value in line.values:
             driven = DrivenGear.of(line.driven, line.path, value, line.choices)
-            limit = bisected(driven.calms, *_about(driven.predicted))
             at = line.show.format(round(value / line.unit, 9))
-            yield Limit(line.line, at, limit, driven.predicted, *simple_limits(driven.motion))
+            yield limit_of(f"{DRIVES[line.driven]}, {line.varied}", at, driven.calms, driven.predicted)
 
 
-@dataclass(frozen=True, eq=False)
-class DrivenGear:
-    """A gear driven from its centre at the test's speed, or held there, for RK4."""
-
-    gear: SteeringGear
-    fidelity: Fidelity
-    motion: FreeMotion
-
-    @classmethod
-    def of(
-        cls, driven: str, path: str, value: float, choices: Mapping[str, Any] = MappingProxyType({})
-    ) -> "DrivenGear":
-        """Change one parameter; `choices` are those of the fidelity besides."""
-        choice = path.removeprefix("fidelity.")
-        varied = {choice: value} if choice != path else {}
-        fidelity = Fidelity().replace({"zone_ratio": 0.1} | dict(choices) | varied)
-        gear = GEAR.replace({path: value} if choice == path else {})
-        return cls(gear, fidelity, FreeMotion.of(gear, fidelity, _drive(gear, driven)))
-
-    @property
-    def zone(self) -> float:
-        """Friction zone [m/s]."""
-        sliding = GearPair.of(self.gear).least_sliding * self.gear.test.speed
-        return float(self.fidelity.zone_ratio * sliding)
-
-    @property
-    def predicted(self) -> float:
-        """Largest stable step of RK4 [s]."""
-        return stable_step(state_matrix(self.motion), runge_kutta_4)
-
-    def calms(self, step: float) -> bool:
-        """Return whether a disturbance dies at that step [s]."""
-        return disturbance_dies(self.motion, step, self.zone)
-
-
-def _drive(gear: SteeringGear, driven: str) -> Steady:
-    body: DrivenBody = "rack" if driven == "rack" else "pinion"
-    speed = 0.0 if driven == "nothing" else gear.test.speed
-    return Steady(body, 0.0, travel_per_radian(body, float(GearPair.of(gear).gain)) * speed)
-
-
-def simple_limits(motion: FreeMotion) -> tuple[float, float]:
-    """Stable steps of RK4 for omega_max and for c_max alone [s]: an oscillator, a damper."""
-    frequency, damping = largest_frequency(motion), largest_damping(motion)
-    oscillator = np.array([[0.0, 1.0], [-(frequency**2), 0.0]])
-    return stable_step(oscillator, runge_kutta_4), stable_step(np.array([[-damping]]), runge_kutta_4)
-
-
-# --- all --------------------------------------------------------------------------------------------
-PARTS: tuple[Callable[[], Iterator[Limit]], ...] = (
-    ball_pressed,
-    ball_held_by_friction,
-    chain_alone,
-    on_the_gear,
-)
+PARTS = (ball_pressed, ball_held_by_friction, chain_alone, on_the_gear)
 
 
 def run(folder: Path, parts: Sequence[Callable[[], Iterator[Limit]]] = PARTS) -> None:
     """Bisect all limits of these parts."""
-    limits = []
-    for limit in (limit for part in parts for limit in part()):
-        limits.append(asdict(limit))
-        print(limit, f"{limit.measured / limit.predicted:.3f}", flush=True)
+    limits = shown(limit for part in parts for limit in part())
     save_data(folder / DATA, {"limits": limits})
     draw_limits(limits, folder / "explicit.png")
 
@@ -337,13 +212,9 @@ def limits_table(folder: Path) -> str:
     limits, rows = load_data(folder / DATA)["limits"], []
     for line in dict.fromkeys(limit["line"] for limit in limits):
         own = [limit for limit in limits if limit["line"] == line]
-        rows.append(
-            (
-                line,
-                f"{_span([1e6 * limit['predicted'] for limit in own], '.3g')}",
-                _span([limit["measured"] / limit["predicted"] for limit in own], ".2f"),
-            )
-        )
+        predicted = [1e6 * limit["predicted"] for limit in own]
+        ratios = [limit["measured"] / limit["predicted"] for limit in own]
+        rows.append((line, _span(predicted, ".3g"), _span(ratios, ".2f")))
     return markdown(("line", "predicted µs", "measured / predicted"), rows)
 
 
@@ -351,11 +222,4 @@ def _span(values: Sequence[float], form: str) -> str:
     return f"{min(values):{form}} to {max(values):{form}}"
 
 
-TOPIC = Topic(
-    "the largest stable step of explicit methods, bisected, beside the predicted one",
-    "7 min",
-    "stability",
-    run,
-    {"parts": (ball_pressed,)},
-    {"explicit_limits": limits_table},
-)
+TOPIC = Topic("7 min", "stability", run, {"parts": (ball_pressed,)}, {"explicit_limits": limits_table})

@@ -16,14 +16,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from benchmarks.stability.chart import draw_maps
-from benchmarks.stability.explicit_limits import (
-    SPHERES,
-    DrivenGear,
-    chain_frequency,
-    chain_is_bounded,
-    simple_limits,
-)
-from benchmarks.stability.stable_step import STEPS
+from benchmarks.stability.explicit_limits import SPHERES, chain_frequency, chain_is_bounded
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.bush import bush_chain
@@ -58,6 +51,7 @@ from verification.stability import (
     reference,
     run_and_check,
 )
+from verification.stable_step import STEPS, DrivenGear, simple_limits
 
 PLANS = Path(__file__).parent / "plans"
 TIME_LIMIT = 30.0  # CPU time of a cell, and of its reference [s]
@@ -65,7 +59,6 @@ TIME_LIMIT = 30.0  # CPU time of a cell, and of its reference [s]
 Predict = Callable[[SteeringGear, Fidelity], float]
 
 
-# --- studies ----------------------------------------------------------------------------------------
 def maps_of(
     file: str,
     lines: Mapping[str, Predict] = MappingProxyType({}),
@@ -89,18 +82,11 @@ def maps_of(
 
         cells = [[cell_and_flag(plan_of(a, b), methods) for a in _rising(x)] for b in _rising(y)]
         plans = [plan_of(a, _rising(y)[0]) for a in _rising(x)]
-        maps.append(
-            StabilityMap(
-                _title(plans, x),
-                _label(x),
-                _label(y),
-                _displayed(x),
-                _displayed(y),
-                [[str(cell) for cell, _ in row] for row in cells],
-                [[flag for _, flag in row] for row in cells],
-                [Line(label, [at(p.gear, p.fidelity) for p in plans]) for label, at in lines.items()],
-            )
-        )
+        limits = [Line(label, [at(p.gear, p.fidelity) for p in plans]) for label, at in lines.items()]
+        kinds_of_cells = [[str(cell) for cell, _ in row] for row in cells]
+        flags = [[flag for _, flag in row] for row in cells]
+        axes = _label(x), _label(y), _displayed(x), _displayed(y)
+        maps.append(StabilityMap(_title(plans, x), *axes, kinds_of_cells, flags, limits))
     return maps
 
 
@@ -154,7 +140,6 @@ def two_steps_per_pitch(gear: SteeringGear, fidelity: Fidelity) -> float:
 PITCH_LIMIT: dict[str, Predict] = {"two steps per tooth pitch": two_steps_per_pitch}
 
 
-# --- RK4 on the gear --------------------------------------------------------------------
 def explicit_map(
     title: str,
     driven: str,
@@ -170,7 +155,7 @@ def explicit_map(
     """
     unit = 1 / axis_quantity(_axis(path)).displayed(1.0)
     gears = [DrivenGear.of(driven, path, value * unit, choices) for value in x]
-    cell = _calm_cell if driven == "nothing" else _driven_cell
+    cell = _held_cell if driven == "nothing" else _driven_cell
     cells = [[str(cell(gear, 1e-6 * h)) for gear in gears] for h in steps]
     limits = 1e6 * np.array([(gear.predicted, *simple_limits(gear.motion)) for gear in gears])
     names = "linearised gear", "2.83 / omega_max", "2.79 / c_max"
@@ -178,7 +163,7 @@ def explicit_map(
     return StabilityMap(title, _label(_axis(path)), "step [µs]", list(x), list(steps), cells, [], lines)
 
 
-def _calm_cell(gear: DrivenGear, step: float) -> Cell:
+def _held_cell(gear: DrivenGear, step: float) -> Cell:
     return Cell.RIGHT if gear.calms(step) else Cell.WRONG
 
 
@@ -198,38 +183,22 @@ def _driven_cell(gear: DrivenGear, step: float) -> Cell:
     return Cell.INACCURATE if error > INACCURATE else Cell.RIGHT
 
 
-# --- the bush's chain in Exudyn ---------------------------------------------------------------------
 def chain_map(segments: Sequence[float], steps: Sequence[float]) -> StabilityMap:
     """Steps [us] of velocity Verlet; it calls every explosion a success."""
-    cells = [
-        [str(Cell.RIGHT if chain_is_bounded(int(n), 1e-6 * h) else Cell.WRONG) for n in segments]
-        for h in steps
-    ]
-    limits = [2e6 / chain_frequency(int(n)) for n in segments]
-    return StabilityMap(
-        "Verlet, the chain alone",
-        "bush.segments",
-        "step [µs]",
-        list(segments),
-        list(steps),
-        cells,
-        [],
-        [Line("2 / omega_max", limits)],
-    )
+    kinds = {True: str(Cell.RIGHT), False: str(Cell.WRONG)}
+    cells = [[kinds[chain_is_bounded(int(n), 1e-6 * h)] for n in segments] for h in steps]
+    lines = [Line("2 / omega_max", [2e6 / chain_frequency(int(n)) for n in segments])]
+    names = "Verlet, the chain alone", "bush.segments", "step [µs]"
+    return StabilityMap(*names, list(segments), list(steps), cells, [], lines)
 
 
-# --- spheres ----------------------------------------------------------------------------------------
 COMPILED_DEPTH = 2  # radii at which the compiled spheres pass, where Exudyn's pass at one
 
 
 def depth_limit(gear: SteeringGear, fidelity: Fidelity) -> float:
     """Preload at which the deepest sphere is as deep as its radius [N]."""
-    radius = sphere_radius(GearPair.of(gear))
-
-    def spare(preload: float) -> float:
-        return radius - DEEPEST * mean_depth(gear.replace({"yoke.preload": preload}))
-
-    return float(brentq(spare, 0.0, 1e6))
+    deepest = sphere_radius(GearPair.of(gear)) / DEEPEST
+    return float(brentq(lambda p: deepest - mean_depth(gear.replace({"yoke.preload": p})), 0.0, 1e6))
 
 
 def compiled_depth_limit(gear: SteeringGear, fidelity: Fidelity) -> float:
@@ -243,7 +212,6 @@ DEPTHS: dict[str, Predict] = {
 }
 
 
-# --- all --------------------------------------------------------------------------------------------
 def round_off(gear: SteeringGear, fidelity: Fidelity) -> float:
     """Round-off of the segments' places times the chain's largest stiffness, over the preload."""
     stiffest = max(connection.stiffness[0] for connection in bush_chain(gear).connections)
@@ -331,11 +299,4 @@ def cells_table(folder: Path) -> str:
     return markdown(("map", "method", *list(Cell)[:4], "wrong and not flagged"), rows)
 
 
-TOPIC = Topic(
-    "maps over step, tolerance, stiffness, preload: right, wrong, failed, and predicted limits",
-    "15 min",
-    "stability",
-    run,
-    {"maps": {"toy_map": toy_map}},
-    {"stability_maps": cells_table},
-)
+TOPIC = Topic("15 min", "stability", run, {"maps": {"toy_map": toy_map}}, {"stability_maps": cells_table})

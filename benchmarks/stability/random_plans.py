@@ -9,7 +9,6 @@ that is stopped goes on where it was.
     text_of(plan_of(792))       the settings of a plan
 """
 
-import csv
 import json
 import multiprocessing
 import multiprocessing.connection
@@ -25,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.topic import Topic, markdown
+from benchmarks.topic import Topic, load_rows, markdown, save_rows
 from rps_exudyn.base.compiling import CompileStep, listeners
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.friction_law import LAWS, RUBBING_PARTS
@@ -330,7 +329,7 @@ def run(folder: Path, plans: int = PLANS) -> None:
 
     What stands in the data file already is left as it is: delete the file to begin anew.
     """
-    rows: dict[int, dict[str, Any]] = {int(row["number"]): row for row in read(folder / DATA)}
+    rows: dict[int, dict[str, Any]] = {int(row["number"]): row for row in load_rows(folder / DATA)}
     worker = Child(outcome_of)
     for number in range(plans):
         plan = plan_of(number)
@@ -347,28 +346,15 @@ def run(folder: Path, plans: int = PLANS) -> None:
         write([rows[known] for known in sorted(rows)], folder / DATA)
 
 
-def read(path: Path) -> list[dict[str, Any]]:
-    """Return the plans that a run before this one did."""
-    if not path.exists():
-        return []
-    with path.open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
 def write(rows: list[dict[str, Any]], path: Path) -> None:
     """Write all plans as a table."""
-    with path.open("w", newline="") as file:
-        table = csv.DictWriter(file, COLUMNS, extrasaction="ignore", lineterminator="\n")
-        table.writeheader()
-        table.writerows(
-            row | {name: f"{value:.4g}" for name, value in row.items() if isinstance(value, float)}
-            for row in rows
-        )
+    values = [[row.get(name, "") for name in COLUMNS] for row in rows]
+    save_rows(path, COLUMNS, [[f"{x:.4g}" if isinstance(x, float) else x for x in row] for row in values])
 
 
 def verdicts_table(folder: Path) -> str:
     """Verdicts of all plans."""
-    rows, kinds = read(folder / DATA), ("random model", "preset")
+    rows, kinds = load_rows(folder / DATA), ("random model", "preset")
     of_kind = {kind: [row for row in rows if kind_of(row) == kind] for kind in kinds}
     counts = {kind: Counter(row["verdict"] for row in of_kind[kind]) for kind in kinds}
     names = [name for name, _ in sum(counts.values(), Counter()).most_common() if name not in WRONGLY_OK]
@@ -387,7 +373,7 @@ def kind_of(row: Mapping[str, str]) -> str:
 def losses_table(folder: Path) -> str:
     """Plans lost and false alarms of those run, by scene, friction law and model; rows with neither are left
     out."""
-    rows = read(folder / DATA)
+    rows = load_rows(folder / DATA)
     lines: list[tuple[str, ...]] = []
     for column in ("scene", "friction", "model"):
         for value, count in sorted(Counter(row[column] for row in rows).items()):
@@ -399,10 +385,5 @@ def losses_table(folder: Path) -> str:
 
 
 TOPIC = Topic(
-    f"{PLANS} random plans compared with references: right, refused, failed, silently wrong",
-    "5 h",
-    "stability",
-    run,
-    {"plans": 2},
-    {"random_plans": verdicts_table, "lost_plans": losses_table},
+    "5 h", "stability", run, {"plans": 2}, {"random_plans": verdicts_table, "lost_plans": losses_table}
 )

@@ -7,7 +7,6 @@ diverged, crashed, or took more than 30 s of CPU time. A run that is stopped goe
 where it was.
 """
 
-import csv
 from collections.abc import Callable, Iterable
 from itertools import product
 from pathlib import Path
@@ -18,7 +17,7 @@ from zlib import crc32
 import numpy as np
 
 from benchmarks.stability.random_plans import LOST, TIME_LIMIT, Child
-from benchmarks.topic import Topic, markdown
+from benchmarks.topic import Topic, load_rows, markdown, save_rows
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.friction_law import LAWS, RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
@@ -63,7 +62,8 @@ def outcome_of(
 
 def run(folder: Path, gears: int = GEARS, scenes: Iterable[str] = SCENES) -> None:
     """Run so many gears in each scene by each law that are not in the data file yet."""
-    rows, worker = read(folder / DATA), Child(outcome_of)
+    rows: list[dict[str, Any]] = [*load_rows(folder / DATA)]
+    worker = Child(outcome_of)
     known = {(row["scene"], row["law"], int(row["number"])) for row in rows}
     for number, scene, law in product(range(gears), scenes, LAWS):
         if (scene, law, number) in known:
@@ -71,23 +71,12 @@ def run(folder: Path, gears: int = GEARS, scenes: Iterable[str] = SCENES) -> Non
         found = worker.do((scene, law, number), TIME_LIMIT, TIME_LIMIT)
         found.setdefault("equilibria", found.get("status"))  # of a process that ended meanwhile
         rows.append({"scene": scene, "law": law, "number": number} | found)
-        with (folder / DATA).open("w", newline="", encoding="utf-8") as file:
-            table = csv.DictWriter(file, COLUMNS, extrasaction="ignore", lineterminator="\n")
-            table.writeheader()
-            table.writerows(rows)
-
-
-def read(path: Path) -> list[dict[str, Any]]:
-    """Return the gears in a data file."""
-    if not path.exists():
-        return []
-    with path.open(newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+        save_rows(folder / DATA, COLUMNS, [[each.get(name, "") for name in COLUMNS] for each in rows])
 
 
 def losses_table(folder: Path) -> str:
     """Gears lost of those run, by law and scene; scenes that lose none stand in one line."""
-    rows = read(folder / DATA)
+    rows = load_rows(folder / DATA)
 
     def line(name: str, column: str, *values: str) -> tuple[str, ...]:
         cells = []
@@ -108,11 +97,4 @@ def losses_table(folder: Path) -> str:
     return markdown(("law, scene", "equilibria", "dynamics"), [*lines, line("**all**", "law")])
 
 
-TOPIC = Topic(
-    f"{GEARS} gears of the wide population a scene and friction law: how many runs are lost",
-    "2 h",
-    "stability",
-    run,
-    {"gears": 1, "scenes": (STEADY,)},
-    {"wide_gears": losses_table},
-)
+TOPIC = Topic("2 h", "stability", run, {"gears": 1, "scenes": (STEADY,)}, {"wide_gears": losses_table})

@@ -68,5 +68,6 @@ def _harmonics(angle: np.ndarray, values: np.ndarray, period: float, highest: in
     mean_period = at_even.reshape(*values.shape[:-1], whole, per_period).mean(axis=-2)
     k = np.arange(highest + 1)
     turned = np.exp(-2j * np.pi / period * np.outer(k, even[:per_period]))
-    found = np.where(k == 0, 1, 2) * (mean_period @ turned.T) / per_period
+    summed = (mean_period[..., None, :] * turned).sum(axis=-1)  # rounded alike for one gear and for many
+    found = np.where(k == 0, 1, 2) * summed / per_period
     return np.asarray(np.moveaxis(found, -1, 0))

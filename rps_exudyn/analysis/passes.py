@@ -191,7 +191,7 @@ def _pass(signals: Signals, first: int, last: int) -> Pass:
     farthest = np.maximum.accumulate(direction * angle)
     ahead = np.append(True, direction * angle[1:] > farthest[:-1])
     kept = first + np.flatnonzero(ahead)
-    return Pass(direction, {name: values[..., kept] for name, values in signals.items()})
+    return Pass(direction, {name: at_instants(values, kept) for name, values in signals.items()})
 
 
 # --- Signals of many gears over the same instants: values of shape (gears, n) beside those of one gear, (n,)
@@ -220,7 +220,13 @@ def over_instants(at: np.ndarray, instants: np.ndarray, values: np.ndarray) -> n
         return np.interp(at, instants, values)
     right = np.clip(np.searchsorted(instants, at), 1, instants.size - 1)
     share = np.clip((at - instants[right - 1]) / (instants[right] - instants[right - 1]), 0.0, 1.0)
-    return np.asarray(values[..., right - 1] * (1 - share) + values[..., right] * share)
+    return np.asarray(at_instants(values, right - 1) * (1 - share) + at_instants(values, right) * share)
+
+
+def at_instants(values: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """Return values (..., n) at instants by their numbers, each gear's side by side in memory: sums over them
+    are then rounded alike for one gear and for many."""
+    return np.take(values, chosen, axis=-1)
 
 
 # --- Where in a record something first holds, for a reader

@@ -7,7 +7,7 @@ import numpy as np
 
 from rps_exudyn.analysis.curve import LEAST_FOR_PEAKS
 from rps_exudyn.analysis.harmonics import LEAST_PER_PERIOD, order_amplitude
-from rps_exudyn.analysis.passes import Pass, Signals, both_directions, number_of, passes, spread
+from rps_exudyn.analysis.passes import Pass, Signals, at_instants, both_directions, number_of, passes, spread
 
 
 def mean(angle: np.ndarray, values: np.ndarray) -> float:
@@ -91,8 +91,8 @@ def _figures(pieces: list[tuple[np.ndarray, np.ndarray]]) -> dict[str, float]:
 
 def parts(turned: Pass, low: float, high: float, least: float) -> list[tuple[np.ndarray, np.ndarray]]:
     """Angle [rad] and torque against the motion [N m] from `low` to `high`; none over less than `least`."""
-    inside = (turned.angle >= low) & (turned.angle <= high)
+    inside = np.flatnonzero((turned.angle >= low) & (turned.angle <= high))
     angle = turned.angle[inside]
     if angle.size < 2 or np.ptp(angle) < least:
         return []
-    return [(angle, turned.direction * turned.signals["pinion_torque"][..., inside])]
+    return [(angle, turned.direction * at_instants(turned.signals["pinion_torque"], inside))]

@@ -1,6 +1,7 @@
 """Balance of work: what drive and load put in, what is lost at each place, and what is missing."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -33,16 +34,22 @@ def losses(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
 
 
 def describe_losses(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
-    """The summary's loss fractions of all work lost; {} if none was."""
+    """The summary's loss fractions of all work lost; {} if none was, nan of such a gear among many."""
     lost = losses(signals)
-    whole = sum(lost.values())
-    if not np.all(np.asarray(whole) > 0):
+    whole = np.asarray(sum(lost.values()))
+    if not np.any(whole > 0):
         return {}
-    return {
-        f"loss_share_{place}": sum(lost.get(name, 0.0) for name in names) / whole
-        for place, names in PLACES.items()
-        if any(name in lost for name in names)
-    }
+    whole = number_of(np.where(whole > 0, whole, np.nan))
+    shares: dict[str, float] = {}
+    for place, names in PLACES.items():
+        if any(name in lost for name in names):
+            taken: Any = sum(lost.get(name, 0.0) for name in names)
+            if np.ndim(taken) and names[0].endswith(
+                "_damping"
+            ):  # without which a gear alone has no such work
+                taken = np.where(np.equal(taken, 0.0), np.nan, taken)
+            shares[f"loss_share_{place}"] = taken / whole
+    return shares
 
 
 def loss_torques(signals: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

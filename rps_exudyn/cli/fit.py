@@ -219,6 +219,8 @@ def print_fit(fit: "Fit", files: Iterable[Path]) -> None:
     put_table(findings.BUDGET, findings.budget_rows(fit))
     if sentence := findings.offset_sentence(fit):
         put(sentence)
+    for sentence in (each for each in fit.assumed if each not in fit.left_out):
+        put(f"assumed: {sentence}")
     for sentence in (*fit.left_out, *fit.warnings):
         put(f"note: {sentence}")
     put(f"{fit.simulations} simulations, {fit.cpu_s:.2g} s of CPU time")

@@ -139,7 +139,7 @@ def _list_cases(request: Request, json: bool) -> int:
     work, jobs = request.work(), request.processes
     time = estimate(work.study, work.missing, work.measured(), jobs)
     with shown_progress():
-        dispatch = dispatch_of(work.study, work.description, len(work.missing))
+        dispatch = dispatch_of(work.study, work.description)
     missing = {case.hash for case in work.missing}
     cases = work.description.cases
     if json:

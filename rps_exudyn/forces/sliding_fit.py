@@ -167,8 +167,8 @@ def fill_slack(u, data, loads, slope):  # type: ignore[no-untyped-def]
 
 @inline
 def fit_loads(carrier, rack, data, memory, slope):  # type: ignore[no-untyped-def]
-    """Loads between rack and carrier: the rack slides and rolls in its carrier and swivels with it; fills the
-    elastic stiffness `slope` (4, 4) at the station.
+    """Loads between rack and carrier: the rack slides and rolls in its carrier and swivels with it; fills
+    `slope` (5, 4), the elastic stiffness at the station and in its last row the elastic loads.
 
     The elastic connection sits at one place: on the carrier a fixed point, on the rack the point of its
     axis that passes there. Force and moment act at that place on both bodies.
@@ -212,6 +212,7 @@ def fit_loads(carrier, rack, data, memory, slope):  # type: ignore[no-untyped-de
         m_y = k[2, 0] * y + k[2, 1] * z + k[2, 2] * b + k[2, 3] * c
         m_z = k[3, 0] * y + k[3, 1] * z + k[3, 2] * b + k[3, 3] * c
         stored = 0.5 * (y * p_y + z * p_z + b * m_y + c * m_z)
+    slope[4, 0], slope[4, 1], slope[4, 2], slope[4, 3] = p_y, p_z, m_y, m_z
     # across the tilted bar, so that sliding along it does no work against the load
     p_x = -(p_y * rack.axis[1] + p_z * rack.axis[2]) / rack.axis[0]
     return FitLoads(
@@ -247,16 +248,16 @@ def _fill(out, loads, turn):  # type: ignore[no-untyped-def]
 
 @inline
 def held_fit_force(q, v, data, memory, out, slope):  # type: ignore[no-untyped-def]
-    """The fit in a carrier that is part of the housing; q = rack (6), fills out (13,) and the elastic
-    stiffness (4, 4)."""
+    """The fit in a carrier that is part of the housing; q = rack (6), fills out (13,), and elastic stiffness
+    and loads (5, 4)."""
     rack, turn = _held(q, v)
     _fill(out, fit_loads(Held(STILL, STILL, (1.0, 0.0, 0.0), STILL), rack, data, memory, slope), turn)
 
 
 @inline
 def carried_fit_force(q, v, carrier_q, carrier_v, data, memory, out, slope, on_carrier):  # type: ignore[no-untyped-def]
-    """The fit in a moving carrier, a segment (6); fills out (13,), the elastic stiffness (4, 4) and the
-    forces on the carrier (6,)."""
+    """The fit in a moving carrier, a segment (6); fills out (13,), elastic stiffness and loads (5, 4), and
+    the forces on the carrier (6,)."""
     (carrier, turn_carrier), (rack, turn_rack) = _held(carrier_q, carrier_v), _held(q, v)
     loads = fit_loads(carrier, rack, data, memory, slope)
     moment = plus(loads.moment, cross(loads.lever_carrier, loads.force))
@@ -267,20 +268,46 @@ def carried_fit_force(q, v, carrier_q, carrier_v, data, memory, out, slope, on_c
 
 @inline
 def add_fit_tangent(q, v, data, memory, k, factor_q, factor_v, tangent):  # type: ignore[no-untyped-def]
-    """Add factor_q dF/dq + factor_v dF/dv of the held fit to a tangent (6, 6) of the rack: its stiffness k
-    (4, 4) at its place, and its drag as it slides and rolls."""
-    lever = data.station - q[0]
-    for i in range(4):
-        for j in range(4):
-            if k[i, j] != 0:
-                value = -factor_q * k[i, j]
-                # motions of the fit's place: y and z shift with the tilts about z and y
-                first, by_tilt, tilt = _moved(i, lever)
-                second, other, turned = _moved(j, lever)
-                tangent[first, second] += value
-                tangent[first, turned] += value * other
-                tangent[tilt, second] += value * by_tilt
-                tangent[tilt, turned] += value * by_tilt * other
+    """Add factor_q dF/dq + factor_v dF/dv of the held fit to a tangent (6, 6) of the rack: its stiffness and
+    elastic loads k (5, 4) at its place, and its drag as it slides and rolls.
+
+    The first angle turns what the others tilt: a roll swings the axis of a tilted bar about X. Far from the
+    mesh that moves the fit by more than the mesh resists a roll.
+    """
+    lever, roll = data.station - q[0], q[3]
+    a_y, a_z = q[5] + roll * q[4], roll * q[5] - q[4]  # of the bar's axis
+    p_y, p_z = k[4, 0], k[4, 1]
+    on_y, on_z = lever * p_y + k[4, 3], lever * p_z - k[4, 2]  # by slopes of the axis
+    for j in range(6):
+        y, z, s_y, s_z = 0.0, 0.0, 0.0, 0.0  # of the place of the fit and of the axis, by coordinate j
+        if j == 0:
+            y, z = -a_y, -a_z
+        elif j == 1:
+            y = 1.0
+        elif j == 2:
+            z = 1.0
+        elif j == 3:
+            s_y, s_z = -a_z, a_y
+        elif j == 4:
+            s_y, s_z = roll, -1.0
+        else:
+            s_y, s_z = 1.0, roll
+        y, z = y + lever * s_y, z + lever * s_z
+        by_y = k[0, 0] * y + k[0, 1] * z - k[0, 2] * s_z + k[0, 3] * s_y
+        by_z = k[1, 0] * y + k[1, 1] * z - k[1, 2] * s_z + k[1, 3] * s_y
+        tilt_y = lever * by_y + k[3, 0] * y + k[3, 1] * z - k[3, 2] * s_z + k[3, 3] * s_y
+        tilt_z = lever * by_z - k[2, 0] * y - k[2, 1] * z + k[2, 2] * s_z - k[2, 3] * s_y
+        about_b, about_c = roll * tilt_y - tilt_z, tilt_y + roll * tilt_z
+        if j == 0:
+            about_b, about_c = about_b + p_z, about_c - p_y
+        elif j == 3:
+            about_b, about_c = about_b + on_y, about_c + on_z
+        tangent[0, j] += factor_q * (a_y * by_y + a_z * by_z + p_y * s_y + p_z * s_z)
+        tangent[1, j] -= factor_q * by_y
+        tangent[2, j] -= factor_q * by_z
+        tangent[3, j] -= factor_q * lever * (a_y * by_z - a_z * by_y + p_z * s_y - p_y * s_z)
+        tangent[4, j] -= factor_q * about_b
+        tangent[5, j] -= factor_q * about_c
     # with the bar, whose tilts are small: it slides along X and rolls about it
     along, roll, law = v[0], data.radius * v[3], data.law
     if law.has_state:
@@ -302,16 +329,6 @@ def add_fit_tangent(q, v, data, memory, k, factor_q, factor_v, tangent):  # type
     tangent[0, 3] -= mixed * data.radius
     tangent[3, 0] -= turned * data.radius
     tangent[3, 3] -= across * data.radius * data.radius
-
-
-@inline
-def _moved(i, lever):  # type: ignore[no-untyped-def]
-    """The rack's coordinate that moves a direction of the fit, and how much a tilt adds, and which."""
-    if i == 0:
-        return 1, lever, 5
-    if i == 1:
-        return 2, -lever, 4
-    return (4, 0.0, 4) if i == 2 else (5, 0.0, 5)
 
 
 LATERAL = [1, 2, 4, 5]  # of x y z, about x y z

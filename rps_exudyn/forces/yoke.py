@@ -486,7 +486,7 @@ def pressed_seat(force: Any, density: Any, half_angle: Any, over_y: Any, over_z:
         carried = a / 2 * ((last - first) * np.cos(psi) + rise) - clear * (np.sin(last) - np.sin(first))
         slope = (last - first) / 2 + (np.sin(2 * last) - np.sin(2 * first)) / 4
         normal = a * (np.sin(last - psi) - np.sin(first - psi)) - clear * (last - first)
-        depth = depth - (carried - load) / slope
+        depth = np.where(clear > 0, depth - (carried - load) / slope, depth)
     lifted = np.asarray(force) < 2 * density * load  # by less than the least load: in proportion
     share = np.where(lifted, np.asarray(force) / (2 * density * np.where(load > 0, load, 1.0)), 1.0)
     wedge = np.where(load > 0, normal / np.where(load > 0, load, 1.0), np.sin(phi) / whole)

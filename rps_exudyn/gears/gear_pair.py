@@ -79,6 +79,11 @@ class GearPair:
         """The pair without runout and errors of installation: what gears of one design have in common."""
         return _shared(replace(self, angle_error=0.0, axis_offset=0.0, runout=0.0, runout_angle=0.0))
 
+    @cached_property
+    def centred(self) -> "GearPair":
+        """The pair without runout."""
+        return _shared(replace(self, runout=0.0, runout_angle=0.0))
+
     # --- pinion ------------------------------------------------------------------------------
     @cached_property
     def reference_radius(self) -> float:

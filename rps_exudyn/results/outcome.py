@@ -60,6 +60,7 @@ class Code(StrEnum):
     STEPS_USED_UP = "steps-used-up", "the run took far more time steps than planned"
     FORCE_FAILED = "force-failed", "a function of the model ended with an error"
     NO_EQUILIBRIUM = "no-equilibrium", "no equilibrium was found"
+    GEAR_JUMPS = "gear-jumps", "the gear jumps where equilibria end"
     NO_RESISTANCE = "no-resistance", "the gear has no stiffness against a force"
     INTERRUPTED = "interrupted", "the run was stopped before its end"
     REFUSED = "refused", "a check of the plan failed, nothing was run"

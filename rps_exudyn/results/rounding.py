@@ -60,10 +60,10 @@ def rounded(quantity: Quantity, value: float, error: float | None = None, like: 
     return f"{float(f'{size:.{digits}g}'):.{places}f} {pretty(unit)}".replace("-", "−").strip()
 
 
-def rounded_range(quantity: Quantity, low: float, high: float) -> str:
-    """Two values with their unit once: "0.51 to 0.72 N m"."""
-    largest = max(low, high, key=abs)
-    return interval(rounded(quantity, low, like=largest), rounded(quantity, high, like=largest))
+def rounded_range(quantity: Quantity, low: float, high: float, like: float | None = None) -> str:
+    """Two values with their unit once: "0.51 to 0.72 N m"; that of `like`, or else of the larger one."""
+    same = max(low, high, key=abs) if like is None else like
+    return interval(rounded(quantity, low, like=same), rounded(quantity, high, like=same))
 
 
 def interval(low: str, high: str) -> str:

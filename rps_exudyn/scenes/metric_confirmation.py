@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.analysis.curve import midpoints_added
+from rps_exudyn.analysis.passes import at_instants
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Remark, Status
@@ -27,6 +28,7 @@ from rps_exudyn.results.quantities import (
     SPREADS,
     SUMMARY,
     WITHOUT_FINER_STEPS,
+    Quantity,
 )
 from rps_exudyn.scenes.checks.needs_finer import FINEST
 from rps_exudyn.scenes.maneuver import Maneuver
@@ -132,18 +134,25 @@ def sizes(signals: Signals) -> dict[str, Any]:
 def changes(values: Mapping[str, Any], finer: Mapping[str, Any], signals: Signals) -> dict[str, Any]:
     """Return by how much metrics change, over their tolerances; inf of one that only a single side has.
 
-    Values are numbers, or arrays (n,) of many gears; `signals` are the record of one side, for its sizes.
+    Values are numbers, or arrays (n,) of many gears, nan of one that lacks the metric; `signals` are the
+    record of one side, for its sizes.
     """
+
+    def change(name: str, item: Quantity) -> Any:
+        one, other = values.get(name, np.nan), finer.get(name, np.nan)
+        if not (np.ndim(one) or np.ndim(other)) and not (name in values and name in finer):
+            return np.inf
+        found = item.change(one, other, size.get(item.unit, 0.0))
+        if not np.ndim(found):
+            return found
+        lacks = np.isnan(one), np.isnan(other)
+        return np.where(lacks[0] == lacks[1], np.where(lacks[0], 0.0, found), np.inf)
+
     declared = {name: SUMMARY[name] for name in {**values, **finer} if SUMMARY[name].confirmed}
     size = sizes(signals)
     torque = np.abs(next((finer[name] for name in TORQUES if name in finer), 0.0))
     size["N*m"] = np.maximum(size.get("N*m", 0.0), torque)
-    return {
-        name: item.change(values[name], finer[name], size.get(item.unit, 0.0))
-        if name in values and name in finer
-        else np.inf
-        for name, item in declared.items()
-    }
+    return {name: change(name, item) for name, item in declared.items()}
 
 
 def figure_changes(metrics: Metrics, figure: str, run: SceneRun, later: SceneRun) -> float:
@@ -166,7 +175,7 @@ def every_second(signals: Signals, stride: int = 2) -> Signals:
     in `stride`."""
     parts = [np.append(np.arange(i.start, i.stop - 1, stride), i.stop - 1) for i in _parts(signals["time"])]
     kept = np.concatenate(parts)
-    return {name: values[..., kept] for name, values in signals.items()}
+    return {name: at_instants(values, kept) for name, values in signals.items()}
 
 
 def with_midpoints(signals: Signals) -> Signals:
@@ -357,6 +366,7 @@ CYCLES_UNDER_TORQUE = (2, 6, 14, 30, 62)  # ... and one that a torque drives ...
 TRIES_OF_INVALID = 3  # ... of which so many are tried where a check fails
 CLOSED = 0.01  # of the largest torque, by which a cycle may end elsewhere than it began ...
 IN_PLACE = 0.002  # ... and of the rack's travel: a drift this slow goes on for ten cycles and more
+VIBRATES = 50  # times its range that a torque goes up and down in a record: smoothly it goes 2 to 6 times
 
 
 def run_swing(
@@ -379,7 +389,24 @@ def run_swing(
         model = with_finer_friction(fidelity, halvings)
         return run_maneuver(gear, model, earlier.halved(halvings), options=options)
 
-    return confirmed(run, metrics, made, figure, most=most_finer(fidelity, options), always=True)
+    run = confirmed(run, metrics, made, figure, most=most_finer(fidelity, options), always=True)
+    return _with_cause(run, fidelity, maneuver.drive.signal)
+
+
+def _with_cause(run: SceneRun, fidelity: Fidelity, signal: str) -> SceneRun:
+    """Return a swing that a check fails with the cause in its message, where it vibrates: bristles of the
+    teeth turn about too slowly across the sliding to damp vibration, which friction then excites."""
+    dynamic = fidelity.solver == "generalized-alpha"
+    if not (dynamic and run.outcome.status is Status.INVALID and signal in run.signals):
+        return run
+    times = float(np.abs(np.diff(run.signals[signal])).sum() / (np.ptp(run.signals[signal]) or np.inf))
+    if not times > VIBRATES:
+        return run
+    cause = (
+        f"{run.outcome.message}; the gear vibrates, its {signal} goes up and down by {times:.0f} times its "
+        "range: longer steps damp that, and the fidelity quasi-static has no vibration"
+    )
+    return replace(run, outcome=replace(run.outcome, message=cause))
 
 
 def _from_earlier(

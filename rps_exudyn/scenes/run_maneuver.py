@@ -340,7 +340,7 @@ def _finished(
     settled = -start.begun * gear.test.speed >= pitch * (1 - 1e-9)
     record = replace(record, settled=settled, start=start.start)
     signals = signals_of(record)
-    if outcome.status is Status.OK:
+    if outcome.status is Status.OK or set(outcome.codes) & {Code.NO_EQUILIBRIUM, Code.GEAR_JUMPS}:
         outcome = options.check(outcome, gear, record, signals, zone if maneuver.is_steady else None)
     if (depends := start.start.unsettled_behind) > 0:
         outcome = replace(outcome, findings={**outcome.findings, "start_unsettled": depends})
@@ -350,6 +350,11 @@ def _finished(
 def _lost(maneuver: Maneuver, path: EquilibriumPath, outcome: Outcome) -> Outcome:
     """The outcome of a maneuver whose path ends where it found no equilibrium."""
     place = maneuver.drive.shown(path.lost_at or 0.0)
+    if path.jumps:
+        message = (
+            f"the gear jumps at {place}: a part of it moves across ever faster, and no equilibrium leads on"
+        )
+        return replace(outcome, status=Status.INVALID, codes=(Code.GEAR_JUMPS,), message=message)
     message = f"no equilibrium was found at {place}, {path.residual:.3g} N remain unbalanced"
     if path.residual <= TOLERANCE:
         message = f"no equilibrium was found near the one before at {place}"

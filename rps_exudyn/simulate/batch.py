@@ -255,8 +255,18 @@ def _row(
 ) -> Result:
     try:
         varied = gear.replace(settings)
-        return simulate(scene, varied, fidelity, options=options)
-    except InputError as error:  # a value that is not allowed, a gear that cannot be built
+    except InputError as error:  # a value that is not allowed
+        return failed(scene, gear, fidelity, Status.INVALID, " ".join(error.problems))
+    return single_run(scene, varied, fidelity, options)
+
+
+def single_run(
+    scene: str, gear: SteeringGear, fidelity: Fidelity, options: RunOptions = DEFAULT_OPTIONS
+) -> Result:
+    """Simulate a gear; what goes wrong is its outcome."""
+    try:
+        return simulate(scene, gear, fidelity, options=options)
+    except InputError as error:  # a gear that cannot be built
         status, message = Status.INVALID, " ".join(error.problems)
     except Exception as error:
         raise_wrapped(error)

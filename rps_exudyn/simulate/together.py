@@ -38,6 +38,7 @@ from rps_exudyn.scenes.scene import SteadyTest, Turned
 from rps_exudyn.scenes.scene_run import Signals, one_after_another
 from rps_exudyn.simulate.family import Family, FamilyRecord, is_alike
 from rps_exudyn.solvers.many_gears import RUNOUT, RUNOUT_ANGLE, Table, packed, packed_table
+from rps_exudyn.solvers.record import WHERE_DAMPED
 from rps_exudyn.solvers.temperature_and_wear import is_new
 
 FEWEST = 2  # gears for each that is followed to learn from: with fewer single runs are quicker
@@ -104,8 +105,9 @@ class Together:
     signals: dict[str, np.ndarray]  # by time, (m,) where all gears have the same, else (n, m)
 
     def signals_of(self, row: int) -> dict[str, np.ndarray]:
-        """Return the signals of one gear, (m,) each."""
-        return {name: values if values.ndim == 1 else values[row] for name, values in self.signals.items()}
+        """Return the signals of one gear, (m,) each; works of damping only where it damps, as alone."""
+        own = {name: values if values.ndim == 1 else values[row] for name, values in self.signals.items()}
+        return {name: values for name, values in own.items() if name not in WHERE_DAMPED or values.any()}
 
 
 def together(

@@ -14,7 +14,7 @@ The plunger's seat multiplies its friction by kappa (`seat_under`). The rack is 
 friction across the rack does to its guides is left out, as is the installation's offset.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 
@@ -280,8 +280,7 @@ class _MeanForce:
 
 def _mean_force(gear: SteeringGear, side: int, direction: int) -> _MeanForce:
     """Mean over the active path of contact, weighted by the law: load per length ~ sqrt(rho) or constant."""
-    without_runout = replace(GearPair.of(gear), runout=0.0, runout_angle=0.0)
-    smooth, rubbing = _mean_parts(without_runout, gear.mesh.contact_law == "area", side, direction)
+    smooth, rubbing = _mean_parts(GearPair.of(gear).centred, gear.mesh.contact_law == "area", side, direction)
     mu = gear.mesh.friction
     return _MeanForce(smooth.force + mu * rubbing.force, smooth.moment + mu * rubbing.moment, smooth.lever)
 

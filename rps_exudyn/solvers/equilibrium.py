@@ -35,6 +35,9 @@ MAX_RESCUES = 50  # or as many as instants are asked for
 SHORTEST = 0.01  # of the steps asked for, that between an instant found and one that is not ...
 SHORTEST_BEHIND_COLUMN = 1 / 256  # ... and where friction lets a column's end go
 SNAP = 4  # times the fastest motion so far: behind a column the gear jumps to another equilibrium
+RUNS_AWAY = (
+    3  # steps in each of which a part is faster before the gear jumps, at last by `SNAP` times the rack
+)
 WHEEL_LENGTH = 0.01  # turns the wheel's coordinate into a length [m]
 
 
@@ -72,6 +75,7 @@ class EquilibriumPath:
     kept: np.ndarray = field(default_factory=lambda: np.zeros((0, 2, 0)))
     outputs: np.ndarray = field(default_factory=lambda: np.zeros((0, OUTPUTS)))  # of all parts
     wheel: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))  # (n, 2) its coordinate, rate, if any
+    jumps: bool = False  # the gear where the path ends
     kinetic: np.ndarray | float = 0.0  # (n,) energy of what is accelerated behind a column [J]
 
     @property
@@ -372,7 +376,8 @@ class _Following:
         if k == 0:
             pitch = 2 * np.pi / self.pair.teeth / abs(self.speed) if self.speed else 0.0
             settling = self.settling(0, rows.coordinates[0], 0.0)
-            rows.coordinates[0], rows.rates[0] = beginning(settling, pitch, SETTLING_STEPS)
+            memory = self.balance.memory if self.balance.has_bristles else None
+            rows.coordinates[0], rows.rates[0] = beginning(settling, pitch, SETTLING_STEPS, memory)
             return True
         if self.searched(k) and not self.snaps(k):
             self.unbalanced = max(self.unbalanced, self.residual)
@@ -388,6 +393,20 @@ class _Following:
             return False
         fastest = np.abs(self.rows.rates[: k + 1] * self.lengths).max(axis=1)
         return bool(fastest[k] > SNAP * fastest[:k].max())
+
+    def jumps(self) -> bool:
+        """Return whether the gear jumps where no next instant is found: the steps there are as short as makes
+        sense, and some part moves ever faster across the drive's motion. Friction that grows with the load
+        that it makes, or that falls, leaves no equilibrium ahead."""
+        k = self.found
+        if self.whole or k <= RUNS_AWAY or self.column[0]:
+            return False
+        rows = self.rows
+        driven = max(abs(self.drive.pinion_speed(self.pair.gain, each)) for each in rows.time[:k])
+        fastest = np.abs(rows.rates[k - 1 - RUNS_AWAY : k] * self.lengths).max(axis=1)
+        shortened = rows.time[k] - rows.time[k - 1] < np.diff(rows.time[rows.asked]).min() / 2
+        runs_away = (np.diff(fastest) > 0).all() and fastest[-1] > SNAP * driven * self.pair.gain
+        return bool(shortened and runs_away)
 
     def searched(self, k: int) -> bool:
         """Let the gear creep to the equilibrium at instant k; return whether it was found."""
@@ -419,7 +438,7 @@ class _Following:
         path = self.rows.path(self.found, self.counts, self.rescues, left, self.balance.size, self.column)
         given = np.append(path.rates, path.wheel[:, 1:], axis=1)
         free = np.isin(np.arange(given.shape[1]), self.free)
-        return replace(path, kinetic=0.5 * (given**2 * self.masses) @ free)
+        return replace(path, kinetic=0.5 * (given**2 * self.masses) @ free, jumps=self.jumps())
 
 
 @dataclass

@@ -11,7 +11,7 @@ record `WORK` that no evaluation of a gear with a rigid pinion needs to allocate
 fills the generalised forces `total` (n,) on the coordinates q with rates v, and the outputs of all parts
 `works[0].out`, see `COLUMNS`. Unless both factors are 0 it fills `tangent` (n, n) with factor_q dF/dq +
 factor_v dF/dv, to a few per cent of its largest entry or better: what turns with the bar's small angles is
-left out.
+left out, but for the bush, where a roll of a tilted bar counts.
 
 Friction with a state takes the slip from what the coordinates moved over a step (`forces.friction`): a step
 of a coordinate is then one of its rate too.
@@ -152,7 +152,7 @@ WORK = record_type(
         ("points", "f8", (MOST_POINTS, 4)),  # of the seat
         ("rubbed", "f8", (PATCH_SUMS,)),  # its sums of bristles
         ("slip", "f8", (MOST_COORDINATES,)),  # rates with which contacts slip
-        ("of_fit", "f8", (4, 4)),  # elastic stiffness of rack and bush
+        ("of_fit", "f8", (5, 4)),  # elastic stiffness and loads of rack and bush
         ("on_carrier", "f8", (6,)),
     ]
 )

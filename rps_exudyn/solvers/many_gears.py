@@ -6,6 +6,7 @@ with one evaluation of the forces at each instant.
 """
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from rps_exudyn.base.compiled import ready
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, PINION, PLUNGER, RACK
 from rps_exudyn.forces.friction import PLAIN
 from rps_exudyn.forces.pinion_support import at_rest
@@ -34,6 +36,7 @@ COUNTERS = "force_evaluations", "newton_iterations", "jacobians"
 DEGREE = 4  # of the polynomials
 EXACT, ZONES = 1e-10, 1e-4  # allowed error of a record's numbers over their size; of friction zones
 CHECKED = 5  # gears packed to confirm
+TURN = (5**0.5 - 1) / 2  # of a range from parameter to parameter, so that these gears are unlike
 Y, Z, YAW, PITCH = RACK + 1, RACK + 2, RACK + 4, RACK + 5
 
 Table = Mapping[str, np.ndarray]
@@ -87,7 +90,8 @@ def packed_table(
     """Return the records of gears that differ from the reference in a table: path -> values (n,), SI.
 
     Of one parameter alone each number is a short polynomial over the range of its values, and the changes by
-    several parameters add up; where exactly packed gears confirm that, no other gear need be packed.
+    several parameters add up; where exactly packed gears within the ranges confirm that, no other gear need
+    be packed. So the record of a gear does not depend on the others of the table.
 
     Args:
         reference: what all have in common.
@@ -99,17 +103,52 @@ def packed_table(
     Raises:
         InputError: a value that is not allowed, or a gear that cannot exist.
     """
-    count = len(next(iter(table.values())))
-
-    def gear(row: int) -> SteeringGear:
-        return reference.replace({path: float(values[row]) for path, values in table.items()})
-
-    some = sorted({*np.linspace(0, count - 1, CHECKED).astype(int).tolist()})
-    exact = packed([gear(row) for row in some], fidelity, weighted)
-    quick = _by_polynomials(reference, fidelity, table, table if ranges is None else ranges, weighted)
-    if quick is not None and _alike(quick[some], exact):
+    within = tuple(
+        (path, _spread(values, number))
+        for number, (path, values) in enumerate({**table, **(ranges or {})}.items())
+    )
+    if _add_up(reference, fidelity, within, weighted):
+        quick = _by_polynomials(reference, fidelity, table, _arrays(within), weighted)
+        assert quick is not None
         return quick
-    return packed([gear(row) for row in range(count)], fidelity, weighted)
+    count = len(next(iter(table.values())))
+    return packed([_gear(reference, table, row) for row in range(count)], fidelity, weighted)
+
+
+def _gear(reference: SteeringGear, table: Table, row: int) -> SteeringGear:
+    return reference.replace({path: float(values[row]) for path, values in table.items()})
+
+
+def _spread(values: np.ndarray, number: int) -> tuple[float, ...]:
+    """Some values of a parameter by its number, in other order than of other parameters, between the ends of
+    all."""
+    places = (np.arange(CHECKED) / CHECKED + TURN * number) % 1
+    some = np.sort(values)[np.rint(places * (len(values) - 1)).astype(int)]
+    return float(np.min(values)), *some.tolist(), float(np.max(values))
+
+
+def _arrays(within: tuple[tuple[str, tuple[float, ...]], ...]) -> dict[str, np.ndarray]:
+    return {path: np.array(values) for path, values in within}
+
+
+@lru_cache(maxsize=16)
+def _add_up(
+    reference: SteeringGear,
+    fidelity: Fidelity,
+    within: tuple[tuple[str, tuple[float, ...]], ...],
+    weighted: bool,
+) -> bool:
+    """Return whether exactly packed gears within ranges confirm sums of polynomials; of those that exist."""
+    ranges = _arrays(within)
+    table = {path: values[1:-1] for path, values in ranges.items()}
+    quick = _by_polynomials(reference, fidelity, table, ranges, weighted)
+    if quick is None:
+        return False
+    exact = {}
+    for row in range(CHECKED):
+        with suppress(InputError):
+            exact[row] = packed([_gear(reference, table, row)], fidelity, weighted)
+    return bool(exact) and _alike(quick[[*exact]], np.concatenate([*exact.values()]))
 
 
 def _alike(quick: np.ndarray, exact: np.ndarray) -> bool:
@@ -146,8 +185,6 @@ def _by_polynomials(
         pair = GearPair.of(reference)
         e = table.get(RUNOUT, np.full(count, pair.runout))
         angle = table.get(RUNOUT_ANGLE, np.full(count, pair.runout_angle))
-        for each, turned in ((e.max(), angle[0]), (e.min(), angle[-1])):  # both can exist
-            packed([reference.replace({RUNOUT: float(each), RUNOUT_ANGLE: float(turned)})], fidelity)
         flank = records["mesh"]["flank"]
         for i, (size, turned) in enumerate(zip(e.tolist(), angle.tolist(), strict=True)):
             centre = replace(pair, runout=size, runout_angle=turned).eccentricity
@@ -181,7 +218,8 @@ def _polynomials(places: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.n
         return np.repeat(values[:1], len(at), axis=0)
     terms = chebyshev.chebvander((places - middle) / half, min(DEGREE, len(places) - 1))
     coefficients = np.linalg.lstsq(terms, values, rcond=None)[0]
-    return np.asarray(chebyshev.chebvander((at - middle) / half, terms.shape[1] - 1) @ coefficients)
+    powers = chebyshev.chebvander((at - middle) / half, terms.shape[1] - 1)
+    return np.asarray(sum(power[:, None] * each for power, each in zip(powers.T, coefficients, strict=True)))
 
 
 # --- motion ----------------------------------------------------------------------------------------
@@ -207,9 +245,13 @@ class Known:
         return Known(self.places[:, first:], self.rates[:, first:])
 
     def of_gears(self, features: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return places and rates of gears with features (n, f); shape (n, k, m)."""
-        weights = np.column_stack([np.ones(len(features)), features])
-        places, rates = (np.tensordot(weights, values, 1) for values in (self.places, self.rates))
+        """Return places and rates of gears with features (n, f); shape (n, k, m). Each gear's sum is one of
+        its own, rounded alike in whatever company."""
+        weights = np.column_stack([np.ones(len(features)), features])[:, None]
+        places, rates = (
+            (weights @ values.reshape(len(values), -1)).reshape(-1, *values.shape[1:])
+            for values in (self.places, self.rates)
+        )
         return places, rates
 
 

@@ -2,10 +2,11 @@
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rps_exudyn.forces.friction import PLACES, TIME
 from rps_exudyn.solvers.settling import TOLERANCE, Tangent, differences, settled
 
 Evaluate = Callable[[np.ndarray, np.ndarray, float], tuple[np.ndarray, np.ndarray]]
@@ -13,7 +14,8 @@ Evaluate = Callable[[np.ndarray, np.ndarray, float], tuple[np.ndarray, np.ndarra
 
 JUMP = 0.5  # of the contact's forces where its quadrature changes [N]
 RESCUING_STEPS = 100  # most rescues take 30 to 80
-CREEP_PARTS, CREEP_STEPS = 12, 3  # of a tooth pitch, of which a gear that finds no rest makes steps
+CREEP_PARTS, CREEP_STEPS = 12, 3  # of a tooth pitch, of which a gear that finds no rest makes steps ...
+FINER, FINEST_PARTS = 4, 12 * 4**4  # ... or of shorter ones, down to this part
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,11 +69,14 @@ class Settling:
         return settled(self.unbalanced, start, self.lengths[self.free], steps, self.tangent)
 
 
-def beginning(settling: Settling, pitch: float, steps: int) -> tuple[np.ndarray, np.ndarray]:
+def beginning(
+    settling: Settling, pitch: float, steps: int, memory: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Return coordinates and rates of a gear that rests beside its steady motion, or else creeps.
 
     `settling` starts from a guess, its rates are those of steady motion. `pitch` is the time in which a tooth
-    pitch is turned [s], 0 of a gear that stands still.
+    pitch is turned [s], 0 of a gear that stands still. `memory` is that of friction with a state, if there is
+    any: it creeps from unloaded bristles, which hold what hardly slides by any force up to their limit.
 
     A tilted rack may have no equilibrium nearby: friction lets it roll and creep away. What slides across
     damps it, the more the shorter the step, so that each implicit Euler step has a solution.
@@ -84,17 +89,27 @@ def beginning(settling: Settling, pitch: float, steps: int) -> tuple[np.ndarray,
             place, residual = min((place, residual), nearer, key=lambda each: each[1])
     if residual <= TOLERANCE or not pitch:
         return settling.at(place)
-    before, per_time = guess, CREEP_PARTS / pitch
-    for _ in range(CREEP_STEPS):
+    before, parts, found = guess, CREEP_PARTS, 0
+    while found < CREEP_STEPS:
+        step = pitch / parts
         # rates beside those of steady motion
-        base = before - settling.v[settling.free] / per_time
-        creeping = Settling(
-            settling.evaluate, settling.free, settling.lengths, settling.q, settling.v, base, per_time
-        )
+        base = before - settling.v[settling.free] * step
+        creeping = replace(settling, base=base, per_time=1 / step)
+        if memory is not None:
+            if found:
+                memory[0] = memory[1]
+            memory[0, TIME] = memory[1, TIME] - step
+            moved = settling.q - settling.v * step
+            moved[settling.free] = base
+            memory[0, PLACES : PLACES + len(moved)] = moved
         place, residual = creeping.settled(before, steps)
-        if residual > TOLERANCE:
+        if residual <= TOLERANCE:
+            before, found = place, found + 1
+            creeping.unbalanced(place)  # what was evaluated last may have been a trial
+        elif parts < FINEST_PARTS and not found:
+            parts *= FINER
+        else:
             break
-        before = place
     return creeping.at(place)
 
 

@@ -3,6 +3,9 @@
 A group is sized by what its predecessors took, so that it ends in some seconds and the last ones are small.
 One that does not answer, because its process died or its time was over, is done again case by case: then each
 has a time limit of its own, and what is wrong with one of them harms no other.
+
+Whether cases are computed together follows from the whole design, and what comes of a case from the case: one
+that is left over, or done again, is computed as all others are, without their company.
 """
 
 from collections import deque
@@ -20,7 +23,7 @@ from rps_exudyn.simulate.cases.task import Answer, Executor, Task
 from rps_exudyn.simulate.together import UNSUPPORTED, can_exist, fewest, unsupported_reason
 from rps_exudyn.study.definition import FIDELITY, Case, Description, Study, settings_of
 
-FEWEST = 64  # missing cases, from which groups pay
+FEWEST = 64  # cases of a design, from which groups pay
 QUANTILES = 65  # of a parameter's values, which describe how it varies
 LARGEST = 1024  # cases of a group
 SMALLEST, SHARES = 8, 4  # least cases of a group; and of what is left, for each worker, one share is the most
@@ -30,12 +33,12 @@ OF_LIMIT = 4  # groups that fit into one case's time limit: a group has no more 
 
 @dataclass(frozen=True)
 class Dispatch:
-    """How the missing cases of a study are done.
+    """How the cases of a study are done.
 
     Attributes:
         grouped: in groups, by `batch`; else singly.
         ranges: path -> over what it varies in the whole design; None where no gears are computed together.
-            All groups are given the same, so that a case ends the same in whichever group it is.
+            All are given the same, so that a case ends the same in whichever group it is.
         single_run_reason: why none are computed together; "" if they are, or for so few cases or such a
             model that they are done singly.
     """
@@ -45,9 +48,9 @@ class Dispatch:
     single_run_reason: str = ""
 
 
-def dispatch_of(study: Study, description: Description, missing: int) -> Dispatch:
-    """Return how so many missing cases of a design are done."""
-    if not in_groups(study, description, missing):
+def dispatch_of(study: Study, description: Description) -> Dispatch:
+    """Return how the cases of a design are done, however many of them are missing."""
+    if not in_groups(study, description):
         return Dispatch(False)
     gear, fidelity, scene = study.base.steering_gear, study.base.fidelity, description.scene
     if reason := unsupported_reason(scene, gear, fidelity, {}):
@@ -72,12 +75,12 @@ def _allowed(gear: SteeringGear, fidelity: Fidelity, path: str, values: np.ndarr
     return list(some)
 
 
-def in_groups(study: Study, description: Description, cases: int) -> bool:
-    """Return whether cases go through `batch`: many of one model, each of them steady and cheap."""
+def in_groups(study: Study, description: Description) -> bool:
+    """Return whether cases go in groups: many of one model, each of them steady and cheap."""
     paths = [path for axis in study.axes for path in (*axis.paths, *axis.along)]
     model = study.base.fidelity
     return (
-        cases >= FEWEST
+        len(description.hashes) >= FEWEST
         and scene_named(description.scene).steady
         and model.solver in ("equilibrium", "closed-form")
         and model.mesh != "general-contact"
@@ -100,9 +103,10 @@ class Handover(Iterator[Task]):
         """Prepare to hand over the missing cases."""
         self._study, self._description = study, description
         self._given: dict[Task, list[Case]] = {}
-        self._singly: deque[Case] = deque()
+        self._again: deque[Case] = deque()  # one by one
+        self._apart: set[str] = set()  # hashes of cases that are simulated without learning from others
         self._left = deque(missing)
-        dispatch = dispatch_of(study, description, len(missing))
+        dispatch = dispatch_of(study, description)
         self._grouped, self._ranges = dispatch.grouped, dispatch.ranges
         self.single_run_reason = dispatch.single_run_reason
         together = self._ranges is not None
@@ -114,8 +118,8 @@ class Handover(Iterator[Task]):
         self.through_batch = self.in_loop = 0
 
     def __next__(self) -> Task:
-        if self._singly:
-            return self._task([self._singly.popleft()])
+        if self._again:
+            return self._task([self._again.popleft()])
         if not self._left:
             raise StopIteration
         size = min(self._size, len(self._left)) if self._grouped else 1
@@ -130,7 +134,7 @@ class Handover(Iterator[Task]):
 
     def _task(self, cases: list[Case]) -> Task:
         settings = {case.hash: settings_of(self._study.axes, case.values) for case in cases}
-        ranges = self._ranges if len(cases) > 1 else None
+        ranges = None if cases[0].hash in self._apart else self._ranges
         about = self._description
         group = CaseGroup(about.scene, self._study.base, settings, about.signals, ranges)
         task = Task(group.records, group.warm_up)
@@ -138,19 +142,26 @@ class Handover(Iterator[Task]):
         return task
 
     def records(self, task: Task, answer: Answer) -> list[tuple[Case, CaseRecord]]:
-        """Return each case of a task with its record; a group without any is handed over again, singly."""
+        """Return each case of a task with its record; a group without any is handed over again, singly.
+
+        A single case that could learn from others in no time, or failed at it, is simulated without. One
+        whose process died is not: that may have come from outside.
+        """
         cases = self._given.pop(task)
         records: list[CaseRecord] | None = answer.value
-        if len(cases) == 1:
-            return [(cases[0], self._failure(cases[0], answer) if records is None else records[0])]
-        if records is None:
-            self._singly.extend(cases)
+        if records is not None:
+            if len(cases) > 1:
+                cost = answer.wall_s / len(cases)
+                self._cost = cost if self._cost is None else (self._cost + cost) / 2
+                self.through_batch += len(cases)
+            self.in_loop += sum(record.found_together for record in records)
+            return list(zip(cases, records, strict=True))
+        (first, *others), stopped = cases, bool(answer.timeout or answer.error)
+        if others or (stopped and self._ranges is not None and first.hash not in self._apart):
+            self._again.extend(cases)
+            self._apart.update([] if others else [first.hash])
             return []
-        cost = answer.wall_s / len(cases)
-        self._cost = cost if self._cost is None else (self._cost + cost) / 2
-        self.through_batch += len(cases)
-        self.in_loop += sum(record.found_together for record in records)
-        return list(zip(cases, records, strict=True))
+        return [(first, self._failure(first, answer))]
 
     def _failure(self, case: Case, answer: Answer) -> CaseRecord:
         setup = self._study.setup(settings_of(self._study.axes, case.values))

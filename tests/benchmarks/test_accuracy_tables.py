@@ -1,4 +1,4 @@
-"""Tables about accuracy and orders of convergence, from a whole measurement and from a stopped one."""
+"""Tables about accuracy, from a whole measurement and from a stopped one."""
 
 import json
 from pathlib import Path
@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.accuracy_speed.convergence import fitted_orders
 from benchmarks.accuracy_speed.measurement import Measurement, Point, load_measurement
-from benchmarks.accuracy_speed.tables import scaling_rows
+from benchmarks.accuracy_speed.tables import LIMITS, scaling_table
 from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.parameters.fidelity import Fidelity
 from verification.work_precision import Reference
@@ -16,7 +15,7 @@ from verification.work_precision import Reference
 
 def point(step: float, cost: float, error: float, message: str = "") -> Point:
     fidelity = Fidelity.preset("quasi-static").replace({"step_angle": np.deg2rad(step), "strip_stations": 6})
-    numbers = {} if message else {"rms": error**2, "rms_linear": error, "bias": 0.0, "steps": 62.0}
+    numbers = {} if message else {"rms": error**2, "rms_linear": error, "bias": 0.0}
     return Point(
         "quasi_static",
         f"step {step:g}",
@@ -47,22 +46,7 @@ def test_a_stopped_measurement_keeps_its_failures(stopped: Measurement, tmp_path
     assert [(each.status, each.message) for each in failed] == [("no-convergence", "<no equilibrium>")]
 
 
-def test_orders_are_fitted_and_kept(stopped: Measurement, tmp_path: Path) -> None:
-    stopped.orders = fitted_orders(stopped)
-    lines, splines = stopped.orders
-    assert (lines.observed, lines.expected, lines.points) == (pytest.approx(2.0), 2.0, 3)
-    assert splines.observed == pytest.approx(4.0)
-    stopped.save(tmp_path / "a.h5")
-    assert load_measurement(tmp_path / "a.h5").orders == stopped.orders
-
-
-def test_too_few_points_give_no_order(stopped: Measurement) -> None:
-    del stopped.points[0]
-    assert [np.isnan(each.observed) for each in fitted_orders(stopped)] == [True, True]
-    stopped.scene = "reversal"
-    assert fitted_orders(stopped) == []
-
-
-def test_cost_grows_with_a_fitted_exponent() -> None:
+def test_cost_grows_with_a_fitted_exponent(tmp_path: Path) -> None:
     content = {"scaling": {"turns": [[1, 2, 4], [0.1, 0.4, 1.6]]}}
-    assert scaling_rows(content) == [("turns", "1 to 4", "0.1 to 1.6", "2.00")]
+    (tmp_path / LIMITS).write_text(json.dumps(content))
+    assert scaling_table(tmp_path).splitlines()[-1] == "| turns | 1 to 4 | 0.1 to 1.6 | 2.00 |"

@@ -5,7 +5,7 @@ from time import process_time
 
 import pytest
 
-from benchmarks.accuracy_speed.limited import cpu_limit
+from verification.limited import cpu_limit
 
 
 def work(seconds: float) -> None:

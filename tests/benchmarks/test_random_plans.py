@@ -12,10 +12,10 @@ from benchmarks.stability.random_plans import (
     errors,
     mark_of,
     plan_of,
-    read,
     verdict,
     write,
 )
+from benchmarks.topic import load_rows
 
 RIGHT = {"status": "ok", "message": "", "error": 0.001, "metric_error": 0.01, "refused": ""}
 VERDICTS = {
@@ -73,4 +73,4 @@ def test_plans_that_were_run_are_kept_and_those_of_other_declarations_run_again(
     kept = {"number": 0, "verdict": "right", "plan": mark_of(plan_of(0)), "message": "kept"}
     write([kept, {**kept, "number": 1, "plan": "another"}], tmp_path / DATA)
     random_plans.run(tmp_path, plans=2)
-    assert [row["message"] for row in read(tmp_path / DATA)] == ["kept", "anew"]
+    assert [row["message"] for row in load_rows(tmp_path / DATA)] == ["kept", "anew"]

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from benchmarks.flank_deviation import flank_deviation
 from geometry.random_gears import gear_pairs
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
@@ -14,6 +13,7 @@ from rps_exudyn.gears.helicoid import Flank, transverse_profile
 from rps_exudyn.gears.pinion_mesh import pinion_mesh
 from rps_exudyn.gears.polyhedron import Solid, defect
 from rps_exudyn.parameters.gear import SteeringGear
+from verification.flank_deviation import flank_deviation
 
 PAPER = GearPair.of(SteeringGear())
 

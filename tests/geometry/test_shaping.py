@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from benchmarks.flank_deviation import flank_deviation
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.pinion_mesh import pinion_mesh
 from rps_exudyn.gears.polyhedron import Solid, defect
 from rps_exudyn.parameters.gear import SteeringGear
+from verification.flank_deviation import flank_deviation
 from verification.shaping import shaped_pinion
 
 PAPER = GearPair.of(SteeringGear())

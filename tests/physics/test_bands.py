@@ -21,7 +21,7 @@ from rps_exudyn.inference.uncertainty.statistics import LEVELS, contributions, q
 from rps_exudyn.parameters.distribution import KINDS, Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import CORRELATION, POSTERIOR, SteeringGear
-from rps_exudyn.results.outcome import Interrupted
+from rps_exudyn.results.outcome import Code, Interrupted
 from rps_exudyn.simulate.cases.run_cases import run_cases
 from rps_exudyn.simulate.cases.task import Answer, Task
 from rps_exudyn.solvers.closed_form import mean_state
@@ -95,6 +95,9 @@ def test_contributions_of_a_sum_and_of_a_product() -> None:
     assert max(together.fractions.values()) < 0.02  # four errors of chance
     assert together.together > 0.95
     assert contributions(u, np.ones(1024), names) is None
+    whole = contributions(u[:9], x[:9, 0] * x[:9, 1], {"all": [0, 1, 2, 3]})
+    assert whole is not None
+    assert whole.fractions == {"all": 1.0}  # nothing else varies
 
 
 def test_band_of_one_input_is_the_input() -> None:
@@ -301,6 +304,15 @@ def test_solution_error_stands_beside_the_band(both: tuple[Band, Band]) -> None:
     assert 0 < quick.numerical["torque_mean"] < 1e-4 * quick.nominal.summary["torque_mean"]
     assert quick.law is not None
     assert quick.law.law == "teeth"
+
+
+def test_no_error_of_the_law_where_the_nominal_yoke_touches_its_nut() -> None:
+    """There the laws differ by more than any error that was measured."""
+    gear = SteeringGear().replace({"pinion.runout": "26 um", "yoke.clearance": "10 um"})
+    band = band_of_runs(TURN, gear, EQUILIBRIA, carried({}, {"bush.drag": "uniform(10 N, 30 N)"}), 8)
+    assert Code.YOKE_STOPPED in band.nominal.codes
+    assert band.law is None
+    assert band.as_dict()["law_error"] is None
 
 
 @pytest.mark.parametrize(("scene", "count", "rounding"), [(TURN, 24, 0.0), ("rack-lift", 8, 1e-8)])

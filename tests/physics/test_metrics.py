@@ -12,6 +12,7 @@ from rps_exudyn.analysis.rack_motion import describe_rack
 from rps_exudyn.analysis.torque import describe_directions, describe_on_centre, describe_torque
 from rps_exudyn.analysis.work_balance import describe_losses, energy_residual, loss_torques
 from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.results.rounding import rounded_range
 
 TURN = 2 * np.pi
 
@@ -175,6 +176,13 @@ def test_rounding_is_shown_as_nothing() -> None:
     assert [torque.show(value) for value in (1.264e-16, -3e-9, 2e-6)] == ["0 N m", "0 N m", "2e-06 N m"]
     assert [error.show(value) for value in (5e-11, 2e-9)] == ["0 µm", "0.002 µm"]
     assert SUMMARY["impacts"].show(0.0) == "0"
+
+
+def test_a_range_has_the_unit_of_its_value() -> None:
+    """0.0076 N m are 7.6 N mm: so are the ends of its band, of which one is more than 10 N mm."""
+    torque = SUMMARY["torque_first_order"]
+    assert rounded_range(torque, 5.5e-3, 11e-3) == "0.0055 to 0.011 N m"
+    assert rounded_range(torque, 5.5e-3, 11e-3, 7.6e-3) == "5.5 to 11 N mm"
 
 
 # --- rack ------------------------------------------------------------------------------------------

@@ -8,6 +8,7 @@ import pytest
 from bad_cases import bad_cases
 from rps_exudyn.analysis.curve import lag
 from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import WITHOUT_FINER_STEPS
@@ -86,3 +87,18 @@ def test_cycles_before_the_record_keep_its_steps() -> None:
     assert earlier.time[-recorded:] - 2 * maneuver.drive.period == pytest.approx(
         maneuver.time[-recorded:], abs=1e-9
     )
+
+
+def test_short_steps_show_the_vibration_that_bristles_of_the_teeth_allow() -> None:
+    """Friction of the teeth by a law of the rate damps it, and so do long steps."""
+    bristles = SteeringGear().replace({f"{part}.friction_law": "bristle" for part in RUBBING_PARTS})
+    damped = bristles.replace({"mesh.friction_law": "coulomb"})
+    moving = Fidelity.preset("flank")
+    short = moving.replace({"step_angle": "0.03 deg"})
+    vibrating = made(ScenePlan("reversal", bristles, short))
+    assert vibrating.status is Status.INVALID
+    assert "the gear vibrates, its pinion_torque goes up and down" in vibrating.message
+    still = made(ScenePlan("reversal", bristles, moving))
+    assert (still.status, made(ScenePlan("reversal", damped, short)).status) == (Status.OK, Status.OK)
+    area = made(ScenePlan("reversal", bristles, STILL)).summary["hysteresis_area"]
+    assert still.summary["hysteresis_area"] == pytest.approx(area, rel=2e-3)

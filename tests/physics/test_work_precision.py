@@ -8,7 +8,6 @@ from verification.work_precision import (
     Reference,
     agreed_reference,
     curve_errors,
-    observed_order,
     pareto_front,
     power_law,
 )
@@ -83,11 +82,8 @@ def test_a_reference_is_as_good_as_the_agreement_of_its_methods() -> None:
         agreed_reference({"alone": torque(720)})
 
 
-def test_order_is_fitted_above_the_floor_only() -> None:
+def test_exponent_is_fitted() -> None:
     sizes = np.array([1, 2, 4, 8, 16.0])
-    errors = np.maximum(1e-3 * sizes**2, 5e-3)
-    assert observed_order(sizes, errors, floor=1.1e-3) == pytest.approx(2.0)
-    assert observed_order(sizes[:3], errors[:3], floor=1e-3) is None
     assert power_law(sizes, 3 * sizes**1.5) == (pytest.approx(1.5), pytest.approx(3.0))
 
 

@@ -25,6 +25,7 @@ def test_fit_prints_what_is_known_and_writes_its_files(command: Command, files: 
     answer = command(["fit", "bench.csv", files[1], "--all", *options])
     assert answer.status == 0
     assert "note: bench: 1 row without a value is left out: line 5\n" in answer.out
+    assert "assumed: bench: pinion_torque from column 'Drehmoment [N cm]'" in answer.out
     assert "mean free torque 0.66" in answer.out
     assert "not separable by these tests: yoke.preload, mesh.friction, yoke.friction" in answer.out
     gear = rps.SteeringGear.from_toml("fitted.toml")
@@ -52,6 +53,18 @@ def test_fit_prints_its_sheet_and_report_makes_the_page_of_its_data(
     page = Path("page.html").read_text(encoding="utf-8")
     assert "mean free torque" in page
     assert 'class="gear"' in page
+
+
+def test_the_sheet_of_a_fit_names_a_travel_beyond_the_teeth(command: Command) -> None:
+    way = [10 * i for i in range(36)]  # mm
+    rows = [f"{a},{f}" for f, path in ((109.0, way), (-108.0, way[::-1])) for a in path]
+    Path("push.csv").write_text("\n".join(["rack travel [mm],force [N]", *rows]), encoding="utf-8")
+    lines = command(["fit", "rack-push=push.csv", "--single-law"]).out.splitlines()
+    assert len(lines) <= 8
+    assert [" ".join(line.split()) for line in lines if line.split()[0] == "check"] == [
+        "check push covers 350 mm of travel where the gear given has teeth for 151 mm: check the unit of its "
+        "travel"
+    ]
 
 
 def test_the_next_gear_of_a_series_is_fitted_like_the_first(command: Command, files: list[str]) -> None:

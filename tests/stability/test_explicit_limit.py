@@ -3,8 +3,12 @@
 import numpy as np
 import pytest
 
-from benchmarks.stability.stable_step import (
-    disturbance_dies,
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.solvers.prescribed_motion import Steady
+from verification.runge_kutta import FreeMotion
+from verification.stable_step import (
+    GEAR,
+    DrivenGear,
     explicit_euler,
     largest_damping,
     largest_frequency,
@@ -12,34 +16,22 @@ from benchmarks.stability.stable_step import (
     stable_step,
     state_matrix,
 )
-from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.prescribed_motion import Steady
-from verification.law_area import by_law
-from verification.runge_kutta import FreeMotion
 
 STEPS = 120
-GEAR = by_law(SteeringGear(), "area")  # whose stiffness is varied
 SPEED = GEAR.test.speed
-TRAVEL = float(GearPair.of(GEAR).gain) * SPEED
 DRIVES = {
-    "plunger on its seat, pinion driven": (Steady("pinion", 0.0, SPEED), {}, {}),
-    "light pinion on hard teeth, rack driven": (Steady("rack", 0.0, TRAVEL), {"mesh.stiffness": 5e14}, {}),
-    "damped teeth, rack driven": (Steady("rack", 0.0, TRAVEL), {"mesh.damping": 1e-4}, {}),
-    "stick, pinion held": (Steady("pinion", 0.0, 0.0), {}, {"zone_ratio": 0.03}),
+    "plunger on its seat, pinion driven": ("pinion", "fidelity.zone_ratio", Fidelity().zone_ratio),
+    "light pinion on hard teeth, rack driven": ("rack", "mesh.stiffness", 5e14),
+    "damped teeth, rack driven": ("rack", "mesh.damping", 1e-4),
+    "stick, pinion held": ("nothing", "fidelity.zone_ratio", 0.03),
 }
 
 
 @pytest.mark.parametrize("case", DRIVES)
 def test_disturbance_dies_below_the_predicted_step_and_grows_above(case: str) -> None:
-    drive, settings, choices = DRIVES[case]
-    gear, fidelity = GEAR.replace(settings), Fidelity().replace(choices)
-    motion = FreeMotion.of(gear, fidelity, drive)
-    limit = stable_step(state_matrix(motion), runge_kutta_4)
-    zone = float(fidelity.zone_ratio * GearPair.of(gear).least_sliding * gear.test.speed)
-    assert disturbance_dies(motion, 0.9 * limit, zone, STEPS)
-    assert not disturbance_dies(motion, 1.1 * limit, zone, STEPS)
+    driven = DrivenGear.of(*DRIVES[case], {"zone_ratio": Fidelity().zone_ratio})
+    assert driven.calms(0.9 * driven.predicted, STEPS)
+    assert not driven.calms(1.1 * driven.predicted, STEPS)
 
 
 def test_stick_is_limited_by_friction_alone_and_sliding_by_the_largest_frequency() -> None:

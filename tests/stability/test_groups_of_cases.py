@@ -1,8 +1,9 @@
 """Cases that go through `batch` in groups end as they do singly, whatever happens to a group."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +16,12 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.block import CaseRecord
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.simulate.cases.case_group import CaseGroup
+from rps_exudyn.simulate.cases.processes import Processes
 from rps_exudyn.simulate.cases.run_cases import Here
-from rps_exudyn.simulate.cases.task import Answer, Task, answer_to
+from rps_exudyn.simulate.cases.task import Answer, Executor, Task, answer_to
 from rps_exudyn.study import handover
 from rps_exudyn.study.handover import FEWEST, Handover, dispatch_of
-from rps_exudyn.study.runner import StudyWork
+from rps_exudyn.study.runner import StudyWork, run_study
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.study_file import read_study
 from shell import Command
@@ -104,7 +106,8 @@ def some(group: CaseGroup, chosen: Sequence[int], **changes: Any) -> CaseGroup:
 def with_impossible(group: CaseGroup, at: int) -> CaseGroup:
     """A group whose case `at` has a preload that no gear can have."""
     name = list(group.settings)[at]
-    return replace(group, settings={**group.settings, name: {"yoke.preload": -1.0}})
+    wrong = {**group.settings[name], "yoke.preload": -1.0}
+    return replace(group, settings={**group.settings, name: wrong})
 
 
 def statuses(records: list[CaseRecord]) -> list[str]:
@@ -134,7 +137,7 @@ def test_members_of_a_group_are_followed_together(tmp_path: Path, keep: str) -> 
     assert tasks.records(task, answer)
     assert tasks.in_loop > FEWEST / 2
     for at in (0, -1):
-        (theirs,), ours = some(group, [at]).records(), answer.value[at]
+        (theirs,), ours = some(group, [at], ranges=None).records(), answer.value[at]
         for name in ("status", "message", "parameters"):
             assert ours.attributes[name] == theirs.attributes[name]
         mean = theirs.tables["summary"]["torque_mean"]
@@ -172,7 +175,6 @@ def test_interrupt_within_a_case_is_no_crash(
 
     group = group_of(next(tasks_of(tmp_path, FEWEST)))
     monkeypatch.setattr("rps_exudyn.simulate.batch.simulate", interrupted)
-    monkeypatch.setattr("rps_exudyn.simulate.cases.case_group.simulate", interrupted)
     for count in (2, 1):
         call = some(group, range(count), ranges=None).records
         assert answer_to(Task(call), 0.01).timeout
@@ -202,14 +204,139 @@ def test_bad_cases_of_a_group_harm_no_other(
     assert found[169].summary["torque_mean"] == 169 / 500
 
 
-def test_members_found_together_end_alike_in_whichever_group(tmp_path: Path) -> None:
-    """All groups learn from the same gears; what is left is the rounding of sums over other lengths."""
-    whole = with_impossible(some(group_of(next(tasks_of(tmp_path, FEWEST, TORQUE))), range(6)), 2)
-    found, again = whole.records(), some(whole, range(3, 6)).records()
-    assert statuses(found) == ["ok", "ok", "invalid", "ok", "ok", "ok"]
-    assert [record.found_together for record in found] == [True, True, False, True, True, True]
-    for record, other in zip(found[3:], again, strict=True):
-        assert record.tables["summary"] == pytest.approx(other.tables["summary"], rel=1e-9)
+RANDOM = """
+fidelity = "quasi-static"
+design = "latin-hypercube"
+samples = 64
+[set]
+test.turns = 0.2
+yoke.nut_damping = 1e-5
+[[axis]]
+path = "yoke.clearance"
+uniform = ["0 um", "60 um"]
+[[axis]]
+path = "yoke.preload"
+uniform = ["200 N", "500 N"]
+[[axis]]
+path = "mesh.friction"
+uniform = [0.03, 0.1]
+[[axis]]
+path = "pinion.runout"
+uniform = ["0 um", "20 um"]
+[[axis]]
+path = "pinion.runout_angle"
+uniform = ["0 deg", "360 deg"]
+[[axis]]
+path = "yoke.seat_stiffness"
+uniform = ["50 N/um", "300 N/um"]
+"""
+
+
+def random_group(folder: Path, scene: str) -> CaseGroup:
+    """All cases of a study of random gears."""
+    file = folder / "random.toml"
+    file.write_text(f'scene = "{scene}"\n{RANDOM}')
+    work = StudyWork.of(read_study(file), folder / "random")
+    return group_of(next(Handover(work.study, work.description, work.missing, Here())))
+
+
+def numbers_of(record: CaseRecord) -> dict[str, Any]:
+    """All that a case's file holds but times, to be compared bit for bit."""
+    counters = {name: count for name, count in record.tables["counters"].items() if name != "solver_cpu"}
+    tables = {**record.tables, "counters": counters}
+    said = {name: record.attributes[name] for name in ("status", "message", "parameters", "findings")}
+    return {**tables, **said, **{name: values.tobytes() for name, values in record.signals.items()}}
+
+
+@pytest.mark.parametrize("scene", ["free-pinion-torque", "rack-push"])
+def test_a_case_ends_bit_for_bit_alike_in_whatever_company(tmp_path: Path, scene: str) -> None:
+    """In groups of one, of three and of all, in any order, with a gear among them that cannot exist, and some
+    whose yoke touches its nut."""
+    whole = with_impossible(random_group(tmp_path, scene), 2)
+    found = {record.hash: record for record in whole.records()}
+    assert sum(record.found_together for record in found.values()) > 0.9 * len(found)
+    order = np.random.default_rng(1).permutation(len(found)).tolist()
+    groups = [order, *([at] for at in order[:4]), order[4:7], order[7:10], [2]]
+    for group in groups:
+        for record in some(whole, group).records():
+            assert numbers_of(record) == numbers_of(found[record.hash])
+
+
+class Stopped(Here):
+    """Is interrupted while it does its second task."""
+
+    def run(self, tasks: Iterator[Task]) -> Iterator[tuple[Task, Answer]]:
+        """Do one task."""
+        yield from islice(super().run(tasks), 1)
+        raise KeyboardInterrupt
+
+
+class Deadly(Here):
+    """Its process dies at groups, and answers of single cases come last first."""
+
+    def run(self, tasks: Iterator[Task]) -> Iterator[tuple[Task, Answer]]:
+        """Do all tasks."""
+        left = []
+        for task in tasks:
+            if len(group_of(task).settings) > 1:
+                yield task, Answer(ended="killed")
+            else:
+                left.append(task)
+        yield from reversed([(task, answer_to(task, 100.0)) for task in left])
+
+
+def test_a_study_ends_bit_for_bit_alike_after_whatever_happens(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Undisturbed, interrupted and resumed by two processes, and with processes that die."""
+    monkeypatch.setattr(handover, "SMALLEST_TOGETHER", 21)
+    file = write_grid(tmp_path / "s.toml", *range(250, 250 + FEWEST))
+    file.write_text(file.read_text().replace("[[axis]]", "[set]\ntest.turns = 0.2\n[[axis]]"))
+
+    def study(name: str, executor: Executor) -> StudyWork:
+        work = StudyWork.of(read_study(file), tmp_path / name)
+        run_study(work, executor)
+        return work
+
+    def numbers(name: str) -> dict[str, Any]:
+        """Of each case all numbers but times, and what is said of it."""
+        found = {}
+        for case, result in Store.open(tmp_path / name).results():
+            signals = {signal: values.tobytes() for signal, values in result.signals.items()}
+            found[case.hash] = result.status, result.message, result.summary, result.findings, signals
+        return found
+
+    study("whole", Here())
+    with pytest.raises(KeyboardInterrupt):
+        study("resumed", Stopped())
+    assert len(numbers("resumed")) == 21
+    with Processes(2, 100.0) as processes:
+        study("resumed", processes)
+    study("deadly", Deadly())
+    whole = numbers("whole")
+    assert len(whole) == FEWEST
+    assert numbers("resumed") == whole
+    assert numbers("deadly") == whole
+
+
+def test_a_case_that_cannot_learn_from_others_is_simulated_without(tmp_path: Path) -> None:
+    """One whose time is over, or which fails; not one whose process died, as it may by chance."""
+    tasks = tasks_of(tmp_path, FEWEST)
+    tasks.records(next(tasks), Answer(ended="killed"))
+    late, wrong, dead, *_ = alone = list(tasks)
+    assert all(group_of(task).ranges is not None for task in alone)
+    assert tasks.records(late, Answer(timeout=1.0)) == []
+    assert tasks.records(wrong, Answer(error=ValueError())) == []
+    ((_, record),) = tasks.records(dead, Answer(ended="killed"))
+    assert record.attributes["status"] == "crashed"
+    given = list(tasks)
+    again = [group_of(task) for task in given]
+    assert [list(group.settings) for group in again] == [
+        list(group_of(task).settings) for task in (late, wrong)
+    ]
+    assert [group.ranges for group in again] == [None, None]
+    ((_, record),) = tasks.records(given[0], Answer(timeout=1.0))
+    assert record.attributes["status"] == "timeout"
 
 
 @pytest.mark.parametrize(
@@ -232,7 +359,7 @@ def test_ranges_leave_out_what_no_gear_can_have(tmp_path: Path) -> None:
     file = write_grid(tmp_path / "s.toml", *range(100, 170), 5e6)
     file.write_text(file.read_text().replace("[[axis]]", '[keep]\nsignals = "none"\n[[axis]]'))
     work = StudyWork.of(read_study(file), tmp_path / "s")
-    ranges = dispatch_of(work.study, work.description, len(work.missing)).ranges
+    ranges = dispatch_of(work.study, work.description).ranges
     assert ranges is not None
     assert (min(ranges["yoke.preload"]), round(max(ranges["yoke.preload"]))) == (100, 169)
 
@@ -261,7 +388,7 @@ def test_of_other_scenes_some_cases_go_singly(tmp_path: Path, scene: str, axis: 
     assert [record.found_together for record in found] == [False] + 5 * [True]
     assert found[0].attributes["status"] == "invalid"
     assert cause in found[0].attributes["message"]
-    (alone,) = some(whole, [44]).records()
+    (alone,) = some(whole, [44], ranges=None).records()
     name = "torque_forward" if scene == "load-test" else "push_force_mean"
     assert found[5].tables["summary"][name] == pytest.approx(alone.tables["summary"][name], rel=1e-5)
 

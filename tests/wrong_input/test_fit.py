@@ -13,7 +13,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.fit import parse_priors
 from rps_exudyn.cli.run import read_measured
 from rps_exudyn.inference.fitting.bench_tests import mixed_speeds, named_test, read_measurement
-from rps_exudyn.inference.fitting.fit import check_sizes, doubts, fit
+from rps_exudyn.inference.fitting.fit import beyond_the_teeth, check_sizes, doubts, fit
 from rps_exudyn.inference.fitting.level import levels_of
 from rps_exudyn.inference.fitting.production import measured_gear
 from rps_exudyn.inference.fitting.series import read_series
@@ -308,8 +308,25 @@ def test_angles_beyond_the_teeth_are_said(tmp_path: Path) -> None:
     """The default rack has teeth for 4.3 turns."""
     path = turned(tmp_path / "a.csv", 0.6, -0.6, reach=1800.0)
     words = (
-        "a covers 10 turns of the pinion where the gear given has teeth for 4.31: check the unit of its angle"
+        "a covers 10 turns of the pinion where the gear given has teeth for 4.31: check the unit of its "
+        "angle or travel, and whether its encoder has a ratio"
     )
     curve = read_measured_torque(path)
     assert any(words in each for each in doubts(curve, SteeringGear()))
     assert doubts(read_measured_torque(turned(tmp_path / "b.csv", 0.6, -0.6)), SteeringGear()) == []
+
+
+@pytest.mark.parametrize("test", ["rack-push", "rack-on-rollers", "yoke-out"])
+def test_travels_beyond_the_teeth_are_said_of_every_test_with_a_rack(test: str, tmp_path: Path) -> None:
+    """The default rack has teeth for 151 mm; ten times 30 mm are named, ten times 60 mm are refused."""
+    path, mean = tmp_path / "a.csv", 80.0 if test.startswith("rack") else 0.14
+    head = "rack travel [mm],force [N]" if mean > 1 else "rack travel [mm],torque [N m]"
+    for travel, is_said in ((30.0, False), (300.0, True), (600.0, True)):
+        way = np.linspace(0.0, travel, 200)
+        rows = [f"{a:.4f},{sign * mean}" for sign in (1, -1) for a in way[::sign]]
+        path.write_text("\n".join([head, *rows]))
+        measurement = read_measurement([f"{test}={path}"])
+        said = beyond_the_teeth(measurement, SteeringGear())
+        assert ["where the gear given has teeth for" in each for each in said] == [True] * is_said, travel
+    with pytest.raises(InputError, match=r"a covers .* has teeth for .*: check the unit of its .*travel"):
+        check_sizes(measurement, SteeringGear())

@@ -515,6 +515,17 @@ def test_times_and_speeds_give_the_angle(unit: str, size: float, tmp_path: Path)
         read_measured_torque(unsigned, gear=SteeringGear())
 
 
+@pytest.mark.parametrize("signed", [True, False])
+def test_speed_and_torque_of_one_sign_are_named(signed: bool, tmp_path: Path) -> None:
+    """Without a stop between both ways nothing shows that the motion turned back."""
+    speed = np.where(np.arange(ANGLE.size) < ANGLE.size // 2, 10.0, -10.0)
+    rows = np.column_stack([0.5 * np.arange(ANGLE.size), speed, TORQUE])
+    text = "\n".join(",".join(f"{each:.5f}" for each in (row if signed else np.abs(row))) for row in rows)
+    path = written(tmp_path, f"time [s],speed [deg/s],torque [N m]\n{text}\n")
+    measured = read_measured_torque(path, gear=SteeringGear())
+    assert any("which is wrong if the motion turned back" in each for each in measured.assumed) != signed
+
+
 def test_100_000_rows_are_read_in_seconds_of_cpu_time(tmp_path: Path) -> None:
     angle = np.concatenate([np.linspace(0, 720, 50_000), np.linspace(720, 0, 50_000)])
     rows = "\n".join(f"{0.001 * i:.3f},{a:.4f},{0.63:.5f},21.5" for i, a in enumerate(angle))

@@ -223,7 +223,8 @@ def measurement_of(curves: Iterable[tuple[BenchTest, MeasuredTorque]]) -> Measur
         own, said = _with_signs(own, curve.name)
         found += own
         names.append(curve.name)
-        assumed += [f"{curve.name}: {sentence}" for sentence in (*curve.assumed, f"{len(own)} passes", *said)]
+        count = "1 pass" if len(own) == 1 else f"{len(own)} passes"
+        assumed += [f"{curve.name}: {sentence}" for sentence in (*curve.assumed, count, *said)]
     if not found:
         raise InputError("a fit needs at least one measured curve.")
     return Measurement(tuple(found), tuple(names), tuple(assumed), tuple(left_out), tuple(late))

@@ -173,7 +173,7 @@ def _rig(level: LevelEstimate, gear: SteeringGear) -> Iterator[str]:
             f"friction is {200 * bend / value:+.2g} % at the ends of the travel compared with the middle: "
             f"a bent rack, or a bore out of line"
         )
-    yield from _encoder(level, gear.pinion.teeth)
+    yield from encoder_doubts(level, gear.pinion.teeth)
 
 
 def _eccentric_share(gear: SteeringGear) -> float:
@@ -182,7 +182,8 @@ def _eccentric_share(gear: SteeringGear) -> float:
     return own / abs(stored)
 
 
-def _encoder(level: LevelEstimate, teeth: int) -> Iterator[str]:
+def encoder_doubts(level: LevelEstimate, teeth: int) -> Iterator[str]:
+    """What is to be said if the teeth show at another order of the angle than their number."""
     waves = level.tooth_waves
     own = waves.get(1.0)
     if own is None:

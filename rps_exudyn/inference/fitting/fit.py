@@ -99,7 +99,7 @@ def fit(
     measurement = files if isinstance(files, Measurement) else read_measurement(files, columns, gear)
     check_sizes(measurement, gear)
     free, warnings = _tellable(measurement, gear, list(free))
-    warnings += _beyond_the_teeth(measurement, gear)
+    warnings += beyond_the_teeth(measurement, gear)
     problem = _problem(measurement, gear, free, priors or {})
     before = like.series if isinstance(like, Fit) else like
     if before is not None and (why := before.misfit(problem, gear.mesh.contact_law)):
@@ -325,7 +325,7 @@ def doubts(curve: MeasuredTorque, gear: SteeringGear) -> list[str]:
     except InputError as error:
         return [problem.removesuffix(".") for problem in error.problems]
     wrong = [problem.removesuffix(".") for problem in _wrong_sizes(measurement, gear)]
-    return [*wrong, *([] if wrong else _beyond_the_teeth(measurement, gear)), *measurement.late]
+    return [*wrong, *([] if wrong else beyond_the_teeth(measurement, gear)), *measurement.late]
 
 
 def _wrong_sizes(measurement: Measurement, gear: SteeringGear) -> list[str]:
@@ -349,21 +349,24 @@ def _sizes(passes: list[MeasuredPass], gear: SteeringGear) -> Iterator[str]:
 
 
 def _travels(passes: list[MeasuredPass], gear: SteeringGear, most: float = MOST_TRAVELS) -> Iterator[str]:
-    turned = max(float(np.ptp(each.angle)) for each in passes)
+    test, moved = passes[0].test, max(float(np.ptp(each.angle)) for each in passes)
+    turned = moved / (float(GearPair.of(gear).gain) if test.pushed else 1.0)
     whole = 2 * largest_angle(gear)
-    if passes[0].test.of_kind.by_angle and turned > most * whole:
-        yield (
-            f"covers {turned / TURN:.3g} turns of the pinion where the gear given has teeth for "
-            f"{whole / TURN:.3g}: check the unit of its angle"
-        )
+    if test.kind == "bearing" or turned <= most * whole:
+        return
+    if test.pushed:
+        covered, teeth = f"{1e3 * moved:.3g} mm of travel", f"{1e3 * moved * whole / turned:.3g} mm"
+    else:
+        covered, teeth = f"{turned / TURN:.3g} turns of the pinion", f"{whole / TURN:.3g}"
+    what = "travel" if test.pushed else "angle or travel"
+    yield f"covers {covered} where the gear given has teeth for {teeth}: check the unit of its {what}"
 
 
-def _beyond_the_teeth(measurement: Measurement, gear: SteeringGear) -> list[str]:
+def beyond_the_teeth(measurement: Measurement, gear: SteeringGear) -> list[str]:
     """What is to be said of files whose angles the given gear cannot turn, though another could."""
     said = []
     for run, name in enumerate(measurement.names):
         own = [each for each in measurement.passes if each.run == run]
-        said += [
-            f"{name} {why}, and whether its encoder has a ratio" for why in _travels(own, gear, ALL_TEETH)
-        ]
+        ratio = "" if own[0].test.pushed else ", and whether its encoder has a ratio"
+        said += [f"{name} {why}{ratio}" for why in _travels(own, gear, ALL_TEETH)]
     return said

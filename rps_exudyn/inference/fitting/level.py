@@ -237,7 +237,7 @@ def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: fl
         abs(value),
     )
     variances = sum(
-        len(group) * np.einsum("k,lkj,j->l", g, each.regression.covariance(False), g)
+        len(group) * np.einsum("k,lkj,j->l", g, each.regression.parts.laws.covariance, g)
         for g, group, each in zip(functionals, groups, law.differences, strict=True)
     )
     noise = law.half_interval(np.asarray(variances)) / count / NORMAL

@@ -59,7 +59,11 @@ class LevelModel:
 
     def at(self, u: np.ndarray) -> np.ndarray:
         """The corrected rows, shape (rows,)."""
-        return self.factors * self.by_formula(u) + self.terms
+        return self.of_formula(self.by_formula(u))
+
+    def of_formula(self, formula: np.ndarray) -> np.ndarray:
+        """The closed form's rows (rows,) with the correction."""
+        return self.factors * formula + self.terms
 
     def corrected(self, u: np.ndarray, simulated: np.ndarray) -> "LevelModel":
         """The model with the correction that simulated rows (rows,) at `u` show."""
@@ -91,9 +95,9 @@ class LevelModel:
         ]
         return replace(self, unknowns=wider)
 
-    def slopes(self, u: np.ndarray) -> np.ndarray:
-        """Derivatives of the corrected rows, shape (rows, unknowns)."""
-        base, columns = self.by_formula(u), []
+    def slopes(self, u: np.ndarray, base: np.ndarray | None = None) -> np.ndarray:
+        """Derivatives of the corrected rows, shape (rows, unknowns); `base` are the closed form's at `u`."""
+        base, columns = self.by_formula(u) if base is None else base, []
         for j, unknown in enumerate(self.unknowns):
             stepped = u.copy()
             stepped[j] += unknown.step
@@ -106,15 +110,11 @@ class LevelModel:
             [each.sd for each in self.unknowns]
         )
 
-    def data_cost(self, u: np.ndarray) -> float:
-        """Chi squared of the rows."""
-        left = self.rows.values - self.at(u)
-        return float(left @ np.linalg.solve(self.covariance, left))
-
-    def cost(self, u: np.ndarray) -> float:
-        """Chi squared of rows and beliefs."""
+    def cost(self, u: np.ndarray, formula: np.ndarray | None = None) -> float:
+        """Chi squared of rows and beliefs; `formula` are the closed form's rows at `u`."""
+        left = self.rows.values - (self.at(u) if formula is None else self.of_formula(formula))
         before, sd = self.beliefs()
-        return self.data_cost(u) + float(np.sum(((u - before) / sd) ** 2))
+        return float(left @ np.linalg.solve(self.covariance, left) + np.sum(((u - before) / sd) ** 2))
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,10 +135,11 @@ class LevelEnd:
 def stepped(model: LevelModel, begin: np.ndarray) -> LevelEnd:
     """Improve unknowns by halved steps of Gauss and Newton: full ones fail where a flank lifts."""
     u, (before, sd) = begin.copy(), model.beliefs()
-    cost = model.cost(u)
+    formula = model.by_formula(u)
+    cost = model.cost(u, formula)
     information = np.diag(sd**-2.0)
     for _ in range(MOST_STEPS):
-        slopes, left = model.slopes(u), model.rows.values - model.at(u)
+        slopes, left = model.slopes(u, formula), model.rows.values - model.of_formula(formula)
         weighted = np.linalg.solve(model.covariance, np.column_stack([slopes, left]))
         information = np.diag(sd**-2.0) + slopes.T @ weighted[:, :-1]
         step = np.linalg.solve(information, slopes.T @ weighted[:, -1] - (u - before) / sd**2)
@@ -147,13 +148,14 @@ def stepped(model: LevelModel, begin: np.ndarray) -> LevelEnd:
             return LevelEnd(u + step, information, True, "")
         step /= max(1.0, float(np.abs(step).max()) / LONGEST)
         for _ in range(MOST_HALVINGS):
-            new = model.cost(u + step)
+            ahead = model.by_formula(u + step)
+            new = model.cost(u + step, ahead)
             if new < cost:
                 break
             step = step / 2
         else:
             return LevelEnd(u, information, True, "")  # at the edge where a flank lifts
-        gained, cost, u = cost - new, new, u + step
+        gained, cost, u, formula = cost - new, new, u + step, ahead
         if gained < FLAT:
             return LevelEnd(u, information, True, "")
     return LevelEnd(u, information, False, f"{MOST_STEPS} steps were not enough")

@@ -13,6 +13,8 @@ turn does not show how long noise keeps its sign.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -115,6 +117,28 @@ class Parts:
         """Travel that the parts cover [rad]."""
         return float(np.ptp(self.angle)) * (1 + 1 / max(self.angle.size - 1, 1))
 
+    @property
+    def laws(self) -> "Laws":
+        """All laws without tilt; parts of the same angles share them, as tests and gears of a bench do."""
+        return _laws(self.angle.tobytes(), (np.median(self.points) / self.points).tobytes())
+
+
+class Laws(NamedTuple):
+    """Covariances of the parts over s^2 by all laws without tilt."""
+
+    covariance: np.ndarray  # (laws, k, k)
+    precision: np.ndarray  # the inverses
+    logs: np.ndarray  # of the determinants, (laws,)
+
+
+@lru_cache(maxsize=4)
+def _laws(angles: bytes, white: bytes) -> Laws:
+    angle = np.frombuffer(angles)
+    apart = np.abs(angle[:, None] - angle[None, :])
+    correlated = [ratio**2 * np.exp(-apart / length) for ratio, length in LAWS]
+    covariance = np.diag(np.frombuffer(white)) + np.array(correlated)
+    return Laws(covariance, np.linalg.inv(covariance), np.linalg.slogdet(covariance)[1])
+
 
 def parts_of(passes: Sequence[tuple[np.ndarray, np.ndarray]], low: float, high: float) -> Parts:
     """Return the means of passes, each angles and values (n,), in equal parts from `low` to `high` [rad].
@@ -173,17 +197,6 @@ class Regression:
         """Degrees of freedom."""
         return self.values.shape[1] * (self.effects.shape[0] - self.effects.shape[1])
 
-    def covariance(self, tilted: bool) -> np.ndarray:
-        """Covariances of the parts over s^2 by all laws, shape (laws, k, k); `tilted` with all tilts."""
-        parts = self.parts
-        apart = np.abs(parts.angle[:, None] - parts.angle[None, :])
-        white = np.diag(np.median(parts.points) / parts.points)
-        laws = np.array([white + ratio**2 * np.exp(-apart / length) for ratio, length in LAWS])
-        if not tilted:
-            return laws
-        tilts = TILTS[:, None, None] ** 2 * np.outer(parts.place, parts.place)
-        return (laws[:, None] + tilts).reshape(-1, *apart.shape)
-
 
 @dataclass(frozen=True, eq=False)
 class _Solved:
@@ -200,16 +213,24 @@ class _Solved:
 
 
 def _solved(regression: Regression, tilted: bool) -> _Solved:
-    x, y, place = regression.effects, regression.values, regression.parts.place
-    covariance = regression.covariance(tilted)
-    joined = np.hstack([x, y, place[:, None]])
-    inverse = np.linalg.solve(covariance, np.broadcast_to(joined, (covariance.shape[0], *joined.shape)))
+    """Solve by all laws, `tilted` with all tilts: each adds t^2 x x' to a law, of rank 1 (Sherman and
+    Morrison)."""
+    parts, x, y = regression.parts, regression.effects, regression.values
+    joined = np.hstack([x, y, parts.place[:, None]])
+    laws = parts.laws
+    inverse, logs = laws.precision @ joined, laws.logs
+    if tilted:
+        along = parts.place @ inverse  # x' V^-1 of all columns, (laws, columns)
+        growth = 1 + TILTS**2 * along[:, -1:]  # of the determinant, (laws, tilts)
+        taken = (TILTS**2 / growth)[:, :, None] * along[:, None, :]
+        inverse = inverse[:, None] - inverse[:, None, :, -1:] * taken[:, :, None, :]
+        inverse, logs = inverse.reshape(-1, *joined.shape), (logs[:, None] + np.log(growth)).ravel()
     size = x.shape[1]
     by_effects, by_values = inverse[:, :, :size], inverse[:, :, size:-1]
     normal, moments = x.T @ by_effects, x.T @ by_values
     coefficients = np.linalg.solve(normal, moments)
     squares = np.einsum("kr,ckr->c", y, by_values) - np.einsum("cpr,cpr->c", coefficients, moments)
-    logs = np.linalg.slogdet(covariance)[1] + np.linalg.slogdet(normal)[1]
+    logs = logs + np.linalg.slogdet(normal)[1]
     left = by_values - by_effects @ coefficients
     return _Solved(
         regression,

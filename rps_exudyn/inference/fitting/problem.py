@@ -249,31 +249,39 @@ SCANNED = 60  # offsets over a tooth pitch
 def found_offset(problem: Problem, values: np.ndarray) -> tuple[float, float]:
     """Return the offset [rad] within half a pitch at which the ripple fits best, and its deviation."""
     numbers = [i for i, each in enumerate(problem.measurement.passes) if each.test.of_kind.by_angle]
+    slows = [_slow(problem.measurement.passes[number].angle) for number in numbers]
 
-    def costs(offset: float, refined: bool = False) -> tuple[float, float, float]:
-        cost, gradient, information = 0.0, 0.0, 0.0
-        for number in numbers:
+    def cost(offsets: np.ndarray) -> np.ndarray:
+        found = np.zeros(offsets.size)
+        for number, slow in zip(numbers, slows, strict=True):
+            each, (block, at) = problem.measurement.passes[number], problem.block_of(number)
+            angle = each.angle - offsets[:, None]
+            model = block.at(problem.prediction.part(at, values), each.direction, angle.ravel())
+            left = each.value - model.reshape(angle.shape)
+            scaled = (left - left @ slow @ slow.T) / (LINEAR_TO * problem.whites[number])
+            found += 2 * LINEAR_TO**2 * np.sum(np.sqrt(1 + scaled**2), axis=1)
+        return found
+
+    def slopes(offset: float) -> tuple[float, float]:
+        gradient, information = 0.0, 0.0
+        for number, slow in zip(numbers, slows, strict=True):
             each, (block, at) = problem.measurement.passes[number], problem.block_of(number)
             own, angle = problem.prediction.part(at, values), each.angle - offset
-            slow = _slow(each.angle)
             left = each.value - block.at(own, each.direction, angle)
             left = left - slow @ (slow.T @ left)
             white = max(problem.whites[number], 1.4826 * float(np.median(np.abs(left))))
             weights = robust_weights(left, white) / white**2
-            scaled = left / (LINEAR_TO * problem.whites[number])
-            cost += float(2 * LINEAR_TO**2 * np.sum(np.sqrt(1 + scaled**2)))
-            if refined:
-                turn = -_slope(block, own, each.direction, angle)
-                turn = turn - slow @ (slow.T @ turn)
-                gradient += float(turn @ (weights * left))
-                information += float(turn @ (weights * turn))
-        return cost, gradient, information
+            turn = -_slope(block, own, each.direction, angle)
+            turn = turn - slow @ (slow.T @ turn)
+            gradient += float(turn @ (weights * left))
+            information += float(turn @ (weights * turn))
+        return gradient, information
 
     tried = np.linspace(-0.5, 0.5, SCANNED, endpoint=False) * problem.pitch
-    offset = float(tried[int(np.argmin([costs(float(each))[0] for each in tried]))])
+    offset = float(tried[int(np.argmin(cost(tried)))])
     prior = (OFFSET * problem.pitch) ** -2.0
     for _ in range(3):
-        _, gradient, information = costs(offset, refined=True)
+        gradient, information = slopes(offset)
         step = gradient / (information + prior)
         offset += float(np.clip(step, -problem.pitch / SCANNED, problem.pitch / SCANNED))
     return offset, float((information + prior) ** -0.5)

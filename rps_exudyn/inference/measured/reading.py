@@ -124,6 +124,8 @@ def read_curve(
     elif instead == "speed":
         table = np.array([_angle_by_speed(path, beside, table[0]), table[0]])
         notes.append("the pinion angle is the sum of speed times time, from 0 on")
+        if all((each >= 0).all() or (each <= 0).all() for each in (beside["speed"], table[1])):
+            notes.append(ONE_WAY)
     if is_in_random_order(table[0]):
         raise InputError(
             f"{path} holds its {wanted[0].replace('_', ' ')}s in random order: write the rows in the order "
@@ -159,6 +161,9 @@ def read_curve(
     taken = [_taken(column) for column in picked]
     beside["line"] = np.array(lines, dtype=float)[moves]
     return MeasuredTorque(Path(path).stem, signals, (first, *taken, *notes), beside, left_out)
+
+
+ONE_WAY = "speed and torque have one sign: read as one direction, which is wrong if the motion turned back"
 
 
 def _columns_instead(

@@ -29,7 +29,7 @@ from rps_exudyn.inference.uncertainty.statistics import (
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.law_error import LawError, law_error
+from rps_exudyn.results.law_error import LawError, error_of_law
 from rps_exudyn.results.outcome import Interrupted, Status, alike
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
@@ -84,8 +84,8 @@ class Band:
 
     @property
     def law(self) -> LawError | None:
-        """Error of the contact law, which the band does not contain."""
-        return law_error(self.nominal.gear, self.nominal.fidelity)
+        """Error of the contact law, which the band does not contain; see `error_of_law`."""
+        return error_of_law(self.nominal)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the band for a JSON file, without its nominal result; every sample is there."""

@@ -71,7 +71,7 @@ def runs_at(
     """Yield the runs of the scene at the points, whatever their outcome, part by part as they end.
 
     The numbers of a part depend neither on other parts nor on the number of processes. A part that does not
-    end is done again, run by run.
+    end is done again, run by run: in the same way, and where that takes too long by single runs.
 
     Args:
         scene: one of `scenes.SCENE_NAMES`.
@@ -88,21 +88,22 @@ def runs_at(
     values, count = points.values, len(points)
     singly = bool(unsupported_reason(scene, gear, fidelity, values)) or count < fewest(values)
     keep: Literal["signals", "torque"] = "signals" if singly else "torque"
-    size = 1 if singly else TOGETHER
-    waiting = [range(begin, min(begin + size, count)) for begin in range(0, count, size)]
+    size, ranges = (1, None) if singly else (TOGETHER, values)
+    waiting = [(range(begin, min(begin + size, count)), ranges) for begin in range(0, count, size)]
     while waiting:
-        tasks: dict[Task, range] = {}
-        for rows in waiting:
+        tasks: dict[Task, tuple[range, dict[str, np.ndarray] | None]] = {}
+        for rows, learned in waiting:
             part = {path: column[rows.start : rows.stop] for path, column in values.items()}
-            ranges = values if len(rows) > 1 else None
-            call = partial(batch_of, scene, gear, part, fidelity, keep, ranges, options)
-            tasks[Task(call)] = rows
+            call = partial(batch_of, scene, gear, part, fidelity, keep, learned, options)
+            tasks[Task(call)] = rows, learned
         waiting = []
         for task, answer in run_cases(list(tasks), jobs, time_limit):
-            rows = tasks[task]
+            rows, learned = tasks[task]
             if answer.value is not None:
                 yield rows, answer.value
             elif len(rows) > 1:
-                waiting += [range(row, row + 1) for row in rows]
+                waiting += [(range(row, row + 1), learned) for row in rows]
+            elif learned is not None and (answer.timeout or answer.error is not None):
+                waiting.append((rows, None))
             else:
                 yield rows, Batch((answer.failure(scene, gear, fidelity),))

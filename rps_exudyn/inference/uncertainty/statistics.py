@@ -119,7 +119,11 @@ class Polynomials:
         Args:
             numbers: at the points, shape (n,), finite.
         """
-        if self.degree < 1 or not np.ptp(numbers) > 1e-9 * np.abs(numbers).max():
+        if not np.ptp(numbers) > 1e-9 * np.abs(numbers).max():
+            return None
+        if len(self.groups) == 1:  # nothing else varies
+            return Contributions(dict.fromkeys(self.groups, 1.0), 0.0, 0.0)
+        if self.degree < 1:
             return None
         count = len(numbers)
         scaled = (numbers - numbers.mean()) / numbers.std()

@@ -8,6 +8,8 @@ from pathlib import Path
 from rps_exudyn.base.errors import as_sentence
 from rps_exudyn.base.files import write_json
 from rps_exudyn.inference.fitting import findings
+from rps_exudyn.inference.fitting.diagnosis import encoder_doubts
+from rps_exudyn.inference.fitting.fit import beyond_the_teeth
 from rps_exudyn.inference.fitting.fitted import Estimate, Fit, shape_claims
 from rps_exudyn.inference.fitting.unknowns import LEVEL
 from rps_exudyn.pages.charts.inference import curves_figure
@@ -107,6 +109,18 @@ def _rows(fit: Fit) -> Iterable[Row]:
         yield Row("next test", listed([findings.test_words(test) for test in fit.advice.tests]))
     if not fit.converged:
         yield Row("no estimate", "the fit did not converge: these values are its last iteration")
+    if doubts := list(_doubts(fit)):
+        yield Row("check", doubts[0] + (f"; and {len(doubts) - 1} more" if len(doubts) > 1 else ""))
+
+
+def _doubts(fit: Fit) -> Iterable[str]:
+    """What speaks against the fit, or against a file as it was read."""
+    measurement = fit.problem.measurement
+    yield from (each.sentence for each in fit.refusals)
+    yield from beyond_the_teeth(measurement, fit.given)
+    yield from measurement.late
+    for level in (each for each in fit.levels if each.test.of_kind.by_angle):
+        yield from encoder_doubts(level, fit.given.pinion.teeth)
 
 
 def _range(each: Estimate) -> str:

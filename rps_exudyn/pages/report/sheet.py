@@ -89,7 +89,8 @@ def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
             words += f" (±: error of contact law {law.law})" if band is None else ""
         if band is not None and name in band.figures:
             found = band.figures[name]
-            words += f"; {rounded_range(quantity, found.low, found.high)} in 90 % of gears"
+            like = None if error else value
+            words += f"; {rounded_range(quantity, found.low, found.high, like)} in 90 % of gears"
         yield Row(rounded(quantity, value, error), words)
 
 

@@ -51,17 +51,38 @@ def validated(
     signals: dict[str, np.ndarray],
     friction_zone: float | None,
 ) -> Outcome:
-    """Return the outcome of a run that reached its end after all checks; the first that fails is its cause.
+    """Return the outcome of a run after all checks; the first that fails is its cause.
+
+    Of equilibria that end before the motion does, those which show why: a rack that left its place, teeth
+    that carry nothing or more than their law holds for.
 
     `friction_zone` [m/s], given for a steady motion, is the sliding speed below which friction is not fully
     developed.
     """
-    equilibria = outcome.settings.get("name") == "equilibrium"
-    checks = (
+    checks: tuple[Failure, ...] = (
         finite(signals),
         rack_in_mesh(signals, gear.installation.axis_offset, largest_lift(gear)),
         *([] if record.pulse_power is not None else [teeth_loaded(signals)]),  # a pulse may part them
         law_valid(record.forces.valid_to, signals),
+    )
+    if outcome.status is Status.OK:
+        checks += _of_a_whole_record(outcome, gear, record, signals, friction_zone)
+    for check in checks:
+        for status, code, message in check:
+            return replace(outcome, status=status, codes=(code,), message=message)
+    return outcome
+
+
+def _of_a_whole_record(
+    outcome: Outcome,
+    gear: SteeringGear,
+    record: Record,
+    signals: dict[str, np.ndarray],
+    friction_zone: float | None,
+) -> tuple["Failure", ...]:
+    """The checks of a run that reached its end, besides those of its contacts."""
+    equilibria = outcome.settings.get("name") == "equilibrium"
+    return (
         *([] if friction_zone is None else [friction_developed(signals, friction_zone, GearPair.of(gear))]),
         *([] if friction_zone is None else [torque_resolved(signals)]),
         *([] if friction_zone is None or record.settled else [settled(signals, gear)]),
@@ -74,10 +95,6 @@ def validated(
         work_balanced(signals, ENERGY_BOUND),
         edges_spared(signals, edge_bound(gear)),
     )
-    for check in checks:
-        for status, code, message in check:
-            return replace(outcome, status=status, codes=(code,), message=message)
-    return outcome
 
 
 Failure = Iterator[tuple[Status, Code, str]]

@@ -1,6 +1,7 @@
-"""Cases of one design as one task: a single case is simulated, several go through `batch`.
+"""Cases of one design as one task: simulated one by one, or computed together where ranges are given.
 
-Results of gears that were computed together are those of single runs within the finding "together".
+Results of gears that were computed together are those of single runs within the finding "together". Which way
+a case goes, and how it ends, depends on the case and the ranges, not on the other cases of its task.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,14 +12,14 @@ from typing import Any, Literal
 
 import numpy as np
 
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.gear import Setup, SteeringGear
 from rps_exudyn.results.block import CaseRecord, Keep
 from rps_exudyn.results.outcome import Status, each_once, joined_text
-from rps_exudyn.results.result import Result
+from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.simulate.batch import Batch, batch
-from rps_exudyn.simulate.run import simulate
+from rps_exudyn.simulate.batch import Batch, batch, single_run
 from rps_exudyn.solvers.settling import TOLERANCE
 
 FINDING = "many gears computed together: mean within 1e-5, other metrics mostly within 1e-3 of a single run"
@@ -33,15 +34,16 @@ class CaseGroup:
     base: Setup
     settings: Mapping[str, Mapping[str, Any]]  # hash -> path -> SI value; the same paths in each
     keep: Keep
-    ranges: Mapping[str, Sequence[float]] | None = None  # path -> over what it varies in the whole study
+    # path -> over what it varies in the whole study, whose cases are computed together; None: one by one
+    ranges: Mapping[str, Sequence[float]] | None = None
 
     def records(self) -> list[CaseRecord]:
         """Return the record of each case.
 
         Raises:
-            InputError: what they have in common is wrong; of a single case, also what it has itself.
+            InputError: what they have in common is wrong.
         """
-        results = self._batch() if len(self.settings) > 1 else [self._single()]
+        results = map(self._single, self.settings.values()) if self.ranges is None else self._batch()
         return [
             CaseRecord.of(name, self.keep.of(result))
             for name, result in zip(self.settings, results, strict=True)
@@ -52,16 +54,19 @@ class CaseGroup:
         first = next(iter(self.settings.values()))
         fidelity = self.base.replace(first).fidelity.model_dump()
         small = Setup.from_tables(SteeringGear().replace(WARM_UP).model_dump() | {"fidelity": fidelity})
-        some = list(self.settings.items())[: 2 if self.ranges else None]  # enough to begin
-        groups: list[dict[str, Mapping[str, Any]]] = [{"": {}}, dict(some)]
-        for settings in groups[: len(some)]:
+        alone = replace(self, base=small, settings={"": {}}, ranges=None)
+        few = replace(self, base=small, settings={"": first})
+        for group in (alone, few) if self.ranges else (alone,):
             with suppress(Exception):  # which the cases themselves report
-                replace(self, base=small, settings=settings).records()
+                group.records()
 
-    def _single(self) -> Result:
-        ((settings),) = self.settings.values()
-        setup = self.base.replace(settings)
-        return simulate(self.scene, setup.steering_gear, setup.fidelity)
+    def _single(self, settings: Mapping[str, Any]) -> Result:
+        try:
+            setup = self.base.replace(settings)
+        except InputError as error:
+            base, why = self.base, " ".join(error.problems)
+            return failed(self.scene, base.steering_gear, base.fidelity, Status.INVALID, why)
+        return single_run(self.scene, setup.steering_gear, setup.fidelity)
 
     def _batch(self) -> list[Result]:
         wall, cpu = perf_counter(), process_time()

@@ -1,20 +1,30 @@
 """The largest step of explicit integration: predicted from the linearised gear, and seen in disturbed runs.
 
-    motion = FreeMotion.of(gear, fidelity, drive)
-    predicted = stable_step(state_matrix(motion), runge_kutta_4)
-    measured = bisected(lambda h: disturbance_dies(motion, h, speed), 0.5 * predicted, 2 * predicted)
+    driven = DrivenGear.of("rack", "mesh.stiffness", 1e14)
+    driven.predicted                                # stable_step(state_matrix(driven.motion), runge_kutta_4)
+    bisected(driven.calms, 0.5 * driven.predicted, 2 * driven.predicted)
 
 In each step a method multiplies every mode exp(lambda t) of the linearised system by its growth factor
 R(h lambda): it is stable as long as it lets none grow that does not grow by itself (Hairer & Wanner, Solving
 Ordinary Differential Equations II, IV.2).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
+from rps_exudyn.solvers.prescribed_motion import DrivenBody, Steady, travel_per_radian
+from verification.law_area import by_law
 from verification.runge_kutta import FreeMotion, runge_kutta
+
+GEAR = by_law(SteeringGear(), "area")  # whose stiffness is varied
 
 SEARCHED = np.geomspace(0.05, 5.0, 2000)  # h |lambda|; the bounds of both methods lie between 2 and 3
 KICK = 1e-3  # of a speed below which nothing changes its nature: that of the friction zone
@@ -84,3 +94,52 @@ def disturbance_dies(motion: FreeMotion, step: float, speed: float, steps: int =
         )
         apart = np.abs((kicked[-1] - usual[-1]) * CHARACTERISTIC_LENGTHS)[motion.moving].max()
     return bool(apart <= TENFOLD * KICK * speed)
+
+
+# --- of a driven gear --------------------------------------------------------------------------------
+@dataclass(frozen=True, eq=False)
+class DrivenGear:
+    """A gear driven from its centre at the test's speed, or held there, for RK4."""
+
+    gear: SteeringGear
+    fidelity: Fidelity
+    motion: FreeMotion
+
+    @classmethod
+    def of(
+        cls, driven: str, path: str, value: float, choices: Mapping[str, Any] = MappingProxyType({})
+    ) -> "DrivenGear":
+        """Change one parameter; `choices` are those of the fidelity besides."""
+        choice = path.removeprefix("fidelity.")
+        varied = {choice: value} if choice != path else {}
+        fidelity = Fidelity().replace({"zone_ratio": 0.1} | dict(choices) | varied)
+        gear = GEAR.replace({path: value} if choice == path else {})
+        return cls(gear, fidelity, FreeMotion.of(gear, fidelity, _drive(gear, driven)))
+
+    @property
+    def zone(self) -> float:
+        """Friction zone [m/s]."""
+        sliding = GearPair.of(self.gear).least_sliding * self.gear.test.speed
+        return float(self.fidelity.zone_ratio * sliding)
+
+    @property
+    def predicted(self) -> float:
+        """Largest stable step of RK4 [s]."""
+        return stable_step(state_matrix(self.motion), runge_kutta_4)
+
+    def calms(self, step: float, steps: int = STEPS) -> bool:
+        """Return whether a disturbance dies at that step [s]."""
+        return disturbance_dies(self.motion, step, self.zone, steps)
+
+
+def _drive(gear: SteeringGear, driven: str) -> Steady:
+    body: DrivenBody = "rack" if driven == "rack" else "pinion"
+    speed = 0.0 if driven == "nothing" else gear.test.speed
+    return Steady(body, 0.0, travel_per_radian(body, float(GearPair.of(gear).gain)) * speed)
+
+
+def simple_limits(motion: FreeMotion) -> tuple[float, float]:
+    """Stable steps of RK4 for omega_max and for c_max alone [s]: an oscillator, a damper."""
+    frequency, damping = largest_frequency(motion), largest_damping(motion)
+    oscillator = np.array([[0.0, 1.0], [-(frequency**2), 0.0]])
+    return stable_step(oscillator, runge_kutta_4), stable_step(np.array([[-damping]]), runge_kutta_4)

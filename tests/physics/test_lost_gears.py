@@ -1,0 +1,35 @@
+"""Gears of the wide population that equilibria lost once, each by another cause (lost_gears.json)."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Code, Status
+from rps_exudyn.simulate.run import simulate
+from verification.law_area import replaced
+
+GEARS = json.loads((Path(__file__).parents[1] / "lost_gears.json").read_text())
+
+
+@pytest.mark.parametrize(
+    ("name", "status", "code"),
+    [
+        # the bush's tangent lacked that the axis of a tilted bar swings with its roll
+        ("a long rack that lies askew", Status.OK, None),
+        # sliding bristles pushed it to and fro by the friction in its bore
+        ("a plunger held in its bore", Status.INVALID, Code.SWING_TOO_FAST),
+        # it had left its place before the last equilibrium
+        ("a rack that rolls away", Status.CONTACT_LOST, Code.RACK_OUT_OF_MESH),
+    ],
+)
+def test_a_gear_that_was_lost_is_right_or_refused_by_its_cause(
+    name: str, status: Status, code: Code | None
+) -> None:
+    values = GEARS[name]
+    model = Fidelity.preset("flank" if values["model"] else "quasi-static").replace(values["model"])
+    run = simulate(values["scene"], replaced(SteeringGear(), values["settings"]), model)
+    assert run.status is status, run.message
+    assert code is None or code in run.codes
