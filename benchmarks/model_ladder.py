@@ -28,7 +28,6 @@ METRICS = {
     "ripple": ("free-pinion-torque", "torque_peak_to_peak"),
     "efficiency": ("load-test", "efficiency_forward"),
     "reversal: work": ("reversal", "hysteresis_area"),
-    "reversal: angle": ("reversal", "reversal_angle"),
     "impact: force": ("yoke-impact", "impact_peak_force"),
     "impact: impulse": ("yoke-impact", "impact_impulse"),
 }
