@@ -8,7 +8,7 @@ way into a tooth, and less the wider the gaps between the teeth are. Thickness o
 
 with the normal pitch p and half the width b of a gap at a height of p / 20 above the roots. With 0.17 p there
 would be cracks for gaps; askew to the bar, teeth are ribs that carry stress along themselves. The numbers are
-fitted to elastic solid cells of one pitch under periodic bending (`benchmarks/bar_section_cell.py`): tooth
+fitted to elastic solid cells of one pitch under periodic bending (`tests/geometry/test_rack_beam.py`): tooth
 angles of 0 to 40 degrees, pressure angles of 15 to 30 degrees, short and full teeth, modules and bars of
 different size. Bending stiffness agrees with the cells within 1.5 % in plane X-Y. Sideways the layer counts
 1.4 times: of the whole default rack by finite elements, the free modes ask for the layer as it is, as the
