@@ -35,9 +35,7 @@ MAX_RESCUES = 50  # or as many as instants are asked for
 SHORTEST = 0.01  # of the steps asked for, that between an instant found and one that is not ...
 SHORTEST_BEHIND_COLUMN = 1 / 256  # ... and where friction lets a column's end go
 SNAP = 4  # times the fastest motion so far: behind a column the gear jumps to another equilibrium
-RUNS_AWAY = (
-    3  # steps in each of which a part is faster before the gear jumps, at last by `SNAP` times the rack
-)
+RUNS_AWAY = 3  # steps in which a part becomes twice as fast before the gear jumps, and `SNAP` times the rack
 WHEEL_LENGTH = 0.01  # turns the wheel's coordinate into a length [m]
 
 
@@ -396,8 +394,8 @@ class _Following:
 
     def jumps(self) -> bool:
         """Return whether the gear jumps where no next instant is found: the steps there are as short as makes
-        sense, and some part moves ever faster across the drive's motion. Friction that grows with the load
-        that it makes, or that falls, leaves no equilibrium ahead."""
+        sense, and over the last of them the fastest part has become twice as fast, and far faster than the
+        rack. Friction that grows with the load that it makes, or that falls, leaves no equilibrium ahead."""
         k = self.found
         if self.whole or k <= RUNS_AWAY or self.column[0]:
             return False
@@ -405,7 +403,7 @@ class _Following:
         driven = max(abs(self.drive.pinion_speed(self.pair.gain, each)) for each in rows.time[:k])
         fastest = np.abs(rows.rates[k - 1 - RUNS_AWAY : k] * self.lengths).max(axis=1)
         shortened = rows.time[k] - rows.time[k - 1] < np.diff(rows.time[rows.asked]).min() / 2
-        runs_away = (np.diff(fastest) > 0).all() and fastest[-1] > SNAP * driven * self.pair.gain
+        runs_away = fastest[-1] > max(2 * fastest[0], SNAP * driven * self.pair.gain)
         return bool(shortened and runs_away)
 
     def searched(self, k: int) -> bool:
