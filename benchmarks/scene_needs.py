@@ -95,7 +95,7 @@ FRACTIONS = {
         input_shaft_play_axial""",
     0.05: """torque_first_order on_centre_stiffness feel_angle_hysteresis rattle_force_rms rattle_speed_rms
         rattle_impulse_per_cycle impact_peak_force impact_impulse impact_force_rms""",
-    0.1: """torque_peak_to_peak torque_tooth_order push_force_peak_to_peak reversal_angle stick_slip_torque
+    0.1: """torque_peak_to_peak torque_tooth_order push_force_peak_to_peak stick_slip_torque
         stick_slip_frequency torque_on_centre_variation torque_off_centre_variation""",
 }
 FRACTION = {name: limit for limit, names in FRACTIONS.items() for name in names.split()}
@@ -139,7 +139,7 @@ NEEDS = {
     ),
     "rack-push": Need(f"push_force_mean push_force_peak_to_peak {RACK}"),
     "rack-on-rollers": Need(f"roller_force_mean {RACK}"),
-    "reversal": Need("torque_jump hysteresis_area lost_motion lost_motion_angle reversal_angle"),
+    "reversal": Need("torque_jump hysteresis_area lost_motion lost_motion_angle"),
     "steering-feel": Need("feel_area on_centre_stiffness feel_angle_hysteresis breakaway_ratio"),
     "steering-torque": Need(
         "feel_area angle_dead_band torque_dead_band steering_gradient", {"test.tyre_stiffness": "200 N/mm"}
