@@ -1,6 +1,6 @@
 """Balance of work: what drive and load put in, what is lost at each place, and what is missing."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -40,16 +40,20 @@ def describe_losses(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
     if not np.any(whole > 0):
         return {}
     whole = number_of(np.where(whole > 0, whole, np.nan))
-    shares: dict[str, float] = {}
-    for place, names in PLACES.items():
-        if any(name in lost for name in names):
-            taken: Any = sum(lost.get(name, 0.0) for name in names)
-            if np.ndim(taken) and names[0].endswith(
-                "_damping"
-            ):  # without which a gear alone has no such work
-                taken = np.where(np.equal(taken, 0.0), np.nan, taken)
-            shares[f"loss_share_{place}"] = taken / whole
-    return shares
+    return {
+        f"loss_share_{place}": _taken(lost, names) / whole
+        for place, names in PLACES.items()
+        if any(name in lost for name in names)
+    }
+
+
+def _taken(lost: Mapping[str, float], names: Sequence[str]) -> Any:
+    """Work lost at a place, by its signals; nan of a gear among many that damps nothing where only damping
+    takes work: alone it has no such signal."""
+    taken: Any = sum(lost.get(name, 0.0) for name in names)
+    if np.ndim(taken) and all(name.endswith("_damping") for name in names):
+        return np.where(np.equal(taken, 0.0), np.nan, taken)
+    return taken
 
 
 def loss_torques(signals: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -30,7 +30,7 @@ from rps_exudyn.results.quantities import (
     WITHOUT_FINER_STEPS,
     Quantity,
 )
-from rps_exudyn.scenes.checks.needs_finer import FINEST
+from rps_exudyn.scenes.checks.needs_finer import doubled_stations
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.remarks import part_of_pitch, unresolved_peaks
@@ -107,8 +107,7 @@ def with_finer_friction(fidelity: Fidelity, halvings: int) -> Fidelity:
     creeps is halved with them, and the stations of a line, which turn about one after the other, are
     doubled."""
     zone = max(fidelity.zone_ratio / 2**halvings, min(fidelity.zone_ratio, NARROW_ZONE))
-    stations = max(fidelity.strip_stations, min(FINEST, fidelity.strip_stations * 2**halvings))
-    return fidelity.replace({"zone_ratio": zone, "strip_stations": stations})
+    return doubled_stations(fidelity, halvings).replace({"zone_ratio": zone})
 
 
 def most_finer(fidelity: Fidelity, options: RunOptions) -> int:

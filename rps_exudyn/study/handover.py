@@ -144,8 +144,7 @@ class Handover(Iterator[Task]):
     def records(self, task: Task, answer: Answer) -> list[tuple[Case, CaseRecord]]:
         """Return each case of a task with its record; a group without any is handed over again, singly.
 
-        A single case that could learn from others in no time, or failed at it, is simulated without. One
-        whose process died is not: that may have come from outside.
+        A single case that failed by itself while it learned from others is simulated without them.
         """
         cases = self._given.pop(task)
         records: list[CaseRecord] | None = answer.value
@@ -156,8 +155,9 @@ class Handover(Iterator[Task]):
                 self.through_batch += len(cases)
             self.in_loop += sum(record.found_together for record in records)
             return list(zip(cases, records, strict=True))
-        (first, *others), stopped = cases, bool(answer.timeout or answer.error)
-        if others or (stopped and self._ranges is not None and first.hash not in self._apart):
+        first, *others = cases
+        together = self._ranges is not None and first.hash not in self._apart
+        if others or (together and answer.failed_by_itself):
             self._again.extend(cases)
             self._apart.update([] if others else [first.hash])
             return []

@@ -103,7 +103,7 @@ def runs_at(
                 yield rows, answer.value
             elif len(rows) > 1:
                 waiting += [(range(row, row + 1), learned) for row in rows]
-            elif learned is not None and (answer.timeout or answer.error is not None):
+            elif learned is not None and answer.failed_by_itself:
                 waiting.append((rows, None))
             else:
                 yield rows, Batch((answer.failure(scene, gear, fidelity),))

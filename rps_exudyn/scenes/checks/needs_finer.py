@@ -70,7 +70,12 @@ def finer_strips(fidelity: Fidelity, gear: SteeringGear) -> Fidelity | None:
     each place of a strip by itself, which few stations integrate."""
     if gear.mesh.contact_law != "teeth" or fidelity.mesh != "flank" or fidelity.strip_stations >= FINEST:
         return None
-    return fidelity.replace({"strip_stations": min(FINEST, 2 * fidelity.strip_stations)})
+    return doubled_stations(fidelity)
+
+
+def doubled_stations(fidelity: Fidelity, times: int = 1) -> Fidelity:
+    """Return the model with stations of a strip doubled so many times, up to the finest."""
+    return fidelity.replace({"strip_stations": min(FINEST, fidelity.strip_stations * 2**times)})
 
 
 def strips_change(coarse: dict[str, np.ndarray], fine: dict[str, np.ndarray]) -> float:

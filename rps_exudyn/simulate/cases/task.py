@@ -56,6 +56,12 @@ class Answer:
     wall_s: float = 0.0
     cpu_s: float = 0.0
 
+    @property
+    def failed_by_itself(self) -> bool:
+        """Whether its time was over or the call raised; a process that died may have been ended from
+        outside."""
+        return bool(self.timeout) or self.error is not None
+
     def returned(self) -> Any:
         """Return the value of the call.
 
