@@ -99,11 +99,11 @@ class Fidelity(Table):
         le=0.01,
     )
     strip_stations: int = parameter(
-        4,
+        8,
         "flank: Gauss points along each segment of a line of contact; law teeth adds one",
         "choice",
         ge=1,
-        le=12,
+        le=16,
     )
     strip_points: int = parameter(2, "flank: Gauss points across the strip of contact", "choice", ge=1, le=12)
     profile_samples: int = parameter(

@@ -79,10 +79,12 @@ class Code(StrEnum):
     SWING_NOT_SETTLED = "swing-not-settled", "the swing does not become periodic"
     CONTACT_DISAGREES = "contact-disagrees", "two evaluations of the contact forces differ"
     FEW_SPHERES = "few-spheres", "too few spheres touch"
+    FEW_STATIONS = "few-stations", "motions are omitted: too few stations on a line of contact"
     SPHERES_OUT_OF_PLACE = (
         "spheres-out-of-place",
         "the rack is not at the place for which the spheres were made",
     )
+    SPHERES_AT_NUT = "spheres-at-nut", "general contact has no means of a yoke at its nut"
     WORK_MISSING = "work-missing", "the work balance does not close"
     EDGES_LOADED = "edges-loaded", "too much work is lost at the tooth edges"
     FLANK_LIFTED = "flank-lifted", "flanks of one side carry no load during part of the record"

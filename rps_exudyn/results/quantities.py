@@ -32,7 +32,9 @@ LEAST_CHANGED = {"um": 1e-7, "mrad": 1e-6, "deg": 1e-5, "%": 1e-3}
 """Display unit -> size in SI below which a metric changes as if it had that size."""
 LEAST_SHARE = 0.01  # the same where a run has a size of its own, of that size
 FACE = 0.01  # face width of a small gear [m], beside which a place on the face changes
-PART = 0.02  # of all work lost, beside which a part's share of it changes
+PART = 0.02  # of all work lost, or of a record's time, beside which a share of it changes
+SEEN = 5e-7  # smallest motion of the rack that is of interest [m], at the bar's surface and half a seat ...
+LEVERS = {"rack_roll_range": 0.01, "rack_yaw_range": 0.1}  # ... of turns about X and Y [m]
 
 
 @dataclass(frozen=True)
@@ -514,12 +516,17 @@ _NOT_FROM_STEPS = {
 }  # fmt: skip
 
 
+RACK_RANGES = "rack_lift_range", "rack_roll_range", "rack_yaw_range"
 SPREADS = frozenset(
     name
     for name in _SUMMARY
     if name.endswith(("_peak_to_peak", "_range", "_variation")) or name == "torque_tooth_order"
 )
 """Metrics of how far a signal varies, which vibration and the start of a motion change before its mean."""
+MOTIONS = frozenset(
+    name for name in _SUMMARY if name.startswith("transmission_error_") or name in RACK_RANGES
+)
+"""Metrics of motions beside the travel, of micrometres, which few stations on a line of contact miss."""
 LOSS_SHARES = frozenset(name for name in _SUMMARY if name.startswith("loss_share_"))
 """Metrics of who takes the work, which depend on how lines of contact share the load at each instant."""
 
@@ -539,7 +546,11 @@ def _confirmation(name: str) -> Confirmation | None:
 
 def _least(name: str) -> float:
     """Return the size below which a metric changes as if it had that size [SI]."""
-    return FACE if name == "load_centre" else PART if name.startswith("loss_share_") else 0.0
+    if name in MOTIONS:
+        return SEEN / LEVERS.get(name, 1.0)
+    if name == "load_centre":
+        return FACE
+    return PART if name.startswith("loss_share_") or name == "stick_share" else 0.0
 
 
 SUMMARY = {

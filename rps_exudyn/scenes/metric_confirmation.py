@@ -24,6 +24,7 @@ from rps_exudyn.results.outcome import Code, Interrupted, Remark, Status
 from rps_exudyn.results.quantities import (
     ANOTHER_CYCLE,
     LOSS_SHARES,
+    MOTIONS,
     OTHER,
     SPREADS,
     SUMMARY,
@@ -33,7 +34,7 @@ from rps_exudyn.results.quantities import (
 from rps_exudyn.scenes.checks.needs_finer import doubled_stations
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.refine import refine
-from rps_exudyn.scenes.remarks import part_of_pitch, unresolved_peaks
+from rps_exudyn.scenes.remarks import few_stations, part_of_pitch, unresolved_peaks
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
@@ -53,7 +54,8 @@ LATE = 0.15  # half a step of the rack's rolling, over its range: of its rate 3 
 FIRST_ORDER = 2  # times what all instants miss of a curve with kinks, half of them miss ...
 SHOWN = 0.8  # ... and the part of it that a curve through them shows
 NARROW_ZONE = 0.002  # of friction, over the smallest sliding speed: it moves no metric of a swing by 3 %
-AGREED = 0.4  # of a metric's tolerance: where curves have kinks, as much again or more is left
+AGREED = 0.4  # of a metric's tolerance: where curves have kinks, as much again or more is left ...
+KINKED = 0.5  # ... and of one of a motion to and fro, or with impacts, whose steps are not halved once more
 SLOW = 2 * np.pi * 20 / 60  # speed of the pinion up to which teeth that enter hardly shake the gear [rad/s]
 
 
@@ -90,8 +92,9 @@ def run_and_confirm(
         always = always or (steady and bool(run.signals) and bool(rolls_late(run.signals) > LATE))
     else:
         always = always or (steady and gear.test.speed > SLOW)
-    most = most_finer(fidelity, options)
-    run = confirmed(run, asked, made, figure, most=most, always=always, smooth=steady)
+    most, more = most_finer(fidelity, options), 0 if steady else more_for_figure(fidelity, options)
+    run = confirmed(run, asked, made, figure, most=most, for_figure=more, always=always, smooth=steady)
+    run = with_motions_seen(run, gear, fidelity)
     if not steady:
         return run
     drive = maneuvers[0].drive
@@ -100,6 +103,13 @@ def run_and_confirm(
     in_part = part_of_pitch(gear, fidelity, run.signals)
     left_out = (SPREADS if unseen else frozenset()) | (LOSS_SHARES if in_part else frozenset())
     return run.noting(unseen, in_part).without(left_out)
+
+
+def with_motions_seen(run: SceneRun, gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
+    """Return a run without the rack's motions where its stations on a line of contact are too few for
+    them."""
+    remark = few_stations(gear, fidelity)
+    return run.noting(remark).without(MOTIONS) if remark else run
 
 
 def with_finer_friction(fidelity: Fidelity, halvings: int) -> Fidelity:
@@ -113,6 +123,11 @@ def with_finer_friction(fidelity: Fidelity, halvings: int) -> Fidelity:
 def most_finer(fidelity: Fidelity, options: RunOptions) -> int:
     """Return how often the steps of a run are halved for its metrics at most."""
     return min(MOST_FINER.get(fidelity.solver, 0), options.least_steps.halvings)
+
+
+def more_for_figure(fidelity: Fidelity, options: RunOptions) -> int:
+    """Return how often more the steps of a motion to and fro, or with impacts, are halved for its figure."""
+    return int(fidelity.solver == "generalized-alpha" and options.least_steps.halvings > 1)
 
 
 def sizes(signals: Signals) -> dict[str, Any]:
@@ -231,6 +246,7 @@ def confirmed(
     figure: str,
     *,
     most: int,
+    for_figure: int = 0,
     always: bool = False,
     smooth: bool = False,
 ) -> SceneRun:
@@ -242,6 +258,7 @@ def confirmed(
         finer: how often the steps are to be halved -> that run; None of a run whose steps show nothing.
         figure: name of the metric without which the run is invalid.
         most: how often they are halved at most; 0 leaves the metrics unconfirmed.
+        for_figure: how often more where the figure still changes then.
         always: whether a finer run is made even where the record raises no doubt.
         smooth: whether its signals go on smoothly between the instants, so that they show what they miss;
             then a finer run that was made is taken, else only where it changes a metric.
@@ -274,29 +291,42 @@ def confirmed(
             raise Interrupted(coarse) from None
         return run.described(metrics) if run.ok else run  # the record of one that failed lacks motions
 
+    figure_moved = [0.0]
+
+    def standing_not(change: Mapping[str, float]) -> dict[str, float]:
+        allowed = {name: 1.0 if smooth or name == figure else KINKED for name in change}
+        return {name: value for name, value in change.items() if not value <= allowed[name]}
+
     def unsure(coarse: SceneRun, fine: SceneRun) -> float:
         change, between_fine = changed(coarse, fine), between(fine)
+        figure_moved[0] = change.get(figure, 0.0)
         if smooth and not always and not _beyond(larger(change, missed(fine)), 1.0):
             return 0.0
         asking = (each for name, each in change.items() if name not in WITHOUT_FINER_STEPS)
         return max(0.0, *asking, *(AGREED * each for each in between_fine.values()))
 
     first = missed(described)
+
+    def asks(each: SceneRun) -> bool:
+        if each is described:
+            return always or bool(_beyond(first, 1.0))
+        return not for_figure or figure_moved[0] > AGREED
+
     refined = refine(
         described,
         made,
-        most if finer is not None else 0,
+        most + for_figure if finer is not None else 0,
         usable=lambda each: each.ok,
-        asks=lambda each: always or each is not described or bool(_beyond(first, 1.0)),
+        asks=asks,
         change=unsure,
         allowed=AGREED,
     )
     finest = refined.finest
     if refined.confirmed and refined.times == 1 and not smooth:
-        left = _beyond(changed(described, finest), 1.0)
+        left = standing_not(changed(described, finest))
         return _left_out(_counted(described, refined.runs, 0), left, figure)
-    if refined.times and refined.failed is None:
-        left = _beyond(larger(changed(refined.runs[-2], finest), between(finest)), 1.0)
+    if refined.times and (refined.failed is None or not smooth):
+        left = standing_not(larger(changed(refined.runs[-2], finest), between(finest)))
     else:
         left = _beyond(first if not refined.times else missed(finest), 1.0)
     return _left_out(_counted(finest, refined.runs, begun + refined.times), left, figure)
@@ -388,7 +418,9 @@ def run_swing(
         model = with_finer_friction(fidelity, halvings)
         return run_maneuver(gear, model, earlier.halved(halvings), options=options)
 
-    run = confirmed(run, metrics, made, figure, most=most_finer(fidelity, options), always=True)
+    most, more = most_finer(fidelity, options), more_for_figure(fidelity, options)
+    run = confirmed(run, metrics, made, figure, most=most, for_figure=more, always=True)
+    run = with_motions_seen(run, gear, fidelity)
     return _with_cause(run, fidelity, maneuver.drive.signal)
 
 

@@ -21,6 +21,7 @@ DIED = 1.0  # power of e by which what began before a way, or with it, should di
 UNRESOLVED_UNDAMPED = 0.015  # ... or else steps may miss no more of the mean than that
 UNSETTLED = 0.05  # of the force's variation, which may depend on where the motion began
 LEFT_OUT = "peak to peak values and ranges are omitted"
+STATIONS_FOR_MOTIONS = 8  # of teeth that bend; six leave motions up to 11 % off, four up to 30 %
 JUMP = 0.05  # of the mean between equilibria whose steps were halved as often as makes sense
 
 
@@ -129,6 +130,19 @@ def part_of_pitch(gear: SteeringGear, fidelity: Fidelity, signals: Signals) -> R
         Code.METRIC_NOT_CONFIRMED,
         "spheres show shares of losses over whole tooth pitches; loss shares are omitted: the record shows "
         "less than a pitch",
+    )
+
+
+def few_stations(gear: SteeringGear, fidelity: Fidelity) -> Remark | None:
+    """Return a remark on teeth that bend together, of which few stations miss up to half of the motions that
+    the rack makes beside its travel, while forces are right to a percent."""
+    least, has = STATIONS_FOR_MOTIONS, fidelity.strip_stations
+    if gear.mesh.contact_law != "teeth" or fidelity.mesh != "flank" or has >= least:
+        return None
+    return Remark(
+        Code.FEW_STATIONS,
+        f"the rack's motions beside its travel and the transmission error are omitted: "
+        f"fidelity.strip_stations is {has}, and teeth that bend ask for {least} to show them",
     )
 
 

@@ -17,6 +17,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Remark
+from rps_exudyn.results.quantities import MOTIONS
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.scenes.maneuver import StepLimits
@@ -33,7 +34,7 @@ from rps_exudyn.scenes.metric_confirmation import (
     rolls_late,
     unresolved,
 )
-from rps_exudyn.scenes.remarks import remarks
+from rps_exudyn.scenes.remarks import few_stations, remarks
 from rps_exudyn.scenes.scene import SteadyTest, Turned
 from rps_exudyn.scenes.scene_run import Signals, one_after_another
 from rps_exudyn.simulate.family import Family, FamilyRecord, is_alike
@@ -383,11 +384,14 @@ class _Followed:
         summary = dict(self.summary)
         for name in summary.keys() & beyond.keys():
             summary[name] = np.where(beyond[name] > 1, np.nan, summary[name])
+        few = few_stations(self.common.families[0].gear, self.common.families[0].fidelity)
+        for name in MOTIONS & summary.keys() if few else ():
+            del summary[name]
         noted: list[list[Remark]] = []
         of_limits, of_test = _remarks(self.gears, self.signals), self.common.test.remarks
         for i, (limits, own) in enumerate(zip(of_limits, of_test(self.turned(self.signals)), strict=True)):
             left = {name: float(each[i]) for name, each in beyond.items() if each[i] > 1}
-            noted.append([*([not_confirmed(left)] if left else []), *limits, *own])
+            noted.append([*([not_confirmed(left)] if left else []), *([few] if few else []), *limits, *own])
         if self.common.test.formulas is not None:
             figures = [self.common.test.formulas(each) for each in self.gears]
             for name in dict.fromkeys(name for own in figures for name in own):

@@ -41,6 +41,9 @@ ROUNDING = 1e-9  # of the works of a gear that nothing moves [J]
 LEAST_TOUCHING = 15  # spheres of general contact; fewer miss up to 8 % of the torque
 # Spheres end where the rack's tips are under the preload; elsewhere 8 % too many were 2.7 % of the torque
 OUT_OF_PLACE = 0.06  # of the path of contact
+AT_NUT = (
+    0.08  # of the force on the seat that the nut carries, at which means by spheres are up to 1 to 2 % off
+)
 AGREEMENT_BOUND = 1e-6  # of Exudyn's contact forces with the compiled samples; 1e-9 is usual
 
 
@@ -92,6 +95,7 @@ def _of_a_whole_record(
         contact_agreed(contact_disagreement(record)),
         spheres_enough(record, _on_an_edge(gear, signals)),
         spheres_in_place(record, gear, signals),
+        *([] if record.pulse_power is not None else [yoke_off_nut(record, signals)]),
         work_balanced(signals, ENERGY_BOUND),
         edges_spared(signals, edge_bound(gear)),
     )
@@ -300,6 +304,22 @@ def spheres_in_place(record: Record, gear: SteeringGear, signals: dict[str, np.n
             f"the rack stands {1e6 * raised:.3g} um from its place under the preload, "
             f"{abs(raised) / path:.1%} of the path of contact (limit of general contact "
             f"{OUT_OF_PLACE:.0%}): choose fidelity.mesh = flank",
+        )
+
+
+def yoke_off_nut(record: Record, signals: dict[str, np.ndarray]) -> Failure:
+    """Check that under spheres the nut carries little of the yoke's force: it follows from micrometres, by
+    which a grid of spheres leaves the flank."""
+    if record.forces.spheres is None:
+        return
+    carried = float(signals["yokenut_force"].mean())
+    share = carried / float(signals["seat_force"].mean()) if carried > 0 else 0.0
+    if share > AT_NUT:
+        yield (
+            Status.INVALID,
+            Code.SPHERES_AT_NUT,
+            f"the yokenut carries {share:.0%} of the yoke's force on average, which spheres show 8 % and more off "
+            f"(limit of general contact {AT_NUT:.0%}): choose fidelity.mesh = flank",
         )
 
 

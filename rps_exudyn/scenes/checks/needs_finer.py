@@ -21,7 +21,7 @@ MEAN = 0.01  # of the mean that may hide between the steps ...
 ROLLING = 0.01  # ... or be moved by a late rate of rolling
 ROLLING_OVER = 0.004  # ... in a swing, over its travel: its work is then right to a percent
 PEAK = 0.025  # of the mean by which a step may leave the curve through its neighbours: peaks are right to 4 %
-FINEST = 12  # stations of a strip; more show nothing
+FINEST = 16  # stations of a strip; more show nothing
 STRIPS_AGREE = 0.005  # of the mean, between a record and that by strips of twice the stations
 
 
