@@ -318,8 +318,8 @@ def yoke_off_nut(record: Record, signals: dict[str, np.ndarray]) -> Failure:
         yield (
             Status.INVALID,
             Code.SPHERES_AT_NUT,
-            f"the yokenut carries {share:.0%} of the yoke's force on average, which spheres show 8 % and more off "
-            f"(limit of general contact {AT_NUT:.0%}): choose fidelity.mesh = flank",
+            f"the yokenut carries {share:.0%} of the yoke's force on average, which spheres on a grid show "
+            f"8 % and more off (limit of general contact {AT_NUT:.0%}): choose fidelity.mesh = flank",
         )
 
 
