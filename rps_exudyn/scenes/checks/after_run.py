@@ -41,9 +41,8 @@ ROUNDING = 1e-9  # of the works of a gear that nothing moves [J]
 LEAST_TOUCHING = 15  # spheres of general contact; fewer miss up to 8 % of the torque
 # Spheres end where the rack's tips are under the preload; elsewhere 8 % too many were 2.7 % of the torque
 OUT_OF_PLACE = 0.06  # of the path of contact
-AT_NUT = (
-    0.08  # of the force on the seat that the nut carries, at which means by spheres are up to 1 to 2 % off
-)
+# Of the force on the seat that the nut carries; means by spheres are up to 2 % off then
+AT_NUT = 0.08
 AGREEMENT_BOUND = 1e-6  # of Exudyn's contact forces with the compiled samples; 1e-9 is usual
 
 
