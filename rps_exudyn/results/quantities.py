@@ -33,6 +33,7 @@ LEAST_CHANGED = {"um": 1e-7, "mrad": 1e-6, "deg": 1e-5, "%": 1e-3}
 LEAST_SHARE = 0.01  # the same where a run has a size of its own, of that size
 FACE = 0.01  # face width of a small gear [m], beside which a place on the face changes
 PART = 0.02  # of all work lost, or of a record's time, beside which a share of it changes
+IMPACTS = 35  # beside which their number changes: one more or less stands
 SEEN = 5e-7  # smallest motion of the rack that is of interest [m], at the bar's surface and half a seat ...
 LEVERS = {"rack_roll_range": 0.01, "rack_yaw_range": 0.1}  # ... of turns about X and Y [m]
 
@@ -550,6 +551,8 @@ def _least(name: str) -> float:
         return SEEN / LEVERS.get(name, 1.0)
     if name == "load_centre":
         return FACE
+    if name == "impacts":
+        return IMPACTS
     return PART if name.startswith("loss_share_") or name == "stick_share" else 0.0
 
 

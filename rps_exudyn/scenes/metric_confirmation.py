@@ -55,7 +55,7 @@ FIRST_ORDER = 2  # times what all instants miss of a curve with kinks, half of t
 SHOWN = 0.8  # ... and the part of it that a curve through them shows
 NARROW_ZONE = 0.002  # of friction, over the smallest sliding speed: it moves no metric of a swing by 3 %
 AGREED = 0.4  # of a metric's tolerance: where curves have kinks, as much again or more is left ...
-KINKED = 0.5  # ... and of one of a motion to and fro, or with impacts, whose steps are not halved once more
+KINKED = 0.6  # ... and of one of a motion to and fro, or with impacts, whose steps are not halved once more
 SLOW = 2 * np.pi * 20 / 60  # speed of the pinion up to which teeth that enter hardly shake the gear [rad/s]
 
 

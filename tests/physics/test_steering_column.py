@@ -82,10 +82,11 @@ def test_jointed_column_does_no_work_of_its_own() -> None:
 
 @pytest.mark.parametrize("law", ["coulomb", "bristle"])
 def test_equilibria_feel_as_dynamics_do(law: str) -> None:
-    """Figures to 1.5 %, what steps of a twentieth of the angle of yielding leave behind the column."""
+    """Figures to 2 %, what steps of a twentieth of the angle of yielding and the friction zone leave behind
+    the column."""
     still, moving = (feel(law, model).summary for model in ("quasi-static", "flank"))
     for name in ("feel_area", "feel_running_torque", "on_centre_stiffness", "feel_angle_hysteresis"):
-        assert still[name] == pytest.approx(moving[name], rel=1.5e-2), name
+        assert still[name] == pytest.approx(moving[name], rel=2e-2), name
 
 
 def test_joint_is_felt_alike_by_both() -> None:

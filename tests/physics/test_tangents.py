@@ -105,9 +105,9 @@ def test_tangent_of_each_part_is_the_derivative_of_its_forces(mesh: str, law: st
 
 BESIDE_MESH = ("seat", "bush", "bearing")
 BRISTLES = [(mesh, part) for mesh in ("line", "teeth") for part in (*BESIDE_MESH, "mesh")]
-OPEN_END = ("teeth", "mesh", 4, 5e-2)
+OPEN_END = ("teeth", "mesh", 4)
 """A line of contact ends where its flanks part, and its stations move with that end: what the sum over few of
-them changes by, 3.4 % without friction too and 1.4 % with twelve, is no change of the forces."""
+them changes by, 2.1 % by eight and 3.4 % by four, also without friction, is no change of the forces."""
 
 
 @pytest.mark.parametrize(("mesh", "part"), BRISTLES)
@@ -124,7 +124,7 @@ def test_tangent_of_bristles_is_their_derivative(mesh: str, part: str) -> None:
             begin_at(balance, path.kept[k, 1], path.time[k] + 0.01)
             q = path.coordinates[k] - share * (path.coordinates[k] - path.coordinates[k - 1])
             q[2:] += rng.normal(size=q.size - 2) * 1e-7 / CHARACTERISTIC_LENGTHS[2:]
-            bound = 0.04 if (mesh, part, k, share) == OPEN_END else 1e-3
+            bound = 0.03 if (mesh, part, k) == OPEN_END else 1e-3
             assert error(balance, q, np.zeros(q.size), 1.0, 0.0) < bound, (k, share)
 
 
