@@ -63,6 +63,7 @@ STATIONS_OF_FINER = 6, 12  # ... twice the plan's stations of a strip within the
 LARGEST_TOLERANCE = 1e-5  # ... and whose tolerance is at most this
 NARROW_ZONE = 0.002  # of friction where motion stops: reversal_angle is then within 3 %
 MOST_REFINED = 12000  # ... and parts of them
+SLOW = 0.02  # of the preload: inertia most of the time, above which equilibria do not stand for a swing
 INSTANTS, GROWN = 24, 0.5  # at which slow motion is linearised; powers of e by which a vibration may grow
 
 
@@ -354,7 +355,22 @@ def _swung(plan: ScenePlan) -> Expected:
 
     if steps <= MOST_EXPLICIT and not _has_state(plan):
         return Expected.of(confirmed(moved), "Runge-Kutta")
+    if plan.fidelity.solver == "generalized-alpha":
+        _check_slow(plan, motion, equilibria_at(plan.gear, forces, drive, before), before)
     return Expected.of(confirmed(rested), "equilibria")
+
+
+def _check_slow(plan: ScenePlan, motion: FreeMotion, path: EquilibriumPath, time: np.ndarray) -> None:
+    """Check that inertia is little of the preload along equilibria that are to stand for a motion.
+
+    Raises:
+        NotFoundError: it is more.
+    """
+    moved = np.gradient(path.rates[-time.size :], time, axis=0)[:, motion.moving]
+    inertia = moved @ motion.moving_mass(motion.place).T / motion.balance.lengths[motion.moving]
+    share = float(np.median(np.abs(inertia), axis=0).max()) / plan.gear.yoke.preload  # the ends are short
+    if share > SLOW:
+        raise NotFoundError(f"inertia is {share:.1%} of the preload: the swing is not slow")
 
 
 def _with_narrow_zone(model: Fidelity) -> Fidelity:

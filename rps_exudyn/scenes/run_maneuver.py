@@ -64,7 +64,7 @@ STEADY = 2e-4  # of the force and of the rack's travel, over a period: what drif
 RETURNED = 3e-3  # ... if each motion of the rack beside its travel returns, but for this part of its range
 UNDER_TORQUE = 0.1  # of the tolerance where a torque is given, for what is left over would hold the gear
 UNEVEN = Swing, SetOff, WheelTorque  # drives under which friction turns about
-NOT_CURED_BY_STEPS = {Code.SWING_TOO_FAST, Code.BEYOND_LAW, Code.START_MATTERS}  # of an invalid swing
+NOT_CURED_BY_STEPS = {Code.SWING_TOO_FAST, Code.BEYOND_LAW, Code.START_MATTERS}
 SHAKEN = 0.15  # contractivity: between impacts an old Jacobian takes twice the iterations
 JUMPS = (
     "; where the gear's torque falls by more than the column's {:.4g} N*m/rad, or the rack snaps "
@@ -234,9 +234,10 @@ def _is_coarse(run: SceneRun, gear: SteeringGear, maneuver: Maneuver, tolerance:
         return False
     if maneuver.drive.body == "wheel" and Code.WORK_MISSING in run.outcome.codes:
         return True  # the gear is let go behind its column, faster than the steps
+    if not run.ok and not NOT_CURED_BY_STEPS.isdisjoint(run.outcome.codes):
+        return False
     if isinstance(maneuver.drive, Swing):
-        cured = run.ok or NOT_CURED_BY_STEPS.isdisjoint(run.outcome.codes)
-        return cured and rolls_over_late(run.signals, gear)
+        return rolls_over_late(run.signals, gear)
     if not maneuver.is_steady:
         return False
     return needs_finer(run.signals, gear) or (tolerance > 0 and bends_more(run.signals, gear, tolerance))

@@ -141,6 +141,8 @@ RANDOM = {  # scene -> gears, and by how much their metrics may differ
     "yoke-impact": (1, SAME),
     "rattle": (1, SAME),
     "reversal": (1, SAME),
+    "steering-feel": (1, SAME),
+    "steering-torque": (1, SAME),
     "stick-slip": (1, 0.05),  # a rounding moves the instants at which the wheel sticks, 4 % of the time
 }
 
