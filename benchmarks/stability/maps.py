@@ -280,7 +280,7 @@ def run(folder: Path, maps: Mapping[str, Callable[[], list[StabilityMap]]] = Map
 def cells_table(folder: Path) -> str:
     """Cells of every map of an offered solver, and how many wrong ones pass the checks; maps that are all
     right in one row."""
-    rows, all_right = [], []
+    rows, all_right, pictures = [], [], []
     for file in sorted(folder.glob("*_*.json")):
         content = load_data(file)
         for each in content.get("maps", ()):
@@ -290,12 +290,15 @@ def cells_table(folder: Path) -> str:
             flags = [flag for row in each["flagged"] for flag in row]
             unseen = sum(c == Cell.WRONG and not flag for c, flag in zip(cells, flags, strict=True))
             counts = [cells.count(kind) for kind in list(Cell)[:4]]
+            picture = f"[{content['name']}]({content['name']}.png)"
             if counts[0] == len(cells):
                 all_right.append(counts[0])
+                pictures += [picture] * (picture not in pictures)
             else:
-                rows.append((content["name"], each["title"].partition(",")[0], *counts, unseen))
+                rows.append((picture, each["title"].partition(",")[0], *counts, unseen))
     if all_right:
-        rows.append((f"{len(all_right)} others", "both", sum(all_right), 0, 0, 0, 0))
+        shown = " ".join(each for each in pictures if each not in [row[0] for row in rows])
+        rows.append((f"{len(all_right)} others: {shown}", "both", sum(all_right), 0, 0, 0, 0))
     return markdown(("map", "method", *list(Cell)[:4], "wrong and not flagged"), rows)
 
 
