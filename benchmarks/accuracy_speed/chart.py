@@ -45,38 +45,69 @@ STYLES = {
     "spheres at rest": ("#e69138", "P"),
     "shaped pinion": ("#c27ba0", "h"),
     "meshed pinion": ("#b45f06", "p"),
-    "explicit": ("#45818e", "<"),
     "closed form": ("#000000", "*"),
 }
 """Colour and marker of each family, the same in all figures."""
 
+LINES = "flank, line", "quasi-static, line"
+PANELS = {
+    "models": ("general contact", "spheres at rest", "flank, bush chain", *LINES, "closed form"),
+    "contact laws": ("flank", "quasi-static", *LINES, "flank, teeth", "quasi-static, teeth"),
+    "friction laws": (*LINES, *(name for name in STYLES if name.endswith(("Stribeck", "bristles")))),
+    "bodies that yield, and many gears": tuple(
+        name for name in STYLES if name.endswith((" rack", "supported pinion", "gears, line"))
+    ),
+}
+"""Families of a panel each, where a scene has more than six; others stand in tables alone."""
+
+MOST = 6  # families of a panel
 WANTED = (1.0, 0.1)  # [%]
 DEFAULT_LAW = ", line"  # of the families whose gear has the default contact law
 
 
 def work_precision_figure(measurement: Measurement) -> Figure:
     """Cost upwards, error to the right, both in decades; each family's Pareto front is its line."""
-    figure, (axes,) = style.panels([5.6], 9.0)
-    in_decades(axes)
-    floor = measurement.reference.uncertainty
-    drawn = [point for point in measurement.points if point.ok and np.isfinite(point.error)]
-    for family in STYLES:
-        _draw_family(axes, family, [point for point in drawn if point.family == family], floor)
-    _mark_defaults(axes, drawn, floor)
-    _draw_failures(axes, [point for point in measurement.points if not point.ok])
-    _draw_floor(axes, floor)
-    low, high = axes.get_xlim()
-    for wanted in WANTED:
-        if low <= wanted <= high:
-            axes.axvline(wanted, **style.REFERENCE_LINE)
-    axes.set_xlabel("error, RMS over the motion [% of the mean]")
-    per = scene_named(measurement.scene).unit_of_cost
-    axes.set_ylabel(f"CPU time of the solver [s per {per}]")
-    _legend_beside(axes)
+    panels = panels_of({point.family for point in measurement.points})
+    figure, column = style.panels([5.6] if len(panels) == 1 else [3.4] * len(panels), 9.0)
+    for axes, (title, families) in zip(column, panels.items(), strict=True):
+        _draw_panel(axes, title, measurement, families)
+    column[-1].set_xlabel("error, RMS over the motion [% of the mean]")
     name, _, _ = scene_named(measurement.scene).title.partition(":")
     headline = f"{name}: cost of a model against its error"
     style.title(figure, headline, unfinished(measurement))
     return figure
+
+
+def panels_of(families: set[str]) -> dict[str, set[str]]:
+    """Return the families of each panel: one of up to six, else those that no other panel shows too."""
+    if len(families) <= MOST:
+        return {"": families}
+    shown = {title: families & {*members} for title, members in PANELS.items()}
+    return {
+        title: own for title, own in shown.items() if own and not any(own < each for each in shown.values())
+    }
+
+
+def _draw_panel(axes: Axes, title: str, measurement: Measurement, families: set[str]) -> None:
+    axes.set_title(title, loc="right")
+    in_decades(axes)
+    floor = measurement.reference.uncertainty
+    points = [point for point in measurement.points if point.family in families]
+    drawn = [point for point in points if point.ok and np.isfinite(point.error)]
+    for family in STYLES:
+        _draw_family(axes, family, [point for point in drawn if point.family == family], floor)
+    _mark_defaults(axes, drawn, floor)
+    _draw_failures(axes, [point for point in points if not point.ok])
+    axes.axvspan(floor / 3, floor, color=style.COLOURS["reference"], alpha=0.25, linewidth=0)
+    axes.set_xlim(left=floor / 3)
+    place: Any = {"xycoords": ("data", "axes fraction"), "fontsize": 8, "color": "#444444"}
+    axes.annotate(f"floor {floor:.2g} %", (floor / 3, 0.01), **place)
+    low, high = axes.get_xlim()
+    for wanted in WANTED:
+        if low <= wanted <= high:
+            axes.axvline(wanted, **style.REFERENCE_LINE)
+    axes.set_ylabel(f"CPU time [s per {scene_named(measurement.scene).unit_of_cost}]")
+    _legend_beside(axes)
 
 
 def unfinished(measurement: Measurement) -> str:
@@ -157,13 +188,6 @@ def _draw_failures(axes: Axes, points: list[Point]) -> None:
             edge: Any = {"transform": axes.get_yaxis_transform(), "clip_on": False}
             axes.plot(1.0, point.cost, "x", color=colour, label=label, **edge)
             label = "_"
-
-
-def _draw_floor(axes: Axes, floor: float) -> None:
-    axes.axvspan(floor / 3, floor, color=style.COLOURS["reference"], alpha=0.25, linewidth=0)
-    axes.set_xlim(left=floor / 3)
-    place: Any = {"xycoords": ("data", "axes fraction"), "fontsize": 8, "color": "#444444"}
-    axes.annotate(f"floor {floor:.2g} %", (floor / 3, 0.01), **place)
 
 
 def scaling_figure(measured: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> Figure:

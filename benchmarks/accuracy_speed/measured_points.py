@@ -1,9 +1,9 @@
 """Work against precision of every model, scene by scene; a run goes on where it was stopped.
 
 The points are those of `plans/*.toml`, which `rps-exudyn study` runs too, and for the free pinion torque
-those of models that no fidelity describes: Exudyn's explicit solvers, and pinions as they are cut. Each is
-run several times in this one process, and its least CPU time counts. Costs belong to the machine, errors do
-not: delete SCENE.h5 to measure again.
+those of models that no fidelity describes: pinions as they are cut. Each is run several times in this one
+process, and its least CPU time counts. Costs belong to the machine, errors do not: delete SCENE.h5 to measure
+again.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -18,7 +18,6 @@ from benchmarks.accuracy_speed.measurement import Measurement, PlannedPoint, loa
 from benchmarks.accuracy_speed.tables import TABLES
 from benchmarks.topic import Topic
 from rps_exudyn.pages.charts import style
-from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.scenes import scene_named
@@ -27,7 +26,6 @@ from rps_exudyn.study.definition import Axis, Study, Value
 from rps_exudyn.study.study_file import read_study
 from rps_exudyn.study.table import axis_quantity
 from verification.faceted import Surface, faceted_run, largest_deviation, meshed, shaped, spheres
-from verification.flywheel import explicit_run
 from verification.law_area import by_law
 from verification.references import Method, as_run, by_strips, over_generators, reference_of, still
 from verification.runs import SceneReference, run_scene
@@ -37,7 +35,7 @@ from verification.work_precision import Reference
 PLANS = Path(__file__).parent / "plans"
 OF_TORQUE = (
     "closed_form quasi_static quasi_static_turn spheres_at_rest flank newton bush "
-    "general_contact general_contact_step explicit faceted quasi_static_line flank_line quasi_static_teeth "
+    "general_contact general_contact_step faceted quasi_static_line flank_line quasi_static_teeth "
     "flank_teeth quasi_static_bending flank_bending quasi_static_stribeck flank_stribeck "
     "quasi_static_bristles flank_bristles quasi_static_supported flank_supported loop"
 )
@@ -61,19 +59,8 @@ FILES = {
     "radial-play": LOADED.split(),
 }
 REPEATS = {"free-pinion-torque": 15, "yoke-impact": 1}
-EXPLICIT = {
-    "VelocityVerlet": (10e-6, 20e-6, 30e-6, 40e-6, 60e-6),
-    "RK44": (20e-6, 30e-6, 50e-6, 60e-6),
-    "ExplicitMidpoint": (10e-6, 20e-6),
-}
-"""Solver of Exudyn -> steps [s]; the last of each is unstable."""
-
-CUTS = (50, 100, 200, 400)
-"""Cuts per turn of a shaped pinion."""
-
-CHORDS = (3e-6, 1e-6, 0.3e-6, 0.1e-6)
-"""Errors of the pinion's triangles [m]; the package's spheres sit on the last."""
-
+CUTS = (50, 100, 200, 400)  # per turn of a shaped pinion
+CHORDS = (3e-6, 1e-6, 0.3e-6, 0.1e-6)  # errors of the pinion's triangles [m]; spheres sit on the last
 FACETED = spheres(108, 36, "1 deg")
 GEAR = by_law(SteeringGear(), "area")  # as of the plans that set no law
 PITCH = GEAR.replace({"test.turns": 1 / 6})
@@ -88,10 +75,9 @@ def run(
 ) -> None:
     """Measure the points of these plans, scene by scene, and write their files and charts.
 
-    Where all points of a scene are of variants, its reference is that of the default contact law.
-
-    `thinned` takes points out of a plan; `methods` of the reference are by default those of the scene;
-    `repeats` of a point are 3 for other scenes.
+    Where all points of a scene are of variants, its reference is that of the default contact law. `thinned`
+    takes points out of a plan; `methods` of the reference are by default those of the scene; `repeats` of a
+    point are 3 for other scenes.
     """
     for scene, plans in scenes.items():
         planned = list(points_of(scene, plans, thinned))
@@ -137,17 +123,6 @@ def points_of(scene: str, plans: Sequence[str], thinned: Callable[[Study], Study
             gear = setup.steering_gear
             gear = gear if "mesh.law" in study.settings else by_law(gear, "area")  # known in three ways
             yield PlannedPoint.of_scene(name, label, scene, gear, setup.fidelity)
-
-
-def explicit_points(scene: str) -> Iterator[PlannedPoint]:
-    """Exudyn's explicit solvers over a tooth pitch."""
-    fidelity = Fidelity.preset("flank")
-    for solver, steps in EXPLICIT.items():
-        for step in steps:
-            run = partial(explicit_run, PITCH, fidelity, solver, step)
-            yield PlannedPoint(
-                "explicit", f"{solver}, {1e6 * step:g} us", "explicit", fidelity, PITCH.test.turns, run
-            )
 
 
 def faceted_points(scene: str) -> Iterator[PlannedPoint]:
@@ -200,7 +175,7 @@ def warm_up(scene: str, plan: PlannedPoint) -> None:
         WARM.add(kind)
 
 
-BUILT = {"explicit": explicit_points, "faceted": faceted_points, "loop": loop_points}
+BUILT = {"faceted": faceted_points, "loop": loop_points}
 
 COARSE = {"generators": over_generators(40, as_run(still("3 deg"))), "strips": as_run(by_strips("3 deg"))}
 

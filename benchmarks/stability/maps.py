@@ -293,11 +293,11 @@ def cells_table(folder: Path) -> str:
             picture = f"[{content['name']}]({content['name']}.png)"
             if counts[0] == len(cells):
                 all_right.append(counts[0])
-                pictures += [picture] * (picture not in pictures)
+                pictures.append(picture)
             else:
                 rows.append((picture, each["title"].partition(",")[0], *counts, unseen))
     if all_right:
-        shown = " ".join(each for each in pictures if each not in [row[0] for row in rows])
+        shown = " ".join(dict.fromkeys(each for each in pictures if each not in [row[0] for row in rows]))
         rows.append((f"{len(all_right)} others: {shown}", "both", sum(all_right), 0, 0, 0, 0))
     return markdown(("map", "method", *list(Cell)[:4], "wrong and not flagged"), rows)
 
