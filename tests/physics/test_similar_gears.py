@@ -7,7 +7,7 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from verification.sampler import random_gear, with_laws
@@ -143,8 +143,10 @@ RANDOM = {  # scene -> gears, and by how much their metrics may differ
     "reversal": (1, SAME),
     "steering-feel": (1, SAME),
     "steering-torque": (1, SAME),
-    "stick-slip": (1, 0.05),  # a rounding moves the instants at which the wheel sticks, 4 % of the time
+    "stick-slip": (1, 0.02),
 }
+BY_ROUNDING = {"stick-slip": {"stick_share"}}
+"""Metrics of a scene that a rounding moves: the instants at which the wheel sticks, of 4 % of the time."""
 
 
 @pytest.mark.long
@@ -159,10 +161,16 @@ def test_random_gears_are_similar(scene: str) -> None:
         first = rps.run(scene, gear, fidelity=fidelity)
         for twin in twins(gear, scene):
             second = rps.run(scene, twin.gear, fidelity=fidelity)
-            assert (second.status, second.codes) == (first.status, first.codes), twin.kind
+            moved = BY_ROUNDING.get(scene, set())
+            codes = [
+                [code for code in run.codes if not (moved and code == Code.METRIC_NOT_CONFIRMED)]
+                for run in (first, second)
+            ]
+            assert (second.status, codes[1]) == (first.status, codes[0]), twin.kind
             if first.status is Status.OK:
                 shares = twin.differences(first, second)
-                assert {metric: share for metric, share in shares.items() if not abs(share) < same} == {}
+                off = {metric for metric, share in shares.items() if not abs(share) < same}
+                assert off <= moved, {metric: shares[metric] for metric in off}
 
 
 @pytest.mark.quick
