@@ -21,6 +21,7 @@ from rps_exudyn.solvers.steering_column import WheelTorque
 
 NOTHING = np.zeros(0)
 MOST_STEPS, SPARE = 200, 500  # of the planned ones
+LITTLE, STEEPER = 0.1, 1.02  # tilt [rad], and how much steeper than that the axis may be then
 SAME_TIME = 1e-12  # of the time, by which Exudyn's last step may end beyond one that was reduced
 
 
@@ -98,11 +99,13 @@ class Recorder:
 
     def _stop_out_of_mesh(self, t: float) -> None:
         """End a run whose rack leaves the teeth: what follows is not the gear's motion."""
+        if self._lift_bound() <= self._allowed_lift:
+            return
         places, rates = (each[None, self._columns] for each in self.steps[-1][1:3])
         bar = self.model.forces.bar
         rack = places[:, COORDINATE_BLOCKS["rack"]] if bar is None else bar.poses(places, rates, AT_MESH)[0]
         lift = abs(float(axis_at_pitch_point(rack)[0, 0]) - self.model.gear.installation.axis_offset)
-        allowed = largest_lift(self.model.gear)
+        allowed = self._allowed_lift
         if not lift <= allowed:
             raise StepRefusedError(
                 f"the rack is {1e6 * lift:.4g} um out of its place, first above {1e6 * allowed:.4g} um "
@@ -110,6 +113,16 @@ class Recorder:
                 Status.CONTACT_LOST,
                 Code.RACK_OUT_OF_MESH,
             )
+
+    def _lift_bound(self) -> float:
+        """Return more than the lift of a rack that tilts little, at little cost; inf of another one."""
+        if self.model.forces.bar is not None:
+            return np.inf
+        x, y, _, _, b, c = self.steps[-1].coordinates[self._rack_columns].tolist()
+        tilt = abs(b) + abs(c)
+        if not tilt < LITTLE:
+            return np.inf
+        return abs(y - self.model.gear.installation.axis_offset) + STEEPER * abs(x) * tilt
 
     def _multiplier(self, system: Any) -> float:
         """That of the drive's constraint; 0 where a torque turns the wheel."""
@@ -137,6 +150,14 @@ class Recorder:
     @cached_property
     def _columns(self) -> np.ndarray:
         return self.model.columns(self.model.stack)
+
+    @cached_property
+    def _rack_columns(self) -> np.ndarray:
+        return self._columns[COORDINATE_BLOCKS["rack"]]
+
+    @cached_property
+    def _allowed_lift(self) -> float:
+        return float(largest_lift(self.model.gear))
 
     @property
     def reached(self) -> float:
