@@ -1,6 +1,7 @@
 """A run that fails midway keeps what it recorded until then, and says how it failed."""
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -10,9 +11,10 @@ from exudyn.itemInterface import Force, MarkerNodePosition
 import rps_exudyn as rps
 from rps_exudyn import load
 from rps_exudyn.multibody import model as model_of_gear
-from rps_exudyn.multibody.recorder import Recorder
+from rps_exudyn.multibody.recorder import RecordedStep, Recorder
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.results.outcome import Status
+from rps_exudyn.solvers.record import axis_at_pitch_point
 from shell import Command
 
 TURNS = 1 / 36
@@ -113,3 +115,21 @@ def test_an_instant_that_is_reached_twice_is_kept_once(monkeypatch: pytest.Monke
     monkeypatch.setattr(Recorder, "_keep", keep_twice)
     twice = rps.run("free-pinion-torque", turns=TURNS)
     np.testing.assert_array_equal(twice["time"], once["time"])
+
+
+def test_bound_of_a_rack_s_lift_is_never_below_it() -> None:
+    """Racks anywhere on their travel, rolled by any angle and tilted a little, and one that tilts much."""
+    nowhere = SimpleNamespace(axis_offset=0.0)
+    model: Any = SimpleNamespace(
+        forces=SimpleNamespace(bar=None),
+        gear=SimpleNamespace(installation=nowhere),
+        columns=lambda stack: np.arange(8),
+        stack=(),
+    )
+    recorder, rng = Recorder(model), np.random.default_rng(3)
+    for tilt in (*rng.uniform(0.0, 0.05, 200), 0.2):
+        rack = np.concatenate([rng.uniform(-0.2, 0.2, 1), rng.normal(size=2) * 1e-3, rng.uniform(-3, 3, 1)])
+        rack = np.append(rack, tilt * rng.choice([-1, 1], 2))
+        recorder.steps = [RecordedStep(0.0, np.array([0.0, *rack, 0.0]), np.zeros(8), 0.0, None, np.zeros(0))]
+        assert recorder._lift_bound() >= abs(axis_at_pitch_point(rack[None])[0, 0]) - 1e-12
+    assert recorder._lift_bound() == np.inf
