@@ -77,9 +77,12 @@ def run_and_confirm(
     """
 
     steady = maneuvers[0].is_steady
+    unshown = (
+        SPREADS if steady and fidelity.mesh == "general-contact" else frozenset()
+    )  # no run confirms them
 
     def asked(signals: Signals) -> dict[str, Any]:
-        found = metrics(signals)
+        found = {name: each for name, each in metrics(signals).items() if name not in unshown}
         return {name: each for name, each in found.items() if name == figure or options.wants([name])}
 
     def made(halvings: int) -> SceneRun:
