@@ -27,7 +27,7 @@ VARIED = {"yoke.preload": 0.1, "mesh.friction": 0.2, "bush.drag": 0.2}
 
 def loop_points(scene: str, steps: Sequence[float] = STEPS, gears: int = GEARS) -> Iterator[PlannedPoint]:
     """Plan the default gear among others, by the default contact law."""
-    gear = SteeringGear()
+    gear = SteeringGear().replace({"mesh.law": "line"})
     for step in steps:
         fidelity = Fidelity.preset("quasi-static").replace({"step_angle": f"{step} deg"})
         run = partial(loop_run, scene, gear, fidelity, gears)

@@ -42,7 +42,7 @@ OF_TORQUE = (
 OF_TURNING = (
     "closed_form quasi_static flank quasi_static_line flank_line quasi_static_teeth flank_teeth "
     "quasi_static_bending flank_bending quasi_static_stribeck flank_stribeck quasi_static_bristles "
-    "flank_bristles loop"
+    "flank_bristles"
 )
 BY_DEFAULT_LAW = "quasi_static_line flank_line"
 ON_BRISTLES = "quasi_static_bristles flank_bristles quasi_static_four_bristles flank_four_bristles"
