@@ -294,15 +294,16 @@ def confirmed(
             raise Interrupted(coarse) from None
         return run.described(metrics) if run.ok else run  # the record of one that failed lacks motions
 
-    figure_moved = [0.0]
+    figure_moved = 0.0
 
-    def standing_not(change: Mapping[str, float]) -> dict[str, float]:
-        allowed = {name: 1.0 if smooth or name == figure else KINKED for name in change}
-        return {name: value for name, value in change.items() if not value <= allowed[name]}
+    def not_standing(change: Mapping[str, float]) -> dict[str, float]:
+        beyond = _beyond(change, 1.0 if smooth else KINKED)
+        return {name: value for name, value in beyond.items() if name != figure or not value <= 1.0}
 
     def unsure(coarse: SceneRun, fine: SceneRun) -> float:
+        nonlocal figure_moved
         change, between_fine = changed(coarse, fine), between(fine)
-        figure_moved[0] = change.get(figure, 0.0)
+        figure_moved = change.get(figure, 0.0)
         if smooth and not always and not _beyond(larger(change, missed(fine)), 1.0):
             return 0.0
         asking = (each for name, each in change.items() if name not in WITHOUT_FINER_STEPS)
@@ -313,7 +314,7 @@ def confirmed(
     def asks(each: SceneRun) -> bool:
         if each is described:
             return always or bool(_beyond(first, 1.0))
-        return not for_figure or figure_moved[0] > AGREED
+        return not for_figure or figure_moved > AGREED
 
     refined = refine(
         described,
@@ -326,10 +327,10 @@ def confirmed(
     )
     finest = refined.finest
     if refined.confirmed and refined.times == 1 and not smooth:
-        left = standing_not(changed(described, finest))
+        left = not_standing(changed(described, finest))
         return _left_out(_counted(described, refined.runs, 0), left, figure)
     if refined.times and (refined.failed is None or not smooth):
-        left = standing_not(larger(changed(refined.runs[-2], finest), between(finest)))
+        left = not_standing(larger(changed(refined.runs[-2], finest), between(finest)))
     else:
         left = _beyond(first if not refined.times else missed(finest), 1.0)
     return _left_out(_counted(finest, refined.runs, begun + refined.times), left, figure)

@@ -134,8 +134,8 @@ def part_of_pitch(gear: SteeringGear, fidelity: Fidelity, signals: Signals) -> R
 
 
 def few_stations(gear: SteeringGear, fidelity: Fidelity) -> Remark | None:
-    """Return a remark on teeth that bend together, of which few stations miss up to half of the motions that
-    the rack makes beside its travel, while forces are right to a percent."""
+    """Return a remark on teeth that bend together, of which few stations miss up to a third of the motions
+    that the rack makes beside its travel, while forces are right to a percent."""
     least, has = STATIONS_FOR_MOTIONS, fidelity.strip_stations
     if gear.mesh.contact_law != "teeth" or fidelity.mesh != "flank" or has >= least:
         return None
