@@ -24,7 +24,7 @@ from rps_exudyn.results.outcome import Code, Interrupted, Remark, Status
 from rps_exudyn.results.quantities import (
     ANOTHER_CYCLE,
     LOSS_SHARES,
-    MOTIONS,
+    NEEDS_STATIONS,
     OTHER,
     SPREADS,
     SUMMARY,
@@ -109,10 +109,10 @@ def run_and_confirm(
 
 
 def with_motions_seen(run: SceneRun, gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
-    """Return a run without the rack's motions where its stations on a line of contact are too few for
-    them."""
+    """Return a run without the rack's motions and the torque's tooth order where its stations on a line of
+    contact are too few for them."""
     remark = few_stations(gear, fidelity)
-    return run.noting(remark).without(MOTIONS) if remark else run
+    return run.noting(remark).without(NEEDS_STATIONS) if remark else run
 
 
 def with_finer_friction(fidelity: Fidelity, halvings: int) -> Fidelity:
@@ -360,7 +360,8 @@ def _left_out(run: SceneRun, change: Mapping[str, float], figure: str) -> SceneR
     if figure in change:
         shown = f"{figure} is not confirmed: {_by(change)} change {_all_shown(change)}"
         return run.invalid(Code.STEPS_TOO_COARSE, shown)
-    return run.without(change).noting(not_confirmed(change))
+    shares = LOSS_SHARES if LOSS_SHARES & change.keys() else frozenset()  # of one whole: all or none
+    return run.without(change.keys() | shares).noting(not_confirmed(change))
 
 
 def not_confirmed(change: Mapping[str, float]) -> Remark:

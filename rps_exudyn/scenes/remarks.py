@@ -21,7 +21,8 @@ DIED = 1.0  # power of e by which what began before a way, or with it, should di
 UNRESOLVED_UNDAMPED = 0.015  # ... or else steps may miss no more of the mean than that
 UNSETTLED = 0.05  # of the force's variation, which may depend on where the motion began
 LEFT_OUT = "peak to peak values and ranges are omitted"
-STATIONS_FOR_MOTIONS = 8  # of teeth that bend; six leave motions up to 11 % off, four up to 30 %
+STATIONS_FOR_MOTIONS = 4  # on a line; two leave motions up to 28 % off ...
+STATIONS_OF_TEETH = 8  # ... and of teeth that bend six up to 11 %, four up to 30 %
 JUMP = 0.05  # of the mean between equilibria whose steps were halved as often as makes sense
 
 
@@ -134,15 +135,17 @@ def part_of_pitch(gear: SteeringGear, fidelity: Fidelity, signals: Signals) -> R
 
 
 def few_stations(gear: SteeringGear, fidelity: Fidelity) -> Remark | None:
-    """Return a remark on teeth that bend together, of which few stations miss up to a third of the motions
-    that the rack makes beside its travel, while forces are right to a percent."""
-    least, has = STATIONS_FOR_MOTIONS, fidelity.strip_stations
-    if gear.mesh.contact_law != "teeth" or fidelity.mesh != "flank" or has >= least:
+    """Return a remark on lines of contact with few stations, which miss up to a third of the motions that the
+    rack makes beside its travel, while forces are right to a percent."""
+    bend, has = gear.mesh.contact_law == "teeth", fidelity.strip_stations
+    least = STATIONS_OF_TEETH if bend else STATIONS_FOR_MOTIONS
+    if fidelity.mesh != "flank" or has >= least:
         return None
+    lines = "teeth that bend ask" if bend else "a line of contact asks"
     return Remark(
         Code.FEW_STATIONS,
-        f"the rack's motions beside its travel and the transmission error are omitted: "
-        f"fidelity.strip_stations is {has}, and teeth that bend ask for {least} to show them",
+        f"the rack's motions beside its travel, the transmission error and the tooth order are omitted: "
+        f"fidelity.strip_stations is {has}, and {lines} for {least} to show them",
     )
 
 

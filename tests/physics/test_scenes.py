@@ -256,13 +256,14 @@ def test_loop_encloses_what_friction_takes(fidelity: str) -> None:
 
 def test_reversal_angle_at_the_limit_of_no_friction_zone() -> None:
     """By as many stations of a line, the default zone and steps are within 2 % of a zone and steps five times
-    as narrow; of fifty times the zone the message states on what the angle depends."""
+    as narrow; of fifty times the zone there is none, and the message states on what it depends."""
     gear, many = {"test.amplitude": "30 deg"}, {"strip_stations": 12}
     finer = {"zone_ratio": 0.0002, "step_angle": "0.2 deg"}, {}, {"zone_ratio": 0.1}
     models = (Fidelity.preset("quasi-static").replace({**many, **each}) for each in finer)
     limit, here, beyond = (ran("reversal", gear, model) for model in models)
     angle = limit.summary["reversal_angle"]
     assert here.summary["reversal_angle"] == pytest.approx(angle, rel=0.02)
+    assert "reversal_angle" not in beyond.summary
     assert "fidelity.zone_ratio" in beyond.message
     assert not here.message
 

@@ -124,3 +124,12 @@ def test_run_within_its_time_limit_is_the_same_run() -> None:
     assert result.summary["torque_mean"] == pytest.approx(
         run(TORQUE, gear, fidelity=STILL).summary["torque_mean"]
     )
+
+
+@pytest.mark.parametrize(("law", "few", "enough"), [("line", 3, 4), ("teeth", 7, 8)])
+def test_few_stations_on_a_line_leave_motions_out(law: str, few: int, enough: int) -> None:
+    gear, model = SteeringGear().replace({"mesh.law": law}), Fidelity.preset("quasi-static")
+    here, there = (run(TORQUE, gear, fidelity=model.replace({"strip_stations": n})) for n in (few, enough))
+    assert here.summary["torque_mean"] == pytest.approx(there.summary["torque_mean"], rel=2e-3)
+    assert there.summary.keys() - here.summary.keys() >= {"rack_lift_range", "torque_tooth_order"}
+    assert f"fidelity.strip_stations is {few}" in here.message
