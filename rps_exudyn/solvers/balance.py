@@ -8,17 +8,12 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.base.compiled import ready
-from rps_exudyn.forces.friction import STATE_SIZE, TIME, reset
+from rps_exudyn.forces.friction import STATE_SIZE, reset
 from rps_exudyn.solvers.gear_model import WORK
 
 SIZE = 8  # coordinates of pinion, rack and plunger; modes of a flexible rack and the supports follow
 CHARACTERISTIC_LENGTHS = np.array([0.01, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 1.0])  # coordinates to lengths [m]
 SUPPORT_LENGTHS = np.array([1.0, 1.0, 1.0, 0.01, 0.01])
-
-
-STEPS_PER_SECOND = 100.0  # of a rate's difference over that of its coordinate, at most ...
-PART_OF_ZONE = 0.04  # ... and that difference over the friction zone
-SHORTEST_STEP = 1e-15  # [m]: of a coordinate of 0.1 m the last digits
 
 
 def new_work() -> np.ndarray:
@@ -103,49 +98,6 @@ class Balance:
         law(q, v, self.gears, 0, self.pool, self.works, factor_q, factor_v, total, tangent)
         return total, tangent
 
-    def difference_tangent(
-        self, q: np.ndarray, v: np.ndarray, factor_q: float, factor_v: float
-    ) -> np.ndarray:
-        """Return the same tangent by forward differences, with what turns with the bar's small angles.
-
-        Steps are far below penetrations (micrometres) and within the friction zone; rotations act at
-        centimetres. Where friction has a state, a step of a coordinate is one of its rate too, and as short.
-        """
-        n = q.size
-        total, moved, unused = np.empty(n), np.empty(n), np.zeros((0, 0))
-        tangent, law = np.zeros((n, n)), ready(self.law)
-        rest = self.gears, 0, self.pool, self.works, 0.0, 0.0
-        step = np.where(self._angles(n), 1e-8, 1e-9)
-        per_step = min(STEPS_PER_SECOND, PART_OF_ZONE * float(self.gears[0]["fit"]["zone"]) / 1e-9)
-        h = self.memory[1, TIME] - self.memory[0, TIME] if self.has_bristles else 0.0
-        if 0 < h < np.inf:
-            factor_v, step = 0.0, np.minimum(step, np.maximum(h * per_step * step, SHORTEST_STEP))
-        law(q, v, *rest, total, unused)
-        place, rate = q.copy(), v.copy()
-        for j in range(n):
-            if factor_q:
-                place[j] += step[j]
-                law(place, v, *rest, moved, unused)
-                tangent[:, j] += factor_q / (place[j] - q[j]) * (moved - total)
-                place[j] = q[j]
-            if factor_v:
-                rate[j] += per_step * step[j]
-                law(q, rate, *rest, moved, unused)
-                tangent[:, j] += factor_v / (rate[j] - v[j]) * (moved - total)
-                rate[j] = v[j]
-        return tangent
-
-    def _angles(self, size: int) -> np.ndarray:
-        """Which coordinates of a stack (size,) are angles: of pinion and rack, of a segment behind them if it
-        has one, of the supports."""
-        angles = np.zeros(size, dtype=bool)
-        angles[[0, 4, 5, 6]] = True
-        if size > self.size:
-            angles[SIZE + 3 : SIZE + 6] = True
-        if len(self.supported):
-            angles[-2:] = True
-        return angles
-
     def with_(self, **changes: Any) -> "Balance":
         """Return the same with other inertia or forces from outside."""
         return replace(self, **changes)
@@ -160,7 +112,7 @@ class Balance:
 def slopes(balance: Balance, places: np.ndarray, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the forces' slopes by places and by rates, (k, n, n) each, at k places and rates (k, n)."""
     by_place, by_rate = (
-        np.array([balance.difference_tangent(q, v, *factors) for q, v in zip(places, rates, strict=True)])
+        np.array([balance.tangent(q, v, *factors) for q, v in zip(places, rates, strict=True)])
         for factors in ((1.0, 0.0), (0.0, 1.0))
     )
     return by_place, by_rate

@@ -94,10 +94,6 @@ def test_chain_rule_gives_the_tangent(bent: GearForces, factors: tuple[float, fl
             expected[:, j] = rise / (2 * (factors[0] + 100 * factors[1]) * step)
         scale = np.outer(balance.lengths, balance.lengths)
         assert np.abs((found - expected) / scale).max() < 1e-3 * np.abs(expected / scale).max()
-        size = np.sqrt(np.abs(np.diag(expected)))
-        size = np.maximum(size, 1e-3 * size.max())
-        by_differences = balance.difference_tangent(q, v, *factors)
-        assert np.abs((by_differences - expected) / np.outer(size, size)).max() < 2e-3
 
 
 @pytest.mark.parametrize("cells", [False, pytest.param(True, marks=pytest.mark.long)])
