@@ -61,6 +61,7 @@ HALVED = (1, 2)  # times that the steps of finer runs are halved, ...
 STEPS_OF_FINER = np.deg2rad((0.4, 2.0))  # ... which are the plan's within these bounds [rad], ...
 STATIONS_OF_FINER = 6, 12  # ... twice the plan's stations of a strip within these ...
 LARGEST_TOLERANCE = 1e-5  # ... and whose tolerance is at most this
+EXTREMES = "_max", "_min"  # of signals, by their names
 NARROW_ZONE = 0.002  # of friction where motion stops: reversal_angle is then within 3 %
 MOST_REFINED = 12000  # ... and parts of them
 SLOW = 0.02  # of the preload: inertia most of the time, above which equilibria do not stand for a swing
@@ -119,7 +120,7 @@ def finer_metrics(plan: ScenePlan) -> dict[str, tuple[float, float]]:
 
     They are those of dynamics where these end well, for equilibria leave out what inertia does; else those of
     equilibria. Equilibria of steady motion have no vibration, of which their user reads: how far their
-    signals vary is judged by finer equilibria.
+    signals vary, and their extremes, are judged by finer equilibria.
 
     Raises:
         NotFoundError: neither ends well in both lengths of its steps.
@@ -136,7 +137,11 @@ def finer_metrics(plan: ScenePlan) -> dict[str, tuple[float, float]]:
         found, cause = _by_solver(plan, solver)
         causes.append(cause)
         if still and solver == "generalized-alpha":
-            found = {name: each for name, each in found.items() if name not in SPREADS}
+            found = {
+                name: each
+                for name, each in found.items()
+                if name not in SPREADS and not name.endswith(EXTREMES)
+            }
         right = found | right
     if not right:
         raise NotFoundError("; ".join(causes))

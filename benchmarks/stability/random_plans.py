@@ -14,7 +14,7 @@ import multiprocessing
 import multiprocessing.connection
 import os
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from hashlib import sha256
 from math import isfinite, nan
@@ -29,7 +29,7 @@ from rps_exudyn.base.compiling import CompileStep, listeners
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.friction_law import LAWS, RUBBING_PARTS
 from rps_exudyn.results.outcome import Code, Status
-from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.results.quantities import LOSS_SHARES, SUMMARY
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.simulate.run_plan import run_unchecked
@@ -55,7 +55,7 @@ BY_EQUATIONS = ("free-pinion-torque", "rack-push", "load-test", "reversal", "yok
 BEHIND_COLUMN = ("steering-feel", "stick-slip")
 RIPPLES = ("torque_peak_to_peak", "push_force_peak_to_peak")
 OWN_UNITS = ("N*m", "N", "J", "W")
-NOT_JUDGED = ("energy_residual",)  # a check of the run itself
+NOT_JUDGED = "energy_residual"  # a check of the run itself
 LARGEST_SHOWN = 0.1  # of plans lost or called wrong, from which a kind of them has a row
 DATA = "random_plans.csv"
 COLUMNS = (
@@ -67,6 +67,7 @@ OutcomeOf = Callable[[Any, Callable[[dict[str, Any]], None]], dict[str, Any]]
 """Number of a plan, and what gets a part of its outcome early -> its outcome."""
 
 WRONGLY_OK = ("SILENTLY WRONG", "SILENTLY WRONG METRIC")
+DISPUTED = "right by one of two references"
 LOST = ("no-convergence", "diverged", "timeout", "crashed")
 FALSE_ALARMS = ("invalid, was right", "refused, was right")
 
@@ -105,14 +106,10 @@ def outcome_of(number: int, done: Callable[[dict[str, Any]], None] = lambda foun
 
     `done` gets the outcome before the references are made, and after each.
     """
-    plan = plan_of(number)
-    start = process_time()
+    plan, start, refusal = plan_of(number), process_time(), ""
     try:
         tested = replace(plan, gear=tested_gear(plan.gear))
-    except InputError as error:
-        return {"status": "input-error", "message": str(error)}
-    refusal = "; ".join(refused(tested.gear, plan.fidelity, steady=scene_named(plan.scene).steady))
-    try:
+        refusal = "; ".join(refused(tested.gear, plan.fidelity, steady=scene_named(plan.scene).steady))
         result = run_unchecked(plan.scene, plan.gear, plan.fidelity)
     except InputError as error:
         return {"refused": refusal, "status": "input-error", "message": str(error)}
@@ -120,18 +117,16 @@ def outcome_of(number: int, done: Callable[[dict[str, Any]], None] = lambda foun
         if not refusal:
             raise
         return {"refused": refusal, "status": "crashed", "message": f"{type(error).__name__}: {error}"}
-    found: dict[str, Any] = {"refused": refusal, "status": result.status.value}
-    found |= {"message": result.message, "codes": result.codes}
-    found["seconds"] = process_time() - start
+    found: dict[str, Any] = {"refused": refusal, "status": result.status.value, "codes": result.codes}
+    found |= {"message": result.message, "seconds": process_time() - start}
     failed = result.status not in (Status.OK, Status.INVALID) or Code.BEYOND_LAW in result.codes
     if failed or plan.fidelity.solver == "closed-form":
         return found
     done(found)
-    start, said = process_time(), []
-    right: Values = {}
+    start, said = process_time(), list[str]()
+    right: list[Values] = []
     for name, values in references(tested, result.summary.keys()):
-        said.append(name)
-        right = values | right  # those of other methods come first
+        said, right = [*said, name], [*right, values]
         found |= {"reference": "; ".join(said), "reference_seconds": process_time() - start}
         found |= errors(plan, result.summary, right)
         done(found)
@@ -182,37 +177,43 @@ def behind_column(plan: ScenePlan) -> tuple[str, Values]:
     return f"implicit Runge-Kutta, {finer}", values
 
 
-def errors(
-    plan: ScenePlan, summary: Mapping[str, float], right: Mapping[str, tuple[float, float]]
-) -> dict[str, Any]:
+def errors(plan: ScenePlan, summary: Mapping[str, float], right: Sequence[Values]) -> dict[str, Any]:
     """Error of the scene's figure, and that of the metric that is most wrong, its name, and how many are
-    judged."""
+    judged; whether the figure is right by one reference and wrong by another, both sure of themselves.
+
+    A metric is judged by the first reference that is sure of it, the figure by the one that it is nearest to.
+    """
     figure = scene_named(plan.scene).figure
-    found: dict[str, float] = {}
-    for name in summary.keys() & right.keys():
-        value, doubt = right[name]
-        size, allowed = size_of(name, right), WRONG if name == figure else WRONG_METRIC
-        if name not in NOT_JUDGED and size > 0 and doubt <= SURE * allowed * size:
-            found[name] = (summary[name] - value) / size
-    others = {name: each for name, each in found.items() if name != figure}
+    found: dict[str, list[float]] = {}
+    for values in right:
+        for name in summary.keys() & values.keys() - {NOT_JUDGED}:
+            value, doubt = values[name]
+            size, allowed = size_of(name, values), WRONG if name == figure else WRONG_METRIC
+            if size > 0 and doubt <= SURE * allowed * size:
+                found.setdefault(name, []).append((summary[name] - value) / size)
+    others = {name: each[0] for name, each in found.items() if name != figure}
     worst = max(others, key=lambda name: abs(others[name]), default="")
+    of_figure = sorted(found.get(figure, [nan]), key=abs)
     return {
-        "error": found.get(figure, nan),
+        "error": of_figure[0],
         "metric": worst,
         "metric_error": others.get(worst, nan),
         "judged": len(found),
+        "disputed": abs(of_figure[0]) <= WRONG < abs(of_figure[-1]),
     }
 
 
 def size_of(name: str, right: Mapping[str, tuple[float, float]]) -> float:
     """Return what the error of a metric is counted by, in its unit: its size and a hundredth of the largest
-    of its kind, for what is small besides may be wrong by more."""
+    of its kind, for what is small besides may be wrong by more; shares of the loss are of one kind."""
     unit = SUMMARY[name].unit if name in SUMMARY else ""
-    if unit not in OWN_UNITS:
-        least = SUMMARY[name].least if name in SUMMARY else 0.0
-        return max(abs(right[name][0]), least) + LEAST_SIZES.get(unit, 0.0)
-    alike = [abs(right[other][0]) for other in right if other in SUMMARY and SUMMARY[other].unit == unit]
-    return abs(right[name][0]) + OF_LARGEST * max(alike)
+    least = SUMMARY[name].least if name in SUMMARY else 0.0
+    own, alike = max(abs(right[name][0]), least), LOSS_SHARES
+    if unit in OWN_UNITS:
+        alike = frozenset(other for other in right if other in SUMMARY and SUMMARY[other].unit == unit)
+    if name not in alike:
+        return own + LEAST_SIZES.get(unit, 0.0)
+    return own + OF_LARGEST * max(abs(right[other][0]) for other in alike & right.keys())
 
 
 def child(pipe: multiprocessing.connection.Connection, outcome_of: OutcomeOf) -> None:
@@ -321,7 +322,7 @@ def verdict(row: dict[str, Any]) -> str:
     if not judged:
         return "ok, no reference"
     if right:
-        return "right"
+        return DISPUTED if row.get("disputed") else "right"
     return WRONGLY_OK[0] if abs(error) > WRONG else WRONGLY_OK[1]
 
 

@@ -53,10 +53,22 @@ def test_a_small_metric_is_judged_by_itself_and_a_hundredth_of_the_largest() -> 
     plan = next(plan for n in range(99) if (plan := plan_of(n)).scene == "free-pinion-torque")
     right = {"torque_mean": (0.6, 0.0), "torque_peak_to_peak": (0.009, 0.0), "rack_lift_range": (3e-6, 1e-7)}
     summary = {"torque_mean": 0.6, "torque_peak_to_peak": 0.021, "rack_lift_range": 9e-6, "rack_gain": 0.04}
-    found = errors(plan, summary, right)
+    found = errors(plan, summary, [right])
     assert (found["metric"], found["judged"]) == ("torque_peak_to_peak", 2)
     assert found["metric_error"] == pytest.approx(0.012 / 0.015)
-    assert abs(errors(plan, summary | {"torque_peak_to_peak": 0.0095}, right)["metric_error"]) < WRONG_METRIC
+    assert (
+        abs(errors(plan, summary | {"torque_peak_to_peak": 0.0095}, [right])["metric_error"]) < WRONG_METRIC
+    )
+
+
+def test_a_figure_by_which_two_references_differ_is_called_so() -> None:
+    plan = next(plan for n in range(99) if (plan := plan_of(n)).scene == "free-pinion-torque")
+    right = [{"torque_mean": (0.62, 0.0)}, {"torque_mean": (0.60, 0.0)}]
+    of_one, of_none = (RIGHT | errors(plan, {"torque_mean": each}, right) for each in (0.605, 0.58))
+    assert verdict(of_one) == random_plans.DISPUTED
+    assert verdict(of_none) == "SILENTLY WRONG"
+    unsure = [{"torque_mean": (0.62, 0.01)}, right[1]]
+    assert verdict(RIGHT | errors(plan, {"torque_mean": 0.605}, unsure)) == "right"
 
 
 def test_plans_that_were_run_are_kept_and_those_of_other_declarations_run_again(
