@@ -532,6 +532,8 @@ NEEDS_STATIONS = MOTIONS | {"torque_tooth_order"}
 """Metrics that few stations on a line of contact miss, for all stations of a line enter the mesh at once."""
 LOSS_SHARES = frozenset(name for name in _SUMMARY if name.startswith("loss_share_"))
 """Metrics of who takes the work, which depend on how lines of contact share the load at each instant."""
+OF_ONE_WHOLE = LOSS_SHARES, frozenset({"yoke_force_min", "yoke_force_max"})
+"""Metrics that stand together: where one is wrong, the others of its whole are in doubt."""
 
 WITHOUT_FINER_STEPS = frozenset({"reversal_angle"})
 """Metrics that are left out where they change, but for which no steps are halved: the stations of a line turn

@@ -25,6 +25,7 @@ from rps_exudyn.results.quantities import (
     ANOTHER_CYCLE,
     LOSS_SHARES,
     NEEDS_STATIONS,
+    OF_ONE_WHOLE,
     OTHER,
     SPREADS,
     SUMMARY,
@@ -360,8 +361,8 @@ def _left_out(run: SceneRun, change: Mapping[str, float], figure: str) -> SceneR
     if figure in change:
         shown = f"{figure} is not confirmed: {_by(change)} change {_all_shown(change)}"
         return run.invalid(Code.STEPS_TOO_COARSE, shown)
-    shares = LOSS_SHARES if LOSS_SHARES & change.keys() else frozenset()  # of one whole: all or none
-    return run.without(change.keys() | shares).noting(not_confirmed(change))
+    others = {name for whole in OF_ONE_WHOLE if whole & change.keys() for name in whole}
+    return run.without(change.keys() | others).noting(not_confirmed(change))
 
 
 def not_confirmed(change: Mapping[str, float]) -> Remark:

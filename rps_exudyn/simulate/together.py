@@ -17,7 +17,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Remark
-from rps_exudyn.results.quantities import LOSS_SHARES, NEEDS_STATIONS
+from rps_exudyn.results.quantities import NEEDS_STATIONS, OF_ONE_WHOLE
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.scenes.maneuver import StepLimits
@@ -384,9 +384,10 @@ class _Followed:
         summary = dict(self.summary)
         for name in summary.keys() & beyond.keys():
             summary[name] = np.where(beyond[name] > 1, np.nan, summary[name])
-        shares = [beyond[name] > 1 for name in LOSS_SHARES & beyond.keys()]
-        for name in LOSS_SHARES & summary.keys() if shares else ():  # of one whole: all or none
-            summary[name] = np.where(np.any(shares, axis=0), np.nan, summary[name])
+        for whole in OF_ONE_WHOLE:
+            doubted = np.any([beyond[name] > 1 for name in whole & beyond.keys()], axis=0)
+            for name in whole & summary.keys():
+                summary[name] = np.where(doubted, np.nan, summary[name])
         few = few_stations(self.common.families[0].gear, self.common.families[0].fidelity)
         for name in NEEDS_STATIONS & summary.keys() if few else ():
             del summary[name]
