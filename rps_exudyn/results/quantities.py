@@ -528,8 +528,8 @@ MOTIONS = frozenset(
     name for name in _SUMMARY if name.startswith("transmission_error_") or name in RACK_RANGES
 )
 """Metrics of motions beside the travel, of micrometres."""
-NEEDS_STATIONS = MOTIONS | {"torque_tooth_order"}
-"""Metrics that few stations on a line of contact miss, for all stations of a line enter the mesh at once."""
+NEEDS_STATIONS = MOTIONS | {"torque_tooth_order", "torque_direction_difference"}
+"""Metrics that few stations on a line of contact miss: they are small beside forces that are right to 1 %."""
 LOSS_SHARES = frozenset(name for name in _SUMMARY if name.startswith("loss_share_"))
 """Metrics of who takes the work, which depend on how lines of contact share the load at each instant."""
 OF_ONE_WHOLE = LOSS_SHARES, frozenset({"yoke_force_min", "yoke_force_max"})

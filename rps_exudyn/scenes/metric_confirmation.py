@@ -98,7 +98,7 @@ def run_and_confirm(
         always = always or (steady and gear.test.speed > SLOW)
     most, more = most_finer(fidelity, options), 0 if steady else more_for_figure(fidelity, options)
     run = confirmed(run, asked, made, figure, most=most, for_figure=more, always=always, smooth=steady)
-    run = with_motions_seen(run, gear, fidelity)
+    run = with_stations_enough(run, gear, fidelity)
     if not steady:
         return run
     drive = maneuvers[0].drive
@@ -109,9 +109,8 @@ def run_and_confirm(
     return run.noting(unseen, in_part).without(left_out)
 
 
-def with_motions_seen(run: SceneRun, gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
-    """Return a run without the rack's motions and the torque's tooth order where its stations on a line of
-    contact are too few for them."""
+def with_stations_enough(run: SceneRun, gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
+    """Return a run without the small metrics for which its stations on a line of contact are too few."""
     remark = few_stations(gear, fidelity)
     return run.noting(remark).without(NEEDS_STATIONS) if remark else run
 
@@ -426,7 +425,7 @@ def run_swing(
 
     most, more = most_finer(fidelity, options), more_for_figure(fidelity, options)
     run = confirmed(run, metrics, made, figure, most=most, for_figure=more, always=True)
-    run = with_motions_seen(run, gear, fidelity)
+    run = with_stations_enough(run, gear, fidelity)
     return _with_cause(run, fidelity, maneuver.drive.signal)
 
 

@@ -144,8 +144,8 @@ def few_stations(gear: SteeringGear, fidelity: Fidelity) -> Remark | None:
     lines = "teeth that bend ask" if bend else "a line of contact asks"
     return Remark(
         Code.FEW_STATIONS,
-        f"the rack's motions beside its travel, the transmission error and the tooth order are omitted: "
-        f"fidelity.strip_stations is {has}, and {lines} for {least} to show them",
+        "the rack's motions beside its travel, the transmission error, the tooth order and the difference of "
+        f"directions are omitted: fidelity.strip_stations is {has}, and {lines} for {least} to show them",
     )
 
 

@@ -64,8 +64,8 @@ def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> S
     def metrics(signals: Signals) -> dict[str, float]:
         return {**_seen(signals, gear), **predicted, **balance(signals)}
 
-    maneuvers, certain = [set_off(gear)], "halvings" in run.outcome.findings or model.surplus <= 0
-    run = run_and_confirm(gear, fidelity, maneuvers, options, metrics, SCENE.figure, run, always=not certain)
+    maneuvers, always = [set_off(gear)], "halvings" not in run.outcome.findings
+    run = run_and_confirm(gear, fidelity, maneuvers, options, metrics, SCENE.figure, run, always=always)
     return run.noting(*remarks(gear, run.signals), nothing, zone)
 
 
