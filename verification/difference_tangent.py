@@ -3,12 +3,10 @@
 import numpy as np
 
 from rps_exudyn.base.compiled import ready
-from rps_exudyn.forces.friction import TIME
-from rps_exudyn.solvers.balance import SIZE, Balance
+from rps_exudyn.solvers.balance import Balance
 
 STEPS_PER_SECOND = 100.0  # of a rate's difference over that of its coordinate, at most ...
 PART_OF_ZONE = 0.04  # ... and that difference over the friction zone
-SHORTEST_STEP = 1e-15  # [m]: of a coordinate of 0.1 m the last digits
 
 
 def difference_tangent(
@@ -18,18 +16,14 @@ def difference_tangent(
     small angles.
 
     Steps are far below penetrations (micrometres) and within the friction zone; rotations act at centimetres.
-    Where friction has a state, a step of a coordinate is one of its rate too, and as short. Across a corner
-    of the forces a difference is no slope.
+    Across a corner of the forces a difference is no slope. Of friction without a state.
     """
     n = q.size
     total, moved, unused = np.empty(n), np.empty(n), np.zeros((0, 0))
     tangent, law = np.zeros((n, n)), ready(balance.law)
     rest = balance.gears, 0, balance.pool, balance.works, 0.0, 0.0
-    step = np.where(angles(balance, n), 1e-8, 1e-9)
+    step = np.where(angles(balance), 1e-8, 1e-9)
     per_step = min(STEPS_PER_SECOND, PART_OF_ZONE * float(balance.gears[0]["fit"]["zone"]) / 1e-9)
-    h = balance.memory[1, TIME] - balance.memory[0, TIME] if balance.has_bristles else 0.0
-    if 0 < h < np.inf:
-        factor_v, step = 0.0, np.minimum(step, np.maximum(h * per_step * step, SHORTEST_STEP))
     law(q, v, *rest, total, unused)
     place, rate = q.copy(), v.copy()
     for j in range(n):
@@ -46,13 +40,10 @@ def difference_tangent(
     return tangent
 
 
-def angles(balance: Balance, size: int) -> np.ndarray:
-    """Return which coordinates of a stack (size,) are angles: of pinion and rack, of a segment behind them if
-    it has one, of the supports."""
-    found = np.zeros(size, dtype=bool)
+def angles(balance: Balance) -> np.ndarray:
+    """Return which coordinates (n,) are angles: of pinion and rack, and of the supports."""
+    found = np.zeros(balance.size, dtype=bool)
     found[[0, 4, 5, 6]] = True
-    if size > balance.size:
-        found[SIZE + 3 : SIZE + 6] = True
     if len(balance.supported):
         found[-2:] = True
     return found

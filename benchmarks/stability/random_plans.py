@@ -123,11 +123,11 @@ def outcome_of(number: int, done: Callable[[dict[str, Any]], None] = lambda foun
     if failed or plan.fidelity.solver == "closed-form":
         return found
     done(found)
-    start, said = process_time(), list[str]()
-    right: list[Values] = []
-    for name, values in references(tested, result.summary.keys()):
-        said, right = [*said, name], [*right, values]
-        found |= {"reference": "; ".join(said), "reference_seconds": process_time() - start}
+    start, made = process_time(), list[tuple[str, Values]]()
+    for reference in references(tested, result.summary.keys()):
+        made.append(reference)
+        names, right = zip(*made, strict=True)
+        found |= {"reference": "; ".join(names), "reference_seconds": process_time() - start}
         found |= errors(plan, result.summary, right)
         done(found)
     return found

@@ -16,6 +16,7 @@ cells do, the deflection as a cantilever for twice of it; the stiffness lies wit
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
@@ -80,6 +81,7 @@ def toothed_section(bar: RackBar) -> BarSection:
     )
 
 
+@lru_cache(maxsize=8)  # finer runs of a gear share them
 def mass_and_moments(bar: RackBar, density: float) -> tuple[float, np.ndarray]:
     """Return the bar's mass [kg] and its moments of inertia about the rack frame's axes [kg m^2], shape (3,).
 
@@ -95,6 +97,7 @@ def mass_and_moments(bar: RackBar, density: float) -> tuple[float, np.ndarray]:
         length, x = end - begin, area * (end**3 - begin**3) / 3
         mass += density * area * length
         moments += density * np.array([(y + z) * length, x + z * length, x + y * length])
+    moments.flags.writeable = False
     return mass, moments
 
 

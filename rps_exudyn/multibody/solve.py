@@ -47,7 +47,7 @@ class SolverPlan:
     spectral_radius: float = 0.7
     absolute_tolerance: float = 0.01  # of Newton's method, on the root mean square of the residual [N, N m]
     relative_tolerance: float = 1e-12  # on the residual over that of the step's first guess
-    max_iterations: int = 12  # then the step is halved: 20 take a tenth more time, in a few swings twice
+    max_iterations: int = 12  # then the step is halved; 20 take 5 to 8 % more time, in one swing twice
     contractivity: float = 0.5  # residual over that before, above which Newton's method takes a new Jacobian
     initial_accelerations: bool = True  # found from the forces at the start; without them 0
     discontinuous_tolerance: float = 1e-4

@@ -341,6 +341,15 @@ def larger(some: Mapping[str, Any], others: Mapping[str, Any]) -> dict[str, Any]
     return {name: np.maximum(some.get(name, 0.0), others.get(name, 0.0)) for name in {**some, **others}}
 
 
+def with_wholes(change: Mapping[str, Any]) -> dict[str, Any]:
+    """Return changes in which each metric of one whole changes as the one of it that changes most."""
+    found = dict(change)
+    for whole in OF_ONE_WHOLE:
+        if known := [change[name] for name in whole & change.keys()]:
+            found |= dict.fromkeys(whole, np.fmax.reduce(known))
+    return found
+
+
 def _beyond(change: Mapping[str, float], allowed: float) -> dict[str, float]:
     """Return the metrics that change by more than is allowed."""
     return {name: value for name, value in change.items() if not value <= allowed}
@@ -360,8 +369,7 @@ def _left_out(run: SceneRun, change: Mapping[str, float], figure: str) -> SceneR
     if figure in change:
         shown = f"{figure} is not confirmed: {_by(change)} change {_all_shown(change)}"
         return run.invalid(Code.STEPS_TOO_COARSE, shown)
-    others = {name for whole in OF_ONE_WHOLE if whole & change.keys() for name in whole}
-    return run.without(change.keys() | others).noting(not_confirmed(change))
+    return run.without(with_wholes(change)).noting(not_confirmed(change))
 
 
 def not_confirmed(change: Mapping[str, float]) -> Remark:

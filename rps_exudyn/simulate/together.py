@@ -17,7 +17,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Remark
-from rps_exudyn.results.quantities import NEEDS_STATIONS, OF_ONE_WHOLE
+from rps_exudyn.results.quantities import NEEDS_STATIONS
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.scenes.maneuver import StepLimits
@@ -33,6 +33,7 @@ from rps_exudyn.scenes.metric_confirmation import (
     not_confirmed,
     rolls_late,
     unresolved,
+    with_wholes,
 )
 from rps_exudyn.scenes.remarks import few_stations, remarks
 from rps_exudyn.scenes.scene import SteadyTest, Turned
@@ -382,12 +383,9 @@ class _Followed:
         if not stands.all():
             return self.some(stands).described({name: each[stands] for name, each in beyond.items()})
         summary = dict(self.summary)
-        for name in summary.keys() & beyond.keys():
-            summary[name] = np.where(beyond[name] > 1, np.nan, summary[name])
-        for whole in OF_ONE_WHOLE:
-            doubted = np.any([beyond[name] > 1 for name in whole & beyond.keys()], axis=0)
-            for name in whole & summary.keys():
-                summary[name] = np.where(doubted, np.nan, summary[name])
+        wholes = with_wholes(beyond)
+        for name in summary.keys() & wholes.keys():
+            summary[name] = np.where(wholes[name] > 1, np.nan, summary[name])
         few = few_stations(self.common.families[0].gear, self.common.families[0].fidelity)
         for name in NEEDS_STATIONS & summary.keys() if few else ():
             del summary[name]

@@ -18,6 +18,7 @@ from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.equilibrium import starting_guess, steady_rates
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.record import Record
+from verification.difference_tangent import difference_tangent
 from verification.nodal_bar import shaken_bar
 from verification.seat_cells import by_cells
 
@@ -94,6 +95,10 @@ def test_chain_rule_gives_the_tangent(bent: GearForces, factors: tuple[float, fl
             expected[:, j] = rise / (2 * (factors[0] + 100 * factors[1]) * step)
         scale = np.outer(balance.lengths, balance.lengths)
         assert np.abs((found - expected) / scale).max() < 1e-3 * np.abs(expected / scale).max()
+        size = np.sqrt(np.abs(np.diag(expected)))
+        size = np.maximum(size, 1e-3 * size.max())
+        by_differences = difference_tangent(balance, q, v, *factors)
+        assert np.abs((by_differences - expected) / np.outer(size, size)).max() < 2e-3
 
 
 @pytest.mark.parametrize("cells", [False, pytest.param(True, marks=pytest.mark.long)])
