@@ -58,7 +58,8 @@ STATIONS: dict[str, Any] = {"mesh": "flank", "strip_stations": 12, "strip_points
 PER_FASTEST = 2.0  # Runge-Kutta's step over the time constant of the fastest mode; stable to 2.8
 MOST_EXPLICIT = 3000  # steps; motion that needs more is slow ...
 HALVED = (1, 2)  # times that the steps of finer runs are halved, ...
-STEPS_OF_FINER = np.deg2rad((0.4, 2.0))  # ... which are the plan's within these bounds [rad], ...
+STEPS_OF_FINER = {"generalized-alpha": np.deg2rad((0.4, 2.0)), "equilibrium": np.deg2rad((0.2, 0.4))}
+# ... which are the plan's within these bounds [rad], equilibria shorter for extremes at kinks, ...
 STATIONS_OF_FINER = 6, 12  # ... twice the plan's stations of a strip within these ...
 LARGEST_TOLERANCE = 1e-5  # ... and whose tolerance is at most this
 EXTREMES = "_max", "_min"  # of signals, by their names
@@ -119,8 +120,8 @@ def finer_metrics(plan: ScenePlan) -> dict[str, tuple[float, float]]:
     """Return each metric of the scene by finer quadrature and steps, and how much half these steps change it.
 
     They are those of dynamics where these end well, for equilibria leave out what inertia does; else those of
-    equilibria. Equilibria of steady motion have no vibration, of which their user reads: how far their
-    signals vary, and their extremes, are judged by finer equilibria.
+    equilibria. Equilibria have no vibration, of which their user reads: how far their signals vary, and in
+    steady motion their extremes, are judged by finer equilibria.
 
     Raises:
         NotFoundError: neither ends well in both lengths of its steps.
@@ -129,7 +130,7 @@ def finer_metrics(plan: ScenePlan) -> dict[str, tuple[float, float]]:
     solvers = ["equilibrium"] if scene.at_rest else ["generalized-alpha", "equilibrium"]
     if scene.needs_inertia:
         solvers = ["generalized-alpha"]
-    still, causes = scene.steady and own == "equilibrium", []
+    still, causes = own == "equilibrium" and "equilibrium" in solvers, []
     right: dict[str, tuple[float, float]] = {}
     for solver in solvers:
         if right and not still:
@@ -140,7 +141,7 @@ def finer_metrics(plan: ScenePlan) -> dict[str, tuple[float, float]]:
             found = {
                 name: each
                 for name, each in found.items()
-                if name not in SPREADS and not name.endswith(EXTREMES)
+                if name not in SPREADS and not (scene.steady and name.endswith(EXTREMES))
             }
         right = found | right
     if not right:
@@ -167,7 +168,7 @@ def _finer_model(model: Fidelity, solver: str) -> Fidelity:
         "zone_ratio": min(model.zone_ratio, NARROW_ZONE),
         "strip_stations": int(np.clip(2 * model.strip_stations, *STATIONS_OF_FINER)),
         "strip_points": min(model.strip_points + 2, STATIONS["strip_points"]),
-        "step_angle": float(np.clip(model.step_angle, *STEPS_OF_FINER)),
+        "step_angle": float(np.clip(model.step_angle, *STEPS_OF_FINER[solver])),
         "tolerance": min(model.tolerance, LARGEST_TOLERANCE),
         "torque_tolerance": 0.0,
         "bush": "rigid" if model.bush == "rigid" else "condensed",

@@ -532,7 +532,7 @@ NEEDS_STATIONS = MOTIONS | {"torque_tooth_order", "torque_direction_difference"}
 """Metrics that few stations on a line of contact miss: they are small beside forces that are right to 1 %."""
 LOSS_SHARES = frozenset(name for name in _SUMMARY if name.startswith("loss_share_"))
 """Metrics of who takes the work, which depend on how lines of contact share the load at each instant."""
-OF_ONE_WHOLE = LOSS_SHARES, frozenset({"yoke_force_min", "yoke_force_max"})
+OF_ONE_WHOLE = LOSS_SHARES, frozenset({"yoke_force_min", "yoke_force_max"}), frozenset(RACK_RANGES)
 """Metrics that stand together: where one is wrong, the others of its whole are in doubt."""
 
 WITHOUT_FINER_STEPS = frozenset({"reversal_angle"})

@@ -21,6 +21,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Status
+from rps_exudyn.scenes.remarks import stations_for_motions
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, outcome_of_path
 from rps_exudyn.solvers.balance import SIZE, Balance
@@ -112,9 +113,13 @@ def bending(fidelity: Fidelity) -> Fidelity:
 def run_at_rest(
     gear: SteeringGear, fidelity: Fidelity, drive: Drive, loads: OutsideLoads, options: RunOptions
 ) -> SceneRun:
-    """Find the equilibria under the loads, the drive's body held; the run has no summary yet."""
+    """Find the equilibria under the loads, the drive's body held, by stations enough to show small motions;
+    the run has no summary yet."""
     gear = _tapped(gear)
     gear = gear.replace({"rack.modes": max(gear.rack.modes, LEAST_MODES)}) if gear.rack.modes else gear
+    asked = fidelity.strip_stations
+    stations = max(asked, stations_for_motions(gear))
+    fidelity = fidelity.replace({"strip_stations": stations})
     place, start, interrupted = RackBar.of(gear).x_min, process_time(), False
     forces = gear_forces(gear, fidelity)
     bent = moved_by_modes(gear, fidelity, place)
@@ -131,6 +136,8 @@ def run_at_rest(
         message = f"the gear has no stiffness against a force: {error}"
         return SceneRun(Outcome(Status.NO_CONVERGENCE, message, (Code.NO_RESISTANCE,)))
     outcome = _outcome(path, loads, process_time() - start, interrupted)
+    if stations > asked:
+        outcome = replace(outcome, findings={**outcome.findings, "strip_stations": stations})
     if len(path.time) < 2:
         return SceneRun(outcome)
     record = record_of_path(forces, path, drive)

@@ -32,7 +32,7 @@ from rps_exudyn.results.quantities import (
     WITHOUT_FINER_STEPS,
     Quantity,
 )
-from rps_exudyn.scenes.checks.needs_finer import doubled_stations
+from rps_exudyn.scenes.checks.needs_finer import coarse_strips, doubled_stations
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.remarks import few_stations, part_of_pitch, unresolved_peaks
@@ -87,16 +87,22 @@ def run_and_confirm(
         return {name: each for name, each in found.items() if name == figure or options.wants([name])}
 
     def made(halvings: int) -> SceneRun:
-        finer = [each.halved(halvings) for each in maneuvers]
-        model = fidelity if steady else with_finer_friction(fidelity, halvings)
-        return run_maneuver(gear, model, finer, options)
+        model = fidelity
+        if not steady:
+            model = with_finer_friction(fidelity, halvings)
+        elif coarse:
+            model = doubled_stations(fidelity, halvings)
+        return run_maneuver(gear, model, maneuvers, options.halved(halvings))
 
     run = first or run_maneuver(gear, fidelity, maneuvers, options)
-    if fidelity.solver == "equilibrium":
+    by_equilibria = fidelity.solver == "equilibrium"  # which confirm their strips themselves
+    coarse = steady and not by_equilibria and coarse_strips(run.signals, fidelity, gear)
+    if by_equilibria:
         always = always or (steady and bool(run.signals) and bool(rolls_late(run.signals) > LATE))
     else:
-        always = always or (steady and gear.test.speed > SLOW)
-    most, more = most_finer(fidelity, options), 0 if steady else more_for_figure(fidelity, options)
+        always = always or coarse or (steady and gear.test.speed > SLOW)
+    most = most_finer(fidelity, options)
+    more = 0 if steady and not coarse else more_for_figure(fidelity, options)
     run = confirmed(run, asked, made, figure, most=most, for_figure=more, always=always, smooth=steady)
     run = with_stations_enough(run, gear, fidelity)
     if not steady:
@@ -429,7 +435,7 @@ def run_swing(
     def made(halvings: int) -> SceneRun:
         earlier = settled.begun_earlier(1) if halvings else settled
         model = with_finer_friction(fidelity, halvings)
-        return run_maneuver(gear, model, earlier.halved(halvings), options=options)
+        return run_maneuver(gear, model, earlier, options.halved(halvings))
 
     most, more = most_finer(fidelity, options), more_for_figure(fidelity, options)
     run = confirmed(run, metrics, made, figure, most=most, for_figure=more, always=True)

@@ -134,14 +134,18 @@ def part_of_pitch(gear: SteeringGear, fidelity: Fidelity, signals: Signals) -> R
     )
 
 
+def stations_for_motions(gear: SteeringGear) -> int:
+    """Return how many stations a line of contact needs to show the motions of the rack beside its travel."""
+    return STATIONS_OF_TEETH if gear.mesh.contact_law == "teeth" else STATIONS_FOR_MOTIONS
+
+
 def few_stations(gear: SteeringGear, fidelity: Fidelity) -> Remark | None:
     """Return a remark on lines of contact with few stations, which miss up to a third of the motions that the
     rack makes beside its travel, while forces are right to a percent."""
-    bend, has = gear.mesh.contact_law == "teeth", fidelity.strip_stations
-    least = STATIONS_OF_TEETH if bend else STATIONS_FOR_MOTIONS
+    has, least = fidelity.strip_stations, stations_for_motions(gear)
     if fidelity.mesh != "flank" or has >= least:
         return None
-    lines = "teeth that bend ask" if bend else "a line of contact asks"
+    lines = "teeth that bend ask" if gear.mesh.contact_law == "teeth" else "a line of contact asks"
     return Remark(
         Code.FEW_STATIONS,
         "the rack's motions beside its travel, the transmission error, the tooth order and the difference of "

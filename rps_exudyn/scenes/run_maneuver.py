@@ -177,10 +177,11 @@ def by_equilibrium(
     if maneuver.pulse is not None:
         raise InputError("fidelity.solver is equilibrium, which has no pulses: choose generalized-alpha.")
     period, tolerance = maneuver.one_period(), fidelity.torque_tolerance
+    most = options.least_steps.halvings + (HALVINGS_FOR_TOLERANCE if tolerance else 0)
     refined = refine(
         _along_equilibria(gear, fidelity, period, options),
         lambda _, times: _along_equilibria(gear, fidelity, period.halved(times), options),
-        options.least_steps.halvings + (HALVINGS_FOR_TOLERANCE if tolerance else 0),
+        max(most - options.halvings, 0),
         asks=lambda run: _is_coarse(run, gear, maneuver, tolerance),
     )
     run, halved = refined.finest, refined.times

@@ -1,7 +1,7 @@
 """A scene: one thing that the test rig does, with all that other files ask about it; options of its runs."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -31,6 +31,10 @@ class RunOptions:
     least_steps: StepLimits = field(default_factory=StepLimits)
     halvings: int = 0
     figures: frozenset[str] | None = None
+
+    def halved(self, times: int) -> "RunOptions":
+        """Return the same for a run in steps that are halved so many times more."""
+        return replace(self, halvings=self.halvings + times)
 
     def wants(self, names: Iterable[str]) -> bool:
         """Return whether any of these metrics is asked for."""

@@ -7,6 +7,9 @@ from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes.checks.before_run import breaches, work_in_zone
+from rps_exudyn.scenes.maneuver import StepLimits, maneuvers_of_test
+from rps_exudyn.scenes.run_maneuver import run_maneuver
+from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.simulate.run import isolated_run, run
 from rps_exudyn.simulate.run_plan import run_unchecked, run_with_fallback
@@ -133,3 +136,20 @@ def test_few_stations_on_a_line_leave_motions_out(law: str, few: int, enough: in
     assert here.summary["torque_mean"] == pytest.approx(there.summary["torque_mean"], rel=2e-3)
     assert there.summary.keys() - here.summary.keys() >= {"rack_lift_range", "torque_tooth_order"}
     assert f"fidelity.strip_stations is {few}" in here.message
+
+
+@pytest.mark.parametrize(("stations", "halvings"), [(3, 1), (4, None)])
+def test_dynamics_confirm_few_stations_of_teeth_that_bend(stations: int, halvings: int | None) -> None:
+    """Three stations leave means up to 3 % off; equilibria confirm theirs anyway."""
+    gear = SteeringGear().replace({"mesh.law": "teeth", "test.turns": 1 / 6})
+    result = run(TORQUE, gear, fidelity=Fidelity.preset("flank").replace({"strip_stations": stations}))
+    assert result.findings.get("halvings") == halvings
+
+
+@pytest.mark.parametrize(("times", "more"), [(0, 4), (3, 1), (4, None)])
+def test_a_run_in_halved_steps_halves_them_less_often_by_itself(times: int, more: int | None) -> None:
+    """A confirming run of a gear with kinks was halved up to nine times, and took 500 times the instants."""
+    gear, model = SteeringGear().replace({"test.turns": 0.1}), STILL.replace({"torque_tolerance": 1e-9})
+    maneuvers = maneuvers_of_test(gear, "pinion", model.step_angle, StepLimits())
+    options = RunOptions(least_steps=StepLimits(halvings=0), halvings=times)
+    assert run_maneuver(gear, model, maneuvers, options).outcome.findings.get("halvings") == more

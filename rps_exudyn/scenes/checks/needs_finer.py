@@ -22,6 +22,7 @@ ROLLING = 0.01  # ... or be moved by a late rate of rolling
 ROLLING_OVER = 0.004  # ... in a swing, over its travel: its work is then right to a percent
 PEAK = 0.025  # of the mean by which a step may leave the curve through its neighbours: peaks are right to 4 %
 FINEST = 16  # stations of a strip; more show nothing
+FEW_STATIONS = 4  # of teeth that bend; three leave means up to 3 % off
 STRIPS_AGREE = 0.005  # of the mean, between a record and that by strips of twice the stations
 
 
@@ -71,6 +72,14 @@ def finer_strips(fidelity: Fidelity, gear: SteeringGear) -> Fidelity | None:
     if gear.mesh.contact_law != "teeth" or fidelity.mesh != "flank" or fidelity.strip_stations >= FINEST:
         return None
     return doubled_stations(fidelity)
+
+
+def coarse_strips(signals: dict[str, np.ndarray], fidelity: Fidelity, gear: SteeringGear) -> bool:
+    """Return whether strips of twice the stations may move the mean of a record by a percent: where they are
+    few, or where the yoke is at its nut."""
+    return finer_strips(fidelity, gear) is not None and (
+        fidelity.strip_stations < FEW_STATIONS or yoke_stops(signals)
+    )
 
 
 def doubled_stations(fidelity: Fidelity, times: int = 1) -> Fidelity:
