@@ -111,7 +111,7 @@ def run_and_check(plan: ScenePlan) -> tuple[Result, bool]:
     options = RunOptions(check=noted, least_steps=AS_ASKED)
     result = run_unchecked(plan.scene, plan.gear, plan.fidelity, options)
     against = any(verdict.status is not Status.OK for verdict in verdicts)
-    return result, against or bool(refused(plan.gear, plan.fidelity, steady=scene_named(plan.scene).steady))
+    return result, against or bool(refused(plan.gear, plan.fidelity, motion=scene_named(plan.scene).motion))
 
 
 @contextmanager

@@ -109,7 +109,7 @@ def outcome_of(number: int, done: Callable[[dict[str, Any]], None] = lambda foun
     plan, start, refusal = plan_of(number), process_time(), ""
     try:
         tested = replace(plan, gear=tested_gear(plan.gear))
-        refusal = "; ".join(refused(tested.gear, plan.fidelity, steady=scene_named(plan.scene).steady))
+        refusal = "; ".join(refused(tested.gear, plan.fidelity, motion=scene_named(plan.scene).motion))
         result = run_unchecked(plan.scene, plan.gear, plan.fidelity)
     except InputError as error:
         return {"refused": refusal, "status": "input-error", "message": str(error)}

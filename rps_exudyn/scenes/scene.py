@@ -11,6 +11,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Remark
 from rps_exudyn.scenes.checks.after_run import validated
+from rps_exudyn.scenes.checks.before_run import Motion
 from rps_exudyn.scenes.law_by_scene import NeededLaw
 from rps_exudyn.scenes.maneuver import Maneuver, StepLimits, swing_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
@@ -142,6 +143,11 @@ class Scene:
     promised_as: str = ""
     unpromised: Callable[[SteeringGear], str] = always_promised
     law: NeededLaw = "line"
+
+    @property
+    def motion(self) -> Motion:
+        """Return the kind of its motion, on which the limits of a plan depend."""
+        return "at rest" if self.at_rest else "steady" if self.steady else "stopping"
 
     @property
     def unit_of_cost(self) -> str:

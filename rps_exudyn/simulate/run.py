@@ -115,7 +115,7 @@ def simulate(
         return isolated_run(scene, gear, chosen, time_limit, robust=robust)
     if robust:
         return run_with_fallback(scene, gear, chosen)
-    if not (sentences := refused(tested_gear(gear), chosen, steady=scene_named(scene).steady)):
+    if not (sentences := refused(tested_gear(gear), chosen, motion=scene_named(scene).motion)):
         return run_unchecked(scene, gear, chosen, options)
     message = "; ".join(sentences)
     return replace(

@@ -95,7 +95,7 @@ def run_with_fallback(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Res
 def _safer(scene: Scene, gear: SteeringGear, fidelity: Fidelity) -> Iterator[Changes]:
     """Changes of the fidelity, safer from one to the next."""
     changes: Changes = {}
-    for breach in breaches(gear, fidelity, steady=scene.steady):
+    for breach in breaches(gear, fidelity, motion=scene.motion):
         changes |= breach.repair
     yield dict(changes)
     step = changes.get("step_angle", fidelity.step_angle)

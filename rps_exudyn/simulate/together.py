@@ -182,7 +182,7 @@ class Common:
         try:
             weighted = _is_weighted(test, gear)
             rows, records, reference = _records(gear, fidelity, table, ranges, weighted)
-            if records is None or refused(reference, fidelity, steady=True):
+            if records is None or refused(reference, fidelity, motion="steady"):
                 return None
             some = {path: values[rows] for path, values in table.items()}
             whole = some if ranges is None else ranges

@@ -40,10 +40,10 @@ def test_plan_beyond_a_limit_is_not_run_and_the_repaired_one_is_within(sentence:
     assert not result.signals
     repairs = {
         name: value
-        for breach in breaches(gear, fidelity, steady=True)
+        for breach in breaches(gear, fidelity, motion="steady")
         for name, value in breach.repair.items()
     }
-    assert not list(breaches(gear, fidelity.replace(repairs), steady=True))
+    assert not list(breaches(gear, fidelity.replace(repairs), motion="steady"))
 
 
 def test_a_zone_of_friction_takes_the_work_that_is_predicted_of_a_swing() -> None:
@@ -64,21 +64,32 @@ def test_a_wide_zone_of_friction_is_refused_where_the_motion_stops() -> None:
     result = run("reversal", GEAR, fidelity=wide)
     assert result.status is Status.INVALID
     assert result.message.startswith("not run: fidelity.zone_ratio is 1; a motion that stops")
-    (breach,) = breaches(GEAR, wide, steady=False)
+    (breach,) = breaches(GEAR, wide, motion="stopping")
     work, right = (
         run("reversal", GEAR, fidelity=STILL.replace(each)).summary["hysteresis_area"]
         for each in (breach.repair, {"zone_ratio": 0.001})
     )
     assert work == pytest.approx(right, rel=0.02)
-    assert not list(breaches(GEAR, STILL.replace(breach.repair), steady=False))
-    assert not list(breaches(GEAR, wide, steady=True))
+    assert not list(breaches(GEAR, STILL.replace(breach.repair), motion="stopping"))
+    assert not list(breaches(GEAR, wide, motion="steady"))
     bristles = GEAR.replace({f"{part}.friction_law": "bristle" for part in RUBBING_PARTS})
-    assert not list(breaches(bristles, wide, steady=False))
+    assert not list(breaches(bristles, wide, motion="stopping"))
+
+
+def test_a_gear_at_rest_asks_for_no_zone_of_friction_and_no_straight_bar() -> None:
+    """Friction has crept away, and a chain of segments is condensed: random plans were refused for both."""
+    wide = Fidelity.preset("flank").replace({"zone_ratio": 1.0, "bush": "chain"})
+    bowed = SteeringGear().replace({"rack.bow": 1e-4})
+    assert list(breaches(bowed, wide, motion="stopping"))
+    assert not list(breaches(bowed, wide, motion="at rest"))
+    found, right = (run("radial-play", bowed, fidelity=model) for model in (wide, Fidelity.preset("flank")))
+    assert found.status is Status.OK, found.message
+    assert found.summary["radial_play_y"] == pytest.approx(right.summary["radial_play_y"], rel=1e-6)
 
 
 @pytest.mark.parametrize("preset", ["full", "flank", "quasi-static", "closed-form"])
 def test_presets_are_within_all_limits(preset: str) -> None:
-    assert not list(breaches(SteeringGear(), Fidelity.preset(preset), steady=True))
+    assert not list(breaches(SteeringGear(), Fidelity.preset(preset), motion="steady"))
 
 
 def test_fallback_reports_every_try() -> None:

@@ -1,6 +1,6 @@
 """Checks of a plan before it is run: limits of its method, and the memory that its record needs.
 
-    for breach in breaches(gear, fidelity, steady=True):
+    for breach in breaches(gear, fidelity, motion="steady"):
         breach.sentence          which quantity, its value, the limit, why
         breach.repair            the choice that meets the limit
 
@@ -12,7 +12,7 @@ import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.tooth_contact.mean_depth import mean_depth
 from rps_exudyn.tooth_contact.spheres import sphere_radius
+
+Motion = Literal["steady", "stopping", "at rest"]
+"""Whether everything slides at a constant speed, stops and turns, or does not move."""
 
 STEPS_PER_PITCH = 2  # fewer cannot show the tooth frequency; after_run sees whether more are needed
 REPAIRED_STEPS_PER_PITCH = 20
@@ -55,22 +58,27 @@ class Breach:
         return f"{self.quantity} is {value}; {self.why} asks for {side} {limit}"
 
 
-def breaches(gear: SteeringGear, fidelity: Fidelity, *, steady: bool) -> Iterator[Breach]:
-    """Yield all limits that a plan does not meet; `steady` if everything shall slide at a constant speed."""
+def breaches(gear: SteeringGear, fidelity: Fidelity, *, motion: Motion) -> Iterator[Breach]:
+    """Yield all limits that a plan does not meet.
+
+    At rest friction has crept away, whatever its zone, and a chain of segments yields as the condensed bush.
+    """
     if fidelity.solver == "closed-form":
         return
-    if steady:
+    if motion == "steady":
         yield from _tooth_pitch_resolved(gear, fidelity)
-    else:
+    elif motion == "stopping":
         yield from _zone_narrow(gear, fidelity)
+    elif fidelity.bush == "chain":
+        fidelity = fidelity.replace({"bush": "condensed"})
     yield from _straight_where_rigid(gear, fidelity)
     yield from _contact_integrated(gear, fidelity)
     yield from _spheres_deep_enough(gear, fidelity)
 
 
-def refused(gear: SteeringGear, fidelity: Fidelity, *, steady: bool) -> list[str]:
+def refused(gear: SteeringGear, fidelity: Fidelity, *, motion: Motion) -> list[str]:
     """Return the sentences about them."""
-    return [breach.sentence for breach in breaches(gear, fidelity, steady=steady)]
+    return [breach.sentence for breach in breaches(gear, fidelity, motion=motion)]
 
 
 def _tooth_pitch_resolved(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:
