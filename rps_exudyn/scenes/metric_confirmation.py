@@ -48,7 +48,7 @@ Metrics = Callable[[Signals], dict[str, Any]]
 TORQUES = "torque_mean", "feel_running_torque", "torque_forward", "torque_jump", "breakaway_torque"
 """Metrics, the first of which that a run has is the size of its torque, unless rubbing teeth take more."""
 RUBBING = 0.1  # coefficient of friction by which the force on the teeth gives a run its sizes
-MOST_FINER = {"equilibrium": 2, "generalized-alpha": 1}
+MOST_FINER = {"equilibrium": 3, "generalized-alpha": 1}
 """Solver -> times that the steps of a motion are halved for its metrics; formulas have none."""
 LEAST_ROLL = 1e-6  # range of a rack that does not roll [rad]
 LATE = 0.15  # half a step of the rack's rolling, over its range: of its rate 3 % are missed
