@@ -49,9 +49,9 @@ def cost(fidelity: Fidelity, settings: dict[str, Any], turns: float, repeats: in
     gear = SteeringGear().replace(settings | {"test.turns": turns})
     scene, before, after, whole = "free-pinion-torque", list[float](), list[float](), list[float]()
     first = rps.run(scene, gear, fidelity=fidelity)  # compiled and loaded
-    steady, options = scene_named(scene).steady, RunOptions(check=timed(validated, after))
+    motion, options = scene_named(scene).motion, RunOptions(check=timed(validated, after))
     for _ in range(repeats if first.cpu_s < SLOW else min(repeats, 2)):
-        timed(refused, before)(gear, fidelity, steady=steady)
+        timed(refused, before)(gear, fidelity, motion=motion)
         timed(run_unchecked, whole)(scene, gear, fidelity, options)
     seconds = sum(before) + sum(whole)
     return {
