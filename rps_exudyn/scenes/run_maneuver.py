@@ -181,7 +181,7 @@ def by_equilibrium(
     refined = refine(
         _along_equilibria(gear, fidelity, period, options),
         lambda _, times: _along_equilibria(gear, fidelity, period.halved(times), options),
-        max(most - options.halvings, 0),
+        max(most - options.halvings, 0),  # a confirming run has been halved already
         asks=lambda run: _is_coarse(run, gear, maneuver, tolerance),
     )
     run, halved = refined.finest, refined.times
