@@ -65,4 +65,4 @@ def corpus_table(folder: Path) -> str:
     return markdown(("bad cases", "number"), list(counts.items()))
 
 
-TOPIC = Topic("2 min", "stability", run, {"names": ("plan 202",)}, {"corpus": corpus_table})
+TOPIC = Topic("8 min", "stability", run, {"names": ("plan 202",)}, {"corpus": corpus_table})

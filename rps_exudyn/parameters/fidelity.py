@@ -176,6 +176,11 @@ class Fidelity(Table):
         can = self.mesh != "general-contact" and self.bush != "chain"
         return self.replace({"rack": "flexible"}) if self.rack == "by-scene" and can else self
 
+    def with_condensed_chain(self) -> Self:
+        """Return the choices of what stands still or nearly so: a chain of segments yields as the condensed
+        bush."""
+        return self.replace({"bush": "condensed"}) if self.bush == "chain" else self
+
     def with_support(self, needed: bool) -> Self:
         """Return the choices of a scene with the pinion on bearings if it needs them and no other is chosen,
         nor a part of a model whose pinion is rigid."""

@@ -105,9 +105,7 @@ def bending(fidelity: Fidelity) -> Fidelity:
             f"fidelity.solver is {fidelity.solver} and fidelity.rack is {fidelity.rack}; this scene needs "
             f"equilibria of a free or flexible rack."
         )
-    # at rest the chain's stiffness is that of the condensed bush
-    condensed = {"bush": "condensed"} if fidelity.bush == "chain" else {}
-    return fidelity.replace(condensed).with_bending()
+    return fidelity.with_condensed_chain().with_bending()
 
 
 def run_at_rest(

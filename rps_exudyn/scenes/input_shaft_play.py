@@ -37,7 +37,7 @@ def input_shaft_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions
             f"{fidelity.solver}; input-shaft-play needs a supported pinion, flank contact and no closed form."
         )
     check_travel(gear, (gear.test.start_angle,), "test.start_angle")
-    chosen = chosen.replace({"bush": "condensed"} if chosen.bush == "chain" else {})
+    chosen = chosen.with_condensed_chain()
     across = to_and_fro(gear.test.shaft_force, STEPS)
     along = to_and_fro(gear.test.shaft_axial_force, STEPS)
     force = np.zeros((3 * len(across) - 1, 3))

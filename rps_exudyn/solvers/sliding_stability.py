@@ -173,8 +173,8 @@ def masses(gear: SteeringGear, forces: GearForces, place: np.ndarray) -> np.ndar
 
 def _condensed(fidelity: Fidelity) -> Fidelity:
     """The same with a bush that has no coordinates of its own, and teeth whose contact is smooth."""
-    coarse = {"bush": "condensed"} if "chain" in fidelity.bush else {}
-    return fidelity.replace(coarse | ({"mesh": "flank"} if fidelity.mesh == "general-contact" else {}))
+    condensed = fidelity.with_condensed_chain()
+    return condensed.replace({"mesh": "flank"}) if condensed.mesh == "general-contact" else condensed
 
 
 # --- The gear behind its steering column, reduced to one inertia on a spring, with the friction of its parts.

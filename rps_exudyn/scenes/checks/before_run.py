@@ -69,8 +69,8 @@ def breaches(gear: SteeringGear, fidelity: Fidelity, *, motion: Motion) -> Itera
         yield from _tooth_pitch_resolved(gear, fidelity)
     elif motion == "stopping":
         yield from _zone_narrow(gear, fidelity)
-    elif fidelity.bush == "chain":
-        fidelity = fidelity.replace({"bush": "condensed"})
+    else:
+        fidelity = fidelity.with_condensed_chain()
     yield from _straight_where_rigid(gear, fidelity)
     yield from _contact_integrated(gear, fidelity)
     yield from _spheres_deep_enough(gear, fidelity)
