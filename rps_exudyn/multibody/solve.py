@@ -70,6 +70,7 @@ def solve_one_after_another(
     mbs: "exudyn.MainSystem",
     plans: Sequence[SolverPlan],
     rewind: Callable[[float], float] | None = None,
+    begun: float = 0.0,
 ) -> Outcome:
     """Integrate by plans each of which begins where the one before ends, until one fails.
 
@@ -82,9 +83,10 @@ def solve_one_after_another(
         mbs: the system.
         plans: in the order of time.
         rewind: makes the last state kept at a time [s], or before, the initial one; returns its time.
+        begun: time of the system's initial state, up to which the plans are done already [s].
     """
     outcomes: list[Outcome] = []
-    ahead, restarts, divisions, shortened_to = list(plans), 0, 0, -np.inf
+    ahead, restarts, divisions, shortened_to = _shortened(plans, begun, begun, 1), 0, 0, -np.inf
     while ahead:
         plan = ahead.pop(0)
         outcomes.append(solve(mbs, plan))

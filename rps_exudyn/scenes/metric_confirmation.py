@@ -36,7 +36,7 @@ from rps_exudyn.scenes.checks.needs_finer import coarse_strips, doubled_stations
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.remarks import few_stations, part_of_pitch, unresolved_peaks
-from rps_exudyn.scenes.run_maneuver import run_maneuver
+from rps_exudyn.scenes.run_maneuver import run_ever_longer, run_maneuver
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
@@ -459,12 +459,9 @@ def _with_cause(run: SceneRun, fidelity: Fidelity, signal: str) -> SceneRun:
     return replace(run, outcome=replace(run.outcome, message=cause))
 
 
-def _from_earlier(
-    gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions, before: Sequence[int]
-) -> tuple[Callable[[SceneRun | None, int], SceneRun], list[Maneuver]]:
-    """Return a swing from 0 and more cycles before as `refine` makes it, and its maneuvers."""
-    maneuvers = [maneuver, *(maneuver.begun_earlier(cycles) for cycles in before)]
-    return lambda _, times: run_maneuver(gear, fidelity, maneuvers[times], options), maneuvers
+def _earlier(maneuver: Maneuver, before: Sequence[int]) -> list[Maneuver]:
+    """Return a swing from 0 and more cycles before."""
+    return [maneuver, *(maneuver.begun_earlier(cycles) for cycles in before)]
 
 
 def _settled(
@@ -472,10 +469,14 @@ def _settled(
 ) -> tuple[SceneRun, Maneuver]:
     """Return a swing of the rig whose first cycle closes, and its maneuver; invalid if it never does."""
     before = CYCLES_BEFORE.get(fidelity.solver, ())
-    made, maneuvers = _from_earlier(gear, fidelity, maneuver, options, before)
-    refined = refine(
-        made(None, 0), made, len(before), asks=lambda run: run.ok and unclosed(run.signals, maneuver) > 1
-    )
+    maneuvers = _earlier(maneuver, before)
+    with run_ever_longer(gear, fidelity, options) as made:
+        refined = refine(
+            made(maneuver),
+            lambda _, times: made(maneuvers[times]),
+            len(before),
+            asks=lambda run: run.ok and unclosed(run.signals, maneuver) > 1,
+        )
     run, settled = refined.finest, maneuvers[refined.times]
     if before and run.ok and (beyond := unclosed(run.signals, maneuver)) > 1:
         return run.invalid(
@@ -499,7 +500,7 @@ def _settled_under_torque(
 
     A check that an early cycle fails, a later one may pass; a swing that goes on failing ends so.
     """
-    made, maneuvers = _from_earlier(gear, fidelity, maneuver, options, CYCLES_UNDER_TORQUE)
+    maneuvers = _earlier(maneuver, CYCLES_UNDER_TORQUE)
     tried: list[SceneRun] = []
 
     def asks(run: SceneRun) -> bool:
@@ -507,14 +508,15 @@ def _settled_under_torque(
         finished = run.outcome.status in (Status.OK, Status.INVALID) and bool(run.signals)
         return finished and (run.ok or len(tried) <= TRIES_OF_INVALID)
 
-    refined = refine(
-        made(None, 0),
-        made,
-        len(CYCLES_UNDER_TORQUE),
-        asks=asks,
-        change=lambda run, later: figure_changes(metrics, figure, run, later),
-        allowed=AGREED,
-    )
+    with run_ever_longer(gear, fidelity, options) as made:
+        refined = refine(
+            made(maneuver),
+            lambda _, times: made(maneuvers[times]),
+            len(CYCLES_UNDER_TORQUE),
+            asks=asks,
+            change=lambda run, later: figure_changes(metrics, figure, run, later),
+            allowed=AGREED,
+        )
     run, settled = refined.finest, maneuvers[refined.times]
     if run.ok and not refined.confirmed:
         return run.invalid(

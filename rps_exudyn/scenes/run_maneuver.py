@@ -6,9 +6,13 @@
 All give the same signals as far as they have them, and none is called ok before its record was checked.
 """
 
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing, contextmanager, nullcontext
 from dataclasses import replace
+from functools import partial
 from time import process_time
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -57,6 +61,11 @@ from rps_exudyn.solvers.steering_column import (
     WheelTorque,
 )
 
+if TYPE_CHECKING:
+    from rps_exudyn.multibody.recorder import Recorder
+    from rps_exudyn.multibody.solve import SolverPlan
+    from rps_exudyn.multibody.steering_model import SteeringModel
+
 SHORTEST_STEP = 1e-7  # of the dynamics [s] ...
 SHORTEST_AT_TURNS = 1e-9  # ... where all friction turns about at once
 LEAST_FORCE = 10.0  # of which a tolerance is a fraction [N]
@@ -82,9 +91,10 @@ def run_maneuver(
     fidelity: Fidelity,
     maneuvers: Maneuver | Sequence[Maneuver],
     options: RunOptions = DEFAULT_OPTIONS,
+    solver: "Solver | None" = None,
 ) -> SceneRun:
     """Make one maneuver, or several one after the other until one fails, joined to one record; their run has
-    no summary yet.
+    no summary yet. The solver is the fidelity's, unless one is given.
 
     Raises:
         InputError: the fidelity's solver cannot make one, or no memory holds its record.
@@ -97,7 +107,7 @@ def run_maneuver(
             spheres = fidelity.profile_samples * fidelity.axial_samples * 2 * gear.pinion.teeth
             check_memory(maneuver.parts, spheres if fidelity.mesh == "general-contact" else 0)
         try:
-            runs.append(SOLVERS[fidelity.solver](gear, fidelity, maneuver, options))
+            runs.append((solver or SOLVERS[fidelity.solver])(gear, fidelity, maneuver, options))
         except np.linalg.LinAlgError as error:
             message = f"the gear has no stiffness against a force at its start: {error}"
             runs.append(SceneRun(Outcome(Status.NO_CONVERGENCE, message, (Code.NO_RESISTANCE,))))
@@ -108,31 +118,95 @@ def run_maneuver(
     return joined(runs)
 
 
+@contextmanager
+def run_ever_longer(
+    gear: SteeringGear, fidelity: Fidelity, options: RunOptions
+) -> Iterator[Callable[[Maneuver], SceneRun]]:
+    """Yield what makes one maneuver after the other, each of which begins as the one before: dynamics go on
+    where that one ended."""
+    dynamic = fidelity.solver == "generalized-alpha"
+    with closing(Integration()) if dynamic else nullcontext() as solver:
+        yield partial(run_maneuver, gear, fidelity, options=options, solver=solver)
+
+
 # --- dynamics --------------------------------------------------------------------------------------
 def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions) -> SceneRun:
     """Integrate the equations of motion in Exudyn."""
-    from rps_exudyn.multibody.model import build_model
-    from rps_exudyn.multibody.recorder import Recorder
-    from rps_exudyn.multibody.solve import SolverPlan, solve_one_after_another
-    from rps_exudyn.multibody.steering_model import vibration
+    with closing(Integration()) as integration:
+        return integration(gear, fidelity, maneuver, options)
 
-    load, approach = maneuver.rack_load, maneuver.approach
-    model = build_model(
-        gear,
-        fidelity,
-        maneuver.drive,
-        rack_load=load,
-        pulse=maneuver.pulse,
-        approach=approach,
-        pictured=False,
-    )
-    if not model.start.converged:
-        return SceneRun(_lost(maneuver, model.start, Outcome(Status.OK)))
-    model.mbs.Assemble()
+
+class Integration:
+    """Dynamics of one maneuver after the other, each of which begins as the one before: in Exudyn only what
+    it adds is integrated."""
+
+    def __init__(self) -> None:
+        self._model: SteeringModel | None = None
+        self._recorder: Recorder | None = None
+        self._counters: Counter[str] = Counter()
+        self._cpu_s = 0.0
+
+    def __call__(
+        self, gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions
+    ) -> SceneRun:
+        """Integrate to the maneuver's end, from the end of the one before."""
+        from rps_exudyn.multibody.model import build_model
+        from rps_exudyn.multibody.recorder import Recorder
+        from rps_exudyn.multibody.solve import solve_one_after_another
+        from rps_exudyn.multibody.steering_model import vibration
+
+        if self._model is None:
+            self._model = build_model(
+                gear,
+                fidelity,
+                maneuver.drive,
+                rack_load=maneuver.rack_load,
+                pulse=maneuver.pulse,
+                approach=maneuver.approach,
+                pictured=False,
+            )
+        model, recorder = self._model, self._recorder
+        if not model.start.converged:
+            return SceneRun(_lost(maneuver, model.start, Outcome(Status.OK)))
+        plans = _plans(gear, fidelity, maneuver, model)
+        if recorder is None:
+            model.mbs.Assemble()
+            self._recorder = recorder = Recorder(model).attach()
+        recorder.end, recorder.planned = plans[-1].end_time, sum(plan.steps for plan in plans)
+        interrupted = False
+        try:
+            outcome = solve_one_after_another(model.mbs, plans, recorder.rewind, recorder.reached)
+        except KeyboardInterrupt:
+            message = f"interrupted at {recorder.reached:.4g} s of {recorder.end:.4g} s"
+            outcome = Outcome(Status.TIMEOUT, message, (Code.INTERRUPTED,))
+            interrupted = True
+        self._counters.update(outcome.counters)
+        self._cpu_s += outcome.cpu_s
+        outcome = replace(outcome, counters=dict(self._counters), cpu_s=self._cpu_s)
+        record = recorder.record()
+        if maneuver.is_steady and outcome.status is Status.OK:
+            outcome.findings.update(vibration(model, record))
+        run = _finished(gear, maneuver, outcome, record, model.start, model.forces.friction_zone, options)
+        if interrupted:
+            raise Interrupted(run)
+        return run
+
+    def close(self) -> None:
+        """Free the memory of the system."""
+        if self._model is not None:
+            self._model.release()
+
+
+def _plans(
+    gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, model: "SteeringModel"
+) -> list["SolverPlan"]:
+    """How Exudyn integrates the pieces of a maneuver."""
+    from rps_exudyn.multibody.solve import SolverPlan
+
     tolerance = fidelity.tolerance * max(gear.yoke.preload, LEAST_FORCE)
     if isinstance(maneuver.drive, WheelTorque):
         tolerance *= UNDER_TORQUE
-    plans = [
+    return [
         SolverPlan(
             start_time=piece.before * maneuver.time_step,
             end_time=(piece.before + piece.steps) * maneuver.time_step,
@@ -146,22 +220,6 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
         )
         for piece in maneuver.pieces()
     ]
-    planned, interrupted = sum(plan.steps for plan in plans), False
-    recorder = Recorder(model, plans[-1].end_time, planned).attach()
-    try:
-        outcome = solve_one_after_another(model.mbs, plans, recorder.rewind)
-    except KeyboardInterrupt:
-        message = f"interrupted at {recorder.reached:.4g} s of {recorder.end:.4g} s"
-        outcome = Outcome(Status.TIMEOUT, message, (Code.INTERRUPTED,))
-        interrupted = True
-    record = recorder.record()
-    if maneuver.is_steady and outcome.status is Status.OK:
-        outcome.findings.update(vibration(model, record))
-    model.release()
-    run = _finished(gear, maneuver, outcome, record, model.start, model.forces.friction_zone, options)
-    if interrupted:
-        raise Interrupted(run)
-    return run
 
 
 # --- equilibria ------------------------------------------------------------------------------------
@@ -471,7 +529,9 @@ def _mean_signals(
     return signals
 
 
-SOLVERS: dict[str, Callable[[SteeringGear, Fidelity, Maneuver, RunOptions], SceneRun]] = {
+Solver = Callable[[SteeringGear, Fidelity, Maneuver, RunOptions], SceneRun]
+
+SOLVERS: dict[str, Solver] = {
     "generalized-alpha": by_dynamics,
     "equilibrium": by_equilibrium,
     "closed-form": by_formula,

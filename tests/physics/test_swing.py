@@ -15,6 +15,8 @@ from rps_exudyn.results.quantities import WITHOUT_FINER_STEPS
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.maneuver import swing_maneuver
 from rps_exudyn.scenes.metric_confirmation import changes, unclosed
+from rps_exudyn.scenes.run_maneuver import run_ever_longer, run_maneuver
+from rps_exudyn.scenes.scene import DEFAULT_OPTIONS
 from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.closed_form import closed_form
 from verification.stability import ScenePlan
@@ -87,6 +89,23 @@ def test_cycles_before_the_record_keep_its_steps() -> None:
     assert earlier.time[-recorded:] - 2 * maneuver.drive.period == pytest.approx(
         maneuver.time[-recorded:], abs=1e-9
     )
+
+
+def test_a_swing_from_more_cycles_before_goes_on_where_the_one_before_ended() -> None:
+    """Dynamics take the steps of what it adds alone; its record is that of a swing made at once."""
+    gear, moving = SteeringGear(), Fidelity.preset("flank")
+    once = swing_maneuver(gear, moving.step_angle)
+    later = once.begun_earlier(1)
+    with run_ever_longer(gear, moving, DEFAULT_OPTIONS) as run:
+        short, long = (run(each) for each in (once, later))
+    whole = run_maneuver(gear, moving, later)
+    steps = [each.outcome.counters["steps"] for each in (short, long, whole)]
+    assert steps[1] == pytest.approx(steps[2], rel=0.1)
+    assert steps[0] < 0.7 * steps[1]
+    assert len(long.signals["time"]) == pytest.approx(len(whole.signals["time"]), abs=20)
+    for name in ("pinion_torque", "rack_displacement", "work_drive"):
+        at_once = np.interp(long.signals["time"], whole.signals["time"], whole.signals[name])
+        assert long.signals[name] == pytest.approx(at_once, abs=2e-3 * np.ptp(at_once)), name
 
 
 def test_short_steps_show_the_vibration_that_bristles_of_the_teeth_allow() -> None:
