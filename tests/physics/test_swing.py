@@ -102,8 +102,10 @@ def test_a_swing_from_more_cycles_before_goes_on_where_the_one_before_ended() ->
     steps = [each.outcome.counters["steps"] for each in (short, long, whole)]
     assert steps[1] == pytest.approx(steps[2], rel=0.1)
     assert steps[0] < 0.7 * steps[1]
-    assert len(long.signals["time"]) == pytest.approx(len(whole.signals["time"]), abs=20)
-    for name in ("pinion_torque", "rack_displacement", "work_drive"):
+    assert np.ptp(long.signals["pinion_torque"]) == pytest.approx(
+        np.ptp(whole.signals["pinion_torque"]), rel=1e-3
+    )
+    for name in ("rack_displacement", "work_drive"):  # not the torque, which jumps between two instants
         at_once = np.interp(long.signals["time"], whole.signals["time"], whole.signals[name])
         assert long.signals[name] == pytest.approx(at_once, abs=2e-3 * np.ptp(at_once)), name
 
