@@ -342,7 +342,7 @@ def work_balanced(signals: dict[str, np.ndarray], bound: float) -> Failure:
         yield (
             Status.INVALID,
             Code.WORK_MISSING,
-            f"the error of the work balance is {residual:.2%} (limit {bound:.1%})",
+            f"the error of the work balance is {residual:.2%} (limit {bound:.1%}); lower fidelity.step_angle",
         )
 
 
