@@ -23,7 +23,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Status
 from rps_exudyn.scenes.remarks import stations_for_motions
 from rps_exudyn.scenes.scene import RunOptions
-from rps_exudyn.scenes.scene_run import SceneRun, Signals, outcome_of_path
+from rps_exudyn.scenes.scene_run import SceneRun, Signals, lost, outcome_of_path
 from rps_exudyn.solvers.balance import SIZE, Balance
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
@@ -213,13 +213,10 @@ def _outcome(path: EquilibriumPath, loads: OutsideLoads, cpu_s: float, interrupt
         return outcome
     (across, sideways), torque = loads.end_force[found], loads.torque[found]
     if loads.shaft is not None:
-        shown = ", ".join(f"{force:.4g} N" for force in loads.shaft[found])
-        message = f"no equilibrium was found under {shown} on the input shaft; "
-        message += f"{path.residual:.3g} N remain unbalanced"
-        return replace(outcome, status=Status.NO_CONVERGENCE, codes=(Code.NO_EQUILIBRIUM,), message=message)
-    shown = f"{across:.4g} N along Y and {sideways:.4g} N along Z at the rack's end, {torque:.4g} N m"
-    message = f"no equilibrium was found under {shown}; {path.residual:.3g} N remain unbalanced"
-    return replace(outcome, status=Status.NO_CONVERGENCE, codes=(Code.NO_EQUILIBRIUM,), message=message)
+        shown = ", ".join(f"{force:.4g} N" for force in loads.shaft[found]) + " on the input shaft"
+    else:
+        shown = f"{across:.4g} N along Y and {sideways:.4g} N along Z at the rack's end, {torque:.4g} N m"
+    return lost(path, f"under {shown}", outcome)
 
 
 def _signals(record: Record, loads: OutsideLoads, outside: np.ndarray, place: float) -> Signals:

@@ -38,7 +38,7 @@ from rps_exudyn.scenes.checks.needs_finer import (
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
-from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined, outcome_of_path
+from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined, lost, outcome_of_path
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state, pushing_force, runout_harmonics
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
@@ -54,7 +54,6 @@ from rps_exudyn.solvers.record import (
     under_torque,
 )
 from rps_exudyn.solvers.settled_start import joined_instants, settled_behind, settled_start
-from rps_exudyn.solvers.settling import TOLERANCE
 from rps_exudyn.solvers.steering_column import (
     BehindColumn,
     ColumnModel,
@@ -75,13 +74,12 @@ UNDER_TORQUE = 0.1  # of the tolerance where a torque is given, for what is left
 UNEVEN = Swing, SetOff, WheelTorque  # drives under which friction turns about
 NOT_CURED_BY_STEPS = {Code.SWING_TOO_FAST, Code.TURN_TOO_FAST, Code.BEYOND_LAW, Code.START_MATTERS}
 SHAKEN = 0.15  # contractivity: between impacts an old Jacobian takes twice the iterations
+FOLLOWS = "only generalized-alpha follows a jump"
 JUMPS = (
     "; where the gear's torque falls by more than the column's {:.4g} N*m/rad, or the rack snaps "
-    "through at a reversal, the gear jumps; only generalized-alpha follows a jump"
+    f"through at a reversal, the gear jumps; {FOLLOWS}"
 )
-JUMPS_UNDER_TORQUE = (
-    "; under a given torque the gear jumps where friction falls; only generalized-alpha follows a jump"
-)
+JUMPS_UNDER_TORQUE = f"; under a given torque the gear jumps where friction falls; {FOLLOWS}"
 HALVINGS_FOR_TOLERANCE = 4  # more than a record asks for by itself: kinks are never resolved
 CLOSED = 1e-3  # of the drive's force and work: how much all periods may drift for one to stand for all
 
@@ -167,7 +165,7 @@ class Integration:
             )
         model, recorder = self._model, self._recorder
         if not model.start.converged:
-            return SceneRun(_lost(maneuver, model.start, Outcome(Status.OK)))
+            return SceneRun(lost(model.start, _end_of(model.start, maneuver), Outcome(Status.OK)))
         plans = _plans(gear, fidelity, maneuver, model)
         if recorder is None:
             model.mbs.Assemble()
@@ -340,10 +338,12 @@ def _along_equilibria(
             message = f"interrupted at {drive.shown(path.time[-1])}"
             outcome = replace(outcome, status=Status.TIMEOUT, codes=(Code.INTERRUPTED,), message=message)
         elif not path.converged:
-            outcome = _lost(maneuver, path, outcome)
+            outcome = lost(path, _end_of(path, maneuver), outcome)
             if column is not None:
                 jumps = JUMPS_UNDER_TORQUE if isinstance(drive, WheelTorque) else JUMPS
                 outcome = replace(outcome, message=outcome.message + jumps.format(column.stiffness))
+            elif path.jumps:
+                outcome = replace(outcome, message=f"{outcome.message}; {FOLLOWS}")
         record = record_of_path(forces, path, turned)
         if column is not None and path.wheel.size:  # else the gear was lost on its way to the start
             record = _seen_from_wheel(record, column, drive, -path.wheel)
@@ -388,6 +388,10 @@ def _seen_from_wheel(record: Record, column: ColumnModel, drive: Drive, wheel: n
     return under_torque(record, column, drive, wheel)
 
 
+def _end_of(path: EquilibriumPath, maneuver: Maneuver) -> str:
+    return f"at {maneuver.drive.shown(path.lost_at or 0.0)}"
+
+
 # --- common ----------------------------------------------------------------------------------------
 def _finished(
     gear: SteeringGear,
@@ -411,20 +415,6 @@ def _finished(
     if (depends := start.start.unsettled_behind) > 0:
         outcome = replace(outcome, findings={**outcome.findings, "start_unsettled": depends})
     return SceneRun(outcome, signals)
-
-
-def _lost(maneuver: Maneuver, path: EquilibriumPath, outcome: Outcome) -> Outcome:
-    """The outcome of a maneuver whose path ends where it found no equilibrium."""
-    place = maneuver.drive.shown(path.lost_at or 0.0)
-    if path.jumps:
-        message = (
-            f"the gear jumps at {place}: a part of it moves across ever faster, and no equilibrium leads on"
-        )
-        return replace(outcome, status=Status.INVALID, codes=(Code.GEAR_JUMPS,), message=message)
-    message = f"no equilibrium was found at {place}, {path.residual:.3g} N remain unbalanced"
-    if path.residual <= TOLERANCE:
-        message = f"no equilibrium was found near the one before at {place}"
-    return replace(outcome, status=Status.NO_CONVERGENCE, codes=(Code.NO_EQUILIBRIUM,), message=message)
 
 
 # --- formulas: mean values, losses, the runout's harmonic; no ripple, no elasticity ----------------

@@ -104,3 +104,14 @@ def outcome_of_path(path: EquilibriumPath, cpu_s: float) -> Outcome:
         settings={"name": "equilibrium", "tolerance": TOLERANCE},
         findings={"residual": path.residual, "rescues": path.rescues},
     )
+
+
+def lost(path: EquilibriumPath, where: str, outcome: Outcome) -> Outcome:
+    """Return the outcome of a path that ends where no equilibrium was found, for instance "at 12 deg"."""
+    if path.jumps:
+        message = f"the gear jumps {where}: {path.jumps}"
+        return replace(outcome, status=Status.INVALID, codes=(Code.GEAR_JUMPS,), message=message)
+    message = f"no equilibrium was found {where}; {path.residual:.3g} N remain unbalanced"
+    if path.residual <= TOLERANCE:
+        message = f"no equilibrium was found near the one before {where}"
+    return replace(outcome, status=Status.NO_CONVERGENCE, codes=(Code.NO_EQUILIBRIUM,), message=message)

@@ -36,6 +36,7 @@ SHORTEST = 0.01  # of the steps asked for, that between an instant found and one
 SHORTEST_BEHIND_COLUMN = 1 / 256  # ... and where friction lets a column's end go
 SNAP = 4  # times the fastest motion so far: behind a column the gear jumps to another equilibrium
 RUNS_AWAY = 3  # steps in which a part becomes twice as fast before the gear jumps, and `SNAP` times the rack
+FOLD = 4  # instants over which ever more force is left: beyond a fold of the equilibria it grows with the way
 WHEEL_LENGTH = 0.01  # turns the wheel's coordinate into a length [m]
 
 
@@ -73,7 +74,7 @@ class EquilibriumPath:
     kept: np.ndarray = field(default_factory=lambda: np.zeros((0, 2, 0)))
     outputs: np.ndarray = field(default_factory=lambda: np.zeros((0, OUTPUTS)))  # of all parts
     wheel: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))  # (n, 2) its coordinate, rate, if any
-    jumps: bool = False  # the gear where the path ends
+    jumps: str = ""  # what shows that the gear jumps where the path ends
     kinetic: np.ndarray | float = 0.0  # (n,) energy of what is accelerated behind a column [J]
 
     @property
@@ -251,6 +252,7 @@ class _Following:
     rescues: int = 0
     unbalanced: float = 0.0  # largest force left at the instants found [N]
     residual: float = 0.0  # at the last one looked for [N]
+    left: dict[float, float] = field(default_factory=dict)  # at each instant searched, the least [s] -> [N]
 
     @classmethod
     def of(
@@ -392,12 +394,33 @@ class _Following:
         fastest = np.abs(self.rows.rates[: k + 1] * self.lengths).max(axis=1)
         return bool(fastest[k] > SNAP * fastest[:k].max())
 
-    def jumps(self) -> bool:
-        """Return whether the gear jumps where no next instant is found: the steps there are as short as makes
-        sense, and over the last of them the fastest part has become twice as fast, and far faster than the
-        rack. Friction that grows with the load that it makes, or that falls, leaves no equilibrium ahead."""
+    def jumps(self) -> str:
+        """Return what shows that the gear jumps where no next instant is found, "" where nothing does."""
+        if self.whole or not self.found:
+            return ""
+        if self.runs_away():
+            return "a part of it moves across ever faster, and no equilibrium leads on"
+        return "no equilibrium leads on, beyond it ever more force is left over" if self.folds() else ""
+
+    def folds(self) -> bool:
+        """Return whether the equilibria end in a fold: the least force that is left grows from the last
+        instant found, where some is left already, to those beyond it."""
+        last = self.rows.time[self.found - 1]
+        beyond = sorted((time, least) for time, least in self.left.items() if time >= last)[:FOLD]
+        left = np.array([least for _, least in beyond])
+        return (
+            len(left) == FOLD
+            and beyond[0][0] == last
+            and left[0] > TOLERANCE
+            and bool((np.diff(left) > 0).all())
+        )
+
+    def runs_away(self) -> bool:
+        """Return whether the steps at the end are as short as makes sense, and over the last of them the
+        fastest part has become twice as fast, and far faster than the rack. Friction that grows with the load
+        that it makes, or that falls, leaves no equilibrium ahead."""
         k = self.found
-        if self.whole or k <= RUNS_AWAY or self.column[0]:
+        if k <= RUNS_AWAY or self.column[0]:
             return False
         rows = self.rows
         driven = max(abs(self.drive.pinion_speed(self.pair.gain, each)) for each in rows.time[:k])
@@ -418,6 +441,7 @@ class _Following:
             balance.memory[0], balance.memory[1, TIME] = rows.kept[k - 1, 1], time[k]
         settling = self.settling(k, base, per_time)
         place, self.residual = search(settling, [ahead[free], places[k - 1, free]])
+        self.left[time[k]] = min(self.residual, self.left.get(time[k], np.inf))
         rows.coordinates[k], rows.rates[k] = settling.at(place)
         size = balance.size
         forces = balance.force(rows.coordinates[k, :size], rows.rates[k, :size])

@@ -27,6 +27,8 @@ GEARS = json.loads((Path(__file__).parents[1] / "lost_gears.json").read_text())
         ("a rack that rolls away", Status.CONTACT_LOST, Code.RACK_OUT_OF_MESH),
         # over the last steps a part moves a hundred times as fast as the rack
         ("bristles that let the rack snap", Status.INVALID, Code.GEAR_JUMPS),
+        # beyond a fold of its equilibria the least force that is left grows with the load
+        ("a rack that snaps under a load", Status.INVALID, Code.GEAR_JUMPS),
     ],
 )
 def test_a_gear_that_was_lost_is_right_or_refused_by_its_cause(
