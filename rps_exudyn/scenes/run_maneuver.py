@@ -408,7 +408,8 @@ def _finished(
         return SceneRun(outcome)
     pitch = 2 * np.pi / gear.pinion.teeth
     settled = -start.begun * gear.test.speed >= pitch * (1 - 1e-9)
-    record = replace(record, settled=settled, start=start.start)
+    periodic = maneuver.is_steady and maneuver.closes
+    record = replace(record, settled=settled, periodic=periodic, start=start.start)
     signals = signals_of(record)
     if outcome.status is Status.OK or set(outcome.codes) & {Code.NO_EQUILIBRIUM, Code.GEAR_JUMPS}:
         outcome = options.check(outcome, gear, record, signals, zone if maneuver.is_steady else None)

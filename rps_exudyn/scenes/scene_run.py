@@ -112,6 +112,4 @@ def lost(path: EquilibriumPath, where: str, outcome: Outcome) -> Outcome:
         message = f"the gear jumps {where}: {path.jumps}"
         return replace(outcome, status=Status.INVALID, codes=(Code.GEAR_JUMPS,), message=message)
     message = f"no equilibrium was found {where}; {path.residual:.3g} N remain unbalanced"
-    if path.residual <= TOLERANCE:
-        message = f"no equilibrium was found near the one before {where}"
     return replace(outcome, status=Status.NO_CONVERGENCE, codes=(Code.NO_EQUILIBRIUM,), message=message)

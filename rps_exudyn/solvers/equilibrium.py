@@ -398,6 +398,8 @@ class _Following:
         """Return what shows that the gear jumps where no next instant is found, "" where nothing does."""
         if self.whole or not self.found:
             return ""
+        if self.residual <= TOLERANCE:
+            return "the next equilibrium is far from the one before"
         if self.runs_away():
             return "a part of it moves across ever faster, and no equilibrium leads on"
         return "no equilibrium leads on, beyond it ever more force is left over" if self.folds() else ""

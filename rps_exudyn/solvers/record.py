@@ -80,6 +80,7 @@ class Record:
     contact: np.ndarray | None = None  # the solver's own contact forces on pinion and rack, (n, 7)
     pulse_power: np.ndarray | None = None  # of what shakes the rack [W]
     settled: bool = False  # whether a tooth pitch was turned before
+    periodic: bool = False  # whether it covers whole periods of a steady motion
     start: Start = SETTLED  # how far it depends on how the gear came there
     begun: np.ndarray | None = None  # (n, .) state of the bristles at the start of the steps that end here
     wheel: np.ndarray | None = None  # (n, 2) angle and rate of the wheel, where the rig turns it [rad, rad/s]
