@@ -2,7 +2,7 @@
 
 python benchmarks/make.py                    list the topics: what each shows, where, how long it takes
 python benchmarks/make.py geometry scenes    run these, and write the tables of all pages from their data
-python benchmarks/make.py --all              run all of them (about four hours)
+python benchmarks/make.py --all              run all of them (about five hours)
 python benchmarks/make.py --tables           run nothing, only write the tables
 python benchmarks/make.py --toy --out DIR    run at toy size, in seconds, elsewhere than in results/
 """

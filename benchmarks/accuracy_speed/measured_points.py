@@ -180,7 +180,7 @@ BUILT = {"faceted": faceted_points, "loop": loop_points}
 COARSE = {"generators": over_generators(40, as_run(still("3 deg"))), "strips": as_run(by_strips("3 deg"))}
 
 TOPIC = Topic(
-    "30 min",
+    "45 min",
     "accuracy_speed",
     run,
     {

@@ -53,4 +53,4 @@ def counts_table(folder: Path) -> str:
     return markdown(("ordinary gears over a turn", "number"), rows)
 
 
-TOPIC = Topic("6 min", "stability", run, {"gears": 3}, {"ordinary_gears": counts_table})
+TOPIC = Topic("16 min", "stability", run, {"gears": 3}, {"ordinary_gears": counts_table})
