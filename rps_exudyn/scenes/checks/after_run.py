@@ -237,7 +237,7 @@ def nothing_stored(signals: dict[str, np.ndarray]) -> Failure:
     """Check that over whole periods no energy stays stored: the drive's mean is off by what bristles, slower
     to settle than the rack, go on taking or giving back."""
     share = stored_share(signals)
-    if share > UNSETTLED_BOUND:
+    if not _is_small(share * largest_work(signals), UNSETTLED_BOUND, signals):
         yield (
             Status.INVALID,
             Code.START_MATTERS,
