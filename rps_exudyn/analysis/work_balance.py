@@ -90,12 +90,6 @@ def missing_work(signals: Mapping[str, np.ndarray]) -> float:
     return given - sum(losses(signals).values()) - _change(signals, "stored_energy")
 
 
-def stored_share(signals: Mapping[str, np.ndarray]) -> float:
-    """Change of the stored energy over a record, over `largest_work`; 0 without work."""
-    larger = np.asarray(largest_work(signals))
-    return number_of(np.abs(_change(signals, "stored_energy")) / np.where(larger > 0, larger, np.inf))
-
-
 def _change(signals: Mapping[str, np.ndarray], name: str) -> float:
     """Change of a signal (..., n) over the whole record; 0 if it was not recorded."""
     values = signals.get(name, np.zeros(0))

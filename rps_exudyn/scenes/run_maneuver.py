@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rps_exudyn.analysis.rack_motion import transmission_error
-from rps_exudyn.analysis.work_balance import integral_from_start, stored_share
+from rps_exudyn.analysis.work_balance import integral_from_start
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import begin_part
 from rps_exudyn.gears.gear_pair import GearPair
@@ -81,7 +81,7 @@ JUMPS = (
 )
 JUMPS_UNDER_TORQUE = f"; under a given torque the gear jumps where friction falls; {FOLLOWS}"
 HALVINGS_FOR_TOLERANCE = 4  # more than a record asks for by itself: kinks are never resolved
-CLOSED = 1e-3  # of the drive's force and work: how much all periods may drift for one to stand for all
+CLOSED = 1e-3  # of the drive's force: how much all periods may drift for one to stand for all
 
 
 def run_maneuver(
@@ -249,8 +249,7 @@ def by_equilibrium(
         run, fidelity = _by_finer_strips(run, gear, fidelity, maneuver.one_period().halved(halved), options)
     if maneuver.periods > 1 and run.ok:
         force = run.signals[maneuver.drive.signal]
-        drift = max(_change(force) / float(np.abs(force).max()), stored_share(run.signals))
-        if maneuver.periods * drift > CLOSED:
+        if maneuver.periods * abs(force[-1] - force[0]) > CLOSED * np.abs(force).max():
             run = _along_equilibria(gear, fidelity, maneuver.halved(halved), options)
         else:
             findings["periods_alike"] = maneuver.periods
@@ -356,16 +355,11 @@ def _along_equilibria(
 
 
 def _drift(signals: Signals, driven: str) -> float:
-    """Change over a record of the drive's force, over its largest, of a coordinate, over the travel, or of
-    the energy stored, over the work."""
+    """Change of the drive's force over a record, over its largest, or of a coordinate, over the travel."""
     travel, force = float(np.ptp(signals["rack_displacement"])), signals[driven]
     lengths = dict(zip(COORDINATES, CHARACTERISTIC_LENGTHS[2:], strict=True))
-    moved = max(_change(signals[name]) * lengths[name] for name in COORDINATES)
-    return max(moved / travel, _change(force) / (float(np.abs(force).max()) or 1.0), stored_share(signals))
-
-
-def _change(values: np.ndarray) -> float:
-    return abs(float(values[-1] - values[0]))
+    moved = max(abs(float(signals[name][-1] - signals[name][0])) * lengths[name] for name in COORDINATES)
+    return max(moved / travel, abs(float(force[-1] - force[0])) / (float(np.abs(force).max()) or 1.0))
 
 
 def _is_settled(signals: Signals, driven: str, gear: SteeringGear) -> bool:
@@ -378,7 +372,7 @@ def _returns(signals: Signals, gear: SteeringGear) -> bool:
     part of their ranges."""
     beside = [transmission_error(signals, float(GearPair.of(gear).gain))]
     beside += [signals[name] for name in COORDINATES if name != "rack_displacement"]
-    return all(_change(each) <= RETURNED * float(np.ptp(each)) for each in beside)
+    return all(abs(float(each[-1] - each[0])) <= RETURNED * float(np.ptp(each)) for each in beside)
 
 
 def _seen_from_wheel(record: Record, column: ColumnModel, drive: Drive, wheel: np.ndarray) -> Record:
@@ -408,8 +402,7 @@ def _finished(
         return SceneRun(outcome)
     pitch = 2 * np.pi / gear.pinion.teeth
     settled = -start.begun * gear.test.speed >= pitch * (1 - 1e-9)
-    periodic = maneuver.is_steady and maneuver.closes
-    record = replace(record, settled=settled, periodic=periodic, start=start.start)
+    record = replace(record, settled=settled, start=start.start)
     signals = signals_of(record)
     if outcome.status is Status.OK or set(outcome.codes) & {Code.NO_EQUILIBRIUM, Code.GEAR_JUMPS}:
         outcome = options.check(outcome, gear, record, signals, zone if maneuver.is_steady else None)

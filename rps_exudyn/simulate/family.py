@@ -13,7 +13,6 @@ import numpy as np
 from rps_exudyn.analysis.curve import every_second, lag, missed
 from rps_exudyn.analysis.passes import spread
 from rps_exudyn.analysis.torque import mean
-from rps_exudyn.analysis.work_balance import stored_share
 from rps_exudyn.forces.force_element import RACK
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_limits import largest_lift
@@ -299,7 +298,6 @@ class FamilyRecord:
         late = lag(angle, signals["rack_roll"]) * gear.rack.bar_diameter / 2
         late = late / spread(signals["rack_displacement"])
         drift = np.abs(force[:, -1] - force[:, 0]) / np.maximum(np.abs(force).max(axis=-1), ROUNDING)
-        drift = np.maximum(drift, stored_share(signals))
         allowed_drift = SAFE * CLOSED if family.periods > 1 else STEADY
         size = force_size(signals, np.asarray(mean(angle, force)), self._path)
         checks = (

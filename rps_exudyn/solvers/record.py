@@ -23,6 +23,7 @@ from rps_exudyn.forces.force_element import (
     stacked,
 )
 from rps_exudyn.forces.friction import PLACES, TIME
+from rps_exudyn.results.quantities import is_work
 from rps_exudyn.solvers.bent_rack import ALONG_BAR, ON_BAR, BentBar
 from rps_exudyn.solvers.equilibrium import SETTLED, EquilibriumPath, Start
 from rps_exudyn.solvers.gear_forces import GearForces
@@ -80,7 +81,6 @@ class Record:
     contact: np.ndarray | None = None  # the solver's own contact forces on pinion and rack, (n, 7)
     pulse_power: np.ndarray | None = None  # of what shakes the rack [W]
     settled: bool = False  # whether a tooth pitch was turned before
-    periodic: bool = False  # whether it covers whole periods of a steady motion
     start: Start = SETTLED  # how far it depends on how the gear came there
     begun: np.ndarray | None = None  # (n, .) state of the bristles at the start of the steps that end here
     wheel: np.ndarray | None = None  # (n, 2) angle and rate of the wheel, where the rig turns it [rad, rad/s]
@@ -345,12 +345,15 @@ def axis_at_pitch_point(rack: np.ndarray) -> np.ndarray:
 
 
 def repeated(signals: dict[str, np.ndarray], times: int) -> dict[str, np.ndarray]:
-    """Return the signals of one period, whose first instant stands again at its end, over several periods."""
+    """Return the signals of one period, whose first instant stands again at its end, over several periods.
+
+    Energies grow from one to the next: a rack under gravity along its bar stores or gives back some in each.
+    """
     grows = {"time", "pinion_angle", "rack_displacement"}
     whole = {}
     for name, values in signals.items():
         grown = values[..., -1:] - values[..., :1]
-        rise = grown if name in grows or name.startswith("work_") else np.zeros_like(grown)
+        rise = grown if name in grows or is_work(name) else np.zeros_like(grown)
         periods = [values[..., :-1] + rise * number for number in range(times)]
         whole[name] = np.concatenate([*periods, values[..., -1:] + rise * (times - 1)], axis=-1)
     return whole

@@ -5,6 +5,7 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.analysis.efficiency import measured_load_test
+from rps_exudyn.analysis.work_balance import missing_work
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.bush import bush_chain, housing_station
 from rps_exudyn.forces.yoke import seat_wedge_factor
@@ -17,6 +18,7 @@ from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.load_test import oriented
 from rps_exudyn.scenes.scene_run import SceneRun, joined
 from rps_exudyn.solvers.closed_form import GRAVITY, pushing_force, unloading_force
+from rps_exudyn.solvers.record import repeated
 
 GEAR = SteeringGear()
 PITCH = 1 / GEAR.pinion.teeth  # [turns]
@@ -241,6 +243,17 @@ def test_gravity_along_the_bar_is_a_load_on_the_rack() -> None:
     weight = rack_masses(GEAR).mass * 9.81 * np.sin(np.radians(20))
     drawn = weight * GearPair.of(GEAR).gain
     assert -found["torque_direction_difference"] / 2 == pytest.approx(drawn, rel=0.05)
+
+
+def test_energies_grow_from_period_to_period() -> None:
+    """As those of a rack whose weight falls along its bar: repeated, a period has its balance of work."""
+    place = np.linspace(0.0, 1.0, 5)
+    period = {"time": place, "pinion_torque": 2 + np.sin(2 * np.pi * place), "work_drive": 2 * place}
+    period |= {"work_mesh_friction": 3 * place, "stored_energy": -place}
+    whole = repeated(period, 3)
+    assert whole["stored_energy"][-1] == -3.0
+    assert missing_work(whole) == pytest.approx(0.0)
+    assert whole["pinion_torque"][-1] == pytest.approx(2.0)
 
 
 # --- reversal --------------------------------------------------------------------------------------

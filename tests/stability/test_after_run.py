@@ -68,19 +68,6 @@ def test_teeth_deeper_than_their_law_allows(signals: dict[str, np.ndarray]) -> N
     assert "µm" in message
 
 
-@pytest.mark.parametrize(("stored", "settled"), [(0.009, True), (0.011, False), (-0.011, False)])
-def test_work_that_stays_stored_over_whole_periods(
-    signals: dict[str, np.ndarray], stored: float, settled: bool
-) -> None:
-    signals["stored_energy"] = stored * signals["work_drive"]
-    found = list(after_run.nothing_stored(signals))
-    assert [each[:2] for each in found] == ([] if settled else [(Status.INVALID, Code.START_MATTERS)])
-    small = {
-        name: 1e-3 * each if "work" in name or "energy" in name else each for name, each in signals.items()
-    }
-    assert not list(after_run.nothing_stored(small))
-
-
 @pytest.mark.parametrize("residual", [0.003, -0.003, float("nan")])
 def test_work_that_does_not_add_up(signals: dict[str, np.ndarray], residual: float) -> None:
     signals["work_mesh_friction"] *= 1 - residual
