@@ -386,5 +386,5 @@ def losses_table(folder: Path) -> str:
 
 
 TOPIC = Topic(
-    "5 h", "stability", run, {"plans": 2}, {"random_plans": verdicts_table, "lost_plans": losses_table}
+    "3 h", "stability", run, {"plans": 2}, {"random_plans": verdicts_table, "lost_plans": losses_table}
 )
