@@ -1,4 +1,4 @@
-"""Random gears that equilibria lost once, or called right, each by another cause (lost_gears.json)."""
+"""Random gears that equilibria lost once, each by another cause (lost_gears.json)."""
 
 import json
 from pathlib import Path
@@ -8,7 +8,6 @@ import pytest
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Status
-from rps_exudyn.results.result import Result
 from rps_exudyn.simulate.run import simulate
 from verification.law_area import replaced
 
@@ -33,12 +32,8 @@ GEARS = json.loads((Path(__file__).parents[1] / "lost_gears.json").read_text())
 def test_a_gear_that_was_lost_is_right_or_refused_by_its_cause(
     name: str, status: Status, code: Code | None
 ) -> None:
-    run = run_of(name)
-    assert run.status is status, run.message
-    assert code is None or code in run.codes
-
-
-def run_of(name: str) -> Result:
     values = GEARS[name]
     model = Fidelity.preset("flank" if values["model"] else "quasi-static").replace(values["model"])
-    return simulate(values["scene"], replaced(SteeringGear(), values["settings"]), model)
+    run = simulate(values["scene"], replaced(SteeringGear(), values["settings"]), model)
+    assert run.status is status, run.message
+    assert code is None or code in run.codes
