@@ -63,7 +63,7 @@ def area_contact(angle, rate, position, rotation, velocity, spin, data, work, fa
         side = side_of(sign, angle, rate, position, rotation, velocity, spin, data)
         first, last, turn = first_tooth(angle, side, data)
         begin_side(side, data, work)
-        slopes = slopes_of(work.stiffness, factor_q, factor_v, side, angle, position, data)
+        slopes = slopes_of(work, factor_q, factor_v, side, angle, position, data)
         for tooth in range(first, last + 1):
             line = line_of(tooth, turn, side, data)
             before, depth = work.sums[LOAD], 0.0

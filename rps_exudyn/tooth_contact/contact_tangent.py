@@ -72,6 +72,8 @@ class Slopes(NamedTuple):
 
     wanted: bool  # else nothing is added
     stiffness: np.ndarray  # of the wrench on the rack over its motion, (6, 6), housing, reference point
+    rubbing: np.ndarray  # the same of a side's friction, (6, 6), before it gets the size of the whole load
+    loads: np.ndarray  # of that load, its sign turned, (6,)
     factor_q: float  # of the derivative by places
     factor_v: float  # of that by rates
     stance: Stance
@@ -88,10 +90,17 @@ def stance_of(side, angle, position, data):  # type: ignore[no-untyped-def]
 
 
 @inline
-def slopes_of(stiffness, factor_q, factor_v, side, angle, position, data):  # type: ignore[no-untyped-def]
+def slopes_of(work, factor_q, factor_v, side, angle, position, data):  # type: ignore[no-untyped-def]
     """Return a side's `Slopes`; none are wanted if both factors are 0."""
-    wanted = factor_q != 0 or factor_v != 0
-    return Slopes(wanted, stiffness, factor_q, factor_v, stance_of(side, angle, position, data))
+    wanted, number = factor_q != 0 or factor_v != 0, 1 if side.sign > 0 else 0
+    rubbing, loads = work.rubbing[number], work.by_weight[number]
+    if wanted and not data.law.has_state:
+        for i in range(6):
+            loads[i] = 0.0
+            for j in range(6):
+                rubbing[i, j] = 0.0
+    stance = stance_of(side, angle, position, data)
+    return Slopes(wanted, work.stiffness, rubbing, loads, factor_q, factor_v, stance)
 
 
 @inline
@@ -143,18 +152,21 @@ def add_station(stiffness, load, p_r, p_t, z, side, data, work, slopes):  # type
     """Add what a load at a point changes by: its own stiffness [N/m], and its friction's."""
     stance = slopes.stance
     arm = arm_of(p_r, p_t, z, stance)
-    slip_r, slip_b = slip_at(p_r, p_t, z, side)
-    rub = friction_at(slip_r, slip_b, data, slopes)
-    whole = plus(stance.normal, rub.force)
     factor = -stiffness * (slopes.factor_q + data.damping * slopes.factor_v)
     moment = cross(arm, stance.normal)
-    add_outer(slopes.stiffness, factor, whole, cross(arm, whole), stance.normal, moment)
+    add_outer(slopes.stiffness, factor, stance.normal, moment, stance.normal, moment)
     if data.law.has_state:
         change = scaled(factor, stance.normal)
         turned = scaled(factor, moment)
         add_to_patch(change, turned, arm, p_r, p_t, z, side, data, work, slopes)
-    else:
-        add_viscous(load, arm, rub, slopes)
+        return
+    slip_r, slip_b = slip_at(p_r, p_t, z, side)
+    rub = friction_at(slip_r, slip_b, data, slopes)
+    add_outer(slopes.rubbing, factor, rub.force, cross(arm, rub.force), stance.normal, moment)
+    for i in range(3):
+        slopes.loads[i] += factor * stance.normal[i]
+        slopes.loads[3 + i] += factor * moment[i]
+    add_viscous(load, arm, rub, slopes)
 
 
 @inline
@@ -187,9 +199,40 @@ def add_viscous(load, arm, rub, slopes):  # type: ignore[no-untyped-def]
         return
     if rub.ahead != 0:
         moment = cross(arm, rub.on)
-        add_outer(slopes.stiffness, drag * rub.ahead, rub.on, moment, rub.on, moment)
+        add_outer(slopes.rubbing, drag * rub.ahead, rub.on, moment, rub.on, moment)
     moment = cross(arm, rub.beside)
-    add_outer(slopes.stiffness, drag * rub.aside, rub.beside, moment, rub.beside, moment)
+    add_outer(slopes.rubbing, drag * rub.aside, rub.beside, moment, rub.beside, moment)
+
+
+@inline
+def add_moved(load, growth, share, end, p_r, p_t, z, turning, side, data, slopes):  # type: ignore[no-untyped-def]
+    """Add what a station's friction changes by as the place moves where sliding turns about and a line is
+    taken in two pieces: by the rates of the rack's motion, of which the place's change is -s . v / s^2 with
+    the change s of the slip along the line.
+
+    Args:
+        load: of the station [N].
+        growth: of the load per length along the line, over the load per length [1/m].
+        share: of the place's motion that the station follows.
+        end: 1 over the width of its piece if that ends there, -1 over it if it begins there [1/m].
+        p_r: of the station, as `p_t` and `z`.
+        turning: the line's `Turning`.
+        side: of the line.
+        data: of the flanks.
+        slopes: where the tangent is added up.
+    """
+    stance = slopes.stance
+    slip_r, slip_b = slip_at(p_r, p_t, z, side)
+    rub = friction_at(slip_r, slip_b, data, slopes)
+    along = plus(scaled(turning.r_z, stance.radial), scaled(turning.b_z, stance.across))
+    ahead, aside = rub.ahead * dot(rub.on, along), rub.aside * dot(rub.beside, along)
+    change = scaled(load * share, plus(scaled(ahead, rub.on), scaled(aside, rub.beside)))
+    change = plus(change, scaled(load * (end + share * growth), rub.force))
+    way = plus(scaled(turning.p_t_z, stance.tangential), stance.axis)
+    moment = plus(cross(arm_of(p_r, p_t, z, stance), change), scaled(load * share, cross(way, rub.force)))
+    moved = scaled(-1 / dot(along, along), along)
+    there = arm_of(data.base_radius, turning.p_t, turning.z, stance)
+    add_outer(slopes.rubbing, -slopes.factor_v, change, moment, moved, cross(there, moved))
 
 
 @inline
@@ -203,9 +246,24 @@ def clear_patches(work):  # type: ignore[no-untyped-def]
 
 
 @inline
-def _of_direction(first, side, stance, work):  # type: ignore[no-untyped-def]
-    """Force and moment about the rack's reference point on the pinion by friction of size 1 of a side."""
-    sums, n_t, n_z = work.rubbed, -side.sign * side.n_p, side.n_z
+def add_rubbing(side, data, work, slopes):  # type: ignore[no-untyped-def]
+    """Add a side's friction without a state, whose coefficient changes with the side's whole load."""
+    load, law = work.sums[LOAD], data.law
+    factor, stiffness = by_load(load, law), slopes.stiffness
+    for i in range(6):
+        for j in range(6):
+            stiffness[i, j] += factor * slopes.rubbing[i, j]
+    if law.load_exponent != 1.0 and load > 0:
+        force, moment = _of_direction(DRAG_R, side, slopes.stance, work.sums)
+        loads = vector(slopes.loads[:3]), vector(slopes.loads[3:])
+        add_outer(stiffness, (law.load_exponent - 1.0) / load, force, moment, *loads)
+
+
+@inline
+def _of_direction(first, side, stance, sums):  # type: ignore[no-untyped-def]
+    """Force and moment about the rack's reference point on the pinion by friction of a side, from sums of it
+    or of its directions."""
+    n_t, n_z = -side.sign * side.n_p, side.n_z
     force = plus(scaled(sums[first], stance.radial), scaled(sums[first + 3], stance.across))
     moment = plus(
         scaled(-sums[first + 5], stance.radial),
@@ -225,8 +283,8 @@ def add_patch_tangent(side, data, work, slopes):  # type: ignore[no-untyped-def]
         return
     place = patch_of(side, data)
     k_aa, k_ab, k_ba, k_bb, p_a, p_b = patch_slopes(data.friction, place, law, work.memory, sums)
-    on, on_moment = _of_direction(ALONG, side, slopes.stance, work)
-    beside, beside_moment = _of_direction(ACROSS, side, slopes.stance, work)
+    on, on_moment = _of_direction(ALONG, side, slopes.stance, work.rubbed)
+    beside, beside_moment = _of_direction(ACROSS, side, slopes.stance, work.rubbed)
     stiffness, rate = slopes.stiffness, -slopes.factor_v
     add_outer(stiffness, rate * k_aa, on, on_moment, on, on_moment)
     add_outer(stiffness, rate * k_ab, on, on_moment, beside, beside_moment)

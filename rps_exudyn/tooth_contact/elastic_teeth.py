@@ -9,9 +9,10 @@ bending cancels, which laws without it miss.
 import numpy as np
 
 from rps_exudyn.base.compiled import inline, kernel
-from rps_exudyn.forces.rigid_motion import cross, plus, scaled, vector
+from rps_exudyn.forces.rigid_motion import cross, scaled, vector
 from rps_exudyn.gears.tooth_stiffness import EFFECTIVE_MODULUS, HERTZ
 from rps_exudyn.tooth_contact.contact_tangent import (
+    add_moved,
     add_to_patch,
     add_viscous,
     arm_of,
@@ -24,6 +25,7 @@ from rps_exudyn.tooth_contact.flank_line import (
     DEEPEST,
     ENERGY,
     LINES,
+    Turning,
     add_load,
     begin_side,
     note_line_load,
@@ -74,8 +76,8 @@ def press_teeth(matrix, lines, n, drive, coast, angle, position, data, work, fac
             work.wrench[i] = np.nan
         return
     energy = stored_energy(lines, elastic)
-    of_drive = slopes_of(work.stiffness, factor_q, factor_v, drive, angle, position, flank)
-    of_coast = slopes_of(work.stiffness, factor_q, factor_v, coast, angle, position, flank)
+    of_drive = slopes_of(work, factor_q, factor_v, drive, angle, position, flank)
+    of_coast = slopes_of(work, factor_q, factor_v, coast, angle, position, flank)
     if of_drive.wanted:
         add_teeth(matrix, lines, force, drive, coast, of_drive, of_coast, data, work)
     for side, slopes in ((drive, of_drive), (coast, of_coast)):
@@ -192,9 +194,10 @@ def stored_energy(lines, elastic):  # type: ignore[no-untyped-def]
 
 # --- The tangent of teeth that bend together: the derivative of their equations through the pressed stations
 #
-# With the wrenches w_i per load and those with friction u_i of the pressed stations (`contact_tangent`), and
-# the tangent compliance A of their equations, a small motion m changes the wrench by -U^T A^-1 W m. Which
-# stations are pressed does not change; the change of the compliance, which moves with the lines, is left out.
+# With the wrenches w_i per load of the pressed stations, those u_i of their friction (`contact_tangent`), and
+# the tangent compliance A of their equations, a small motion m changes the wrench by -(W + U)^T A^-1 W m.
+# Which stations are pressed does not change; the change of the compliance, which moves with the lines, is
+# left out.
 
 
 @inline
@@ -207,7 +210,8 @@ def add_teeth(matrix, lines, force, drive, coast, of_drive, of_coast, data, work
             chosen[m] = i
             m += 1
     full = (m + 3) // 4 * 4
-    system, yields, loads = np.zeros((full, full)), np.zeros((full, 6)), np.empty((m, 6))
+    system, yields = np.zeros((full, full)), np.zeros((full, 6))
+    normal, rubbing = np.empty((m, 6)), np.empty((m, 6))
     for row in range(m):
         i = chosen[row]
         for col in range(row):
@@ -215,40 +219,52 @@ def add_teeth(matrix, lines, force, drive, coast, of_drive, of_coast, data, work
         _, slope = local_yield(force[i] / lines.stations[LENGTH, i], lines.stations[TOP, i], HERTZ)
         system[row, row] = matrix[i, i] + slope / lines.stations[LENGTH, i]
         if lines.side[i // count] < 0:
-            _fill_wrenches(lines.stations, i, row, force[i], yields, loads, drive, flank, work, of_drive)
+            _fill_wrenches(lines, i, row, force[i], yields, rubbing, drive, flank, of_drive)
         else:
-            _fill_wrenches(lines.stations, i, row, force[i], yields, loads, coast, flank, work, of_coast)
+            _fill_wrenches(lines, i, row, force[i], yields, rubbing, coast, flank, of_coast)
+        normal[row] = yields[row]
     for row in range(m, full):
         system[row, row] = 1.0
     if not factorize(system, full):
         return
     substitute_all(system, full, yields)
     factor = of_drive.factor_q + flank.damping * of_drive.factor_v
-    stiffness = of_drive.stiffness
     for row in range(m):
+        side, slopes = (drive, of_drive) if lines.side[chosen[row] // count] < 0 else (coast, of_coast)
         for i in range(6):
-            value = factor * loads[row, i]
+            by_load, by_friction = factor * normal[row, i], factor * rubbing[row, i]
             for j in range(6):
-                stiffness[i, j] -= value * yields[row, j]
+                slopes.stiffness[i, j] -= by_load * yields[row, j]
+                slopes.rubbing[i, j] -= by_friction * yields[row, j]
         if flank.law.has_state:
-            side, slopes = (drive, of_drive) if lines.side[chosen[row] // count] < 0 else (coast, of_coast)
             _add_to_patch(lines.stations, chosen[row], -factor, yields[row], side, flank, work, slopes)
+            continue
+        for i in range(6):
+            slopes.loads[i] -= factor * yields[row, i]
 
 
 @inline
-def _fill_wrenches(stations, i, row, load, yields, loads, side, data, work, slopes):  # type: ignore[no-untyped-def]
-    """Fill a station's wrenches per load, without and with friction; add what its friction alone changes."""
-    p_r, p_t, z, stance = stations[P_R, i], stations[P_T, i], stations[P_Z, i], slopes.stance
+def _fill_wrenches(lines, i, row, load, yields, rubbing, side, data, slopes):  # type: ignore[no-untyped-def]
+    """Fill a station's wrenches per load, the normal one and that of friction; add what friction alone
+    changes."""
+    stations, piece, stance = lines.stations, i // data.stations, slopes.stance
+    p_r, p_t, z = stations[P_R, i], stations[P_T, i], stations[P_Z, i]
     arm = arm_of(p_r, p_t, z, stance)
     slip_r, slip_b = slip_at(p_r, p_t, z, side)
     rub = friction_at(slip_r, slip_b, data, slopes)
-    whole = plus(stance.normal, rub.force)
     yields[row, 0], yields[row, 1], yields[row, 2] = stance.normal
     yields[row, 3], yields[row, 4], yields[row, 5] = cross(arm, stance.normal)
-    loads[row, 0], loads[row, 1], loads[row, 2] = whole
-    loads[row, 3], loads[row, 4], loads[row, 5] = cross(arm, whole)
-    if not data.law.has_state:
-        add_viscous(load, arm, rub, slopes)
+    rubbing[row, 0], rubbing[row, 1], rubbing[row, 2] = rub.force
+    rubbing[row, 3], rubbing[row, 4], rubbing[row, 5] = cross(arm, rub.force)
+    if data.law.has_state:
+        return
+    add_viscous(load, arm, rub, slopes)
+    if lines.turns[piece] != 0:
+        at, share = lines.turning[:, piece], data.along[0, 0, i % data.stations]
+        turning = Turning(at[0], at[1], at[2], at[3], at[4])
+        end = lines.turns[piece] / (lines.length[piece] * data.cos_base_helix)
+        share = share if end > 0 else 1.0 - share
+        add_moved(load, 0.0, share, end, p_r, p_t, z, turning, side, data, slopes)
 
 
 @inline

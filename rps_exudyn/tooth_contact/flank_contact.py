@@ -18,7 +18,9 @@ GeneralContact). Loads act normal to the rack's plane, at points of the pinion's
 
 from rps_exudyn.base.compiled import inline, kernel
 from rps_exudyn.tooth_contact.contact_tangent import (
+    add_moved,
     add_patch_tangent,
+    add_rubbing,
     add_turn_of_loads,
     clear_patches,
     press,
@@ -41,7 +43,7 @@ from rps_exudyn.tooth_contact.flank_line import (
     plain_ends,
     plain_point,
     side_of,
-    slowest_place,
+    turning_of,
 )
 from rps_exudyn.tooth_contact.flank_strip import (
     crest_of,
@@ -76,7 +78,7 @@ def line_contact(angle, rate, position, rotation, velocity, spin, data, work, fa
         side = side_of(sign, angle, rate, position, rotation, velocity, spin, data)
         first, last, turn = first_tooth(angle, side, data)
         begin_side(side, data, work)
-        slopes = slopes_of(work.stiffness, factor_q, factor_v, side, angle, position, data)
+        slopes = slopes_of(work, factor_q, factor_v, side, angle, position, data)
         for tooth in range(first, last + 1):
             line = line_of(tooth, turn, side, data)
             before, depth = work.sums[LOAD], 0.0
@@ -105,6 +107,8 @@ def end_side(angle, position, side, data, work, slopes):  # type: ignore[no-unty
         add_turn_of_loads(work, side, slopes)
         if data.law.has_state:
             add_patch_tangent(side, data, work, slopes)
+        else:
+            add_rubbing(side, data, work, slopes)
 
 
 @inline
@@ -113,11 +117,9 @@ def _plain_line(line, side, data, work, slopes):  # type: ignore[no-untyped-def]
     low, high = plain_ends(line, 0.0, side, data)
     if not low < high:
         return 0.0
-    middle = low
-    if data.breaks_sliding:
-        z = slowest_place(line, side, data)
-        if low < z < high:
-            middle = z
+    turning, middle = turning_of(line, side, data), low
+    if data.breaks_sliding and low < turning.z < high:
+        middle = turning.z
     for from_, to in ((low, middle), (middle, high)):
         if not from_ < to:
             continue
@@ -125,7 +127,10 @@ def _plain_line(line, side, data, work, slopes):  # type: ignore[no-untyped-def]
             z = from_ + (to - from_) * data.along[0, 0, k]
             length = (to - from_) * data.along[0, 1, k] / data.cos_base_helix
             p_r, p_t, q, depth = plain_point(z, line, side, data)
-            _press_line(depth, length, p_r, p_t, q, z, side, data, work, slopes)
+            load = _press_line(depth, length, p_r, p_t, q, z, side, data, work, slopes)
+            if slopes.wanted and low < middle and load > 0 and not data.law.has_state:
+                share, end = moving(k, from_, to, middle, data)
+                add_moved(load, line.d_1 / depth, share, end, p_r, p_t, z, turning, side, data, slopes)
     return max(line.d_0 + line.d_1 * low, line.d_0 + line.d_1 * high)
 
 
@@ -145,8 +150,9 @@ def _line_in_band(band, line, side, data, work, slopes):  # type: ignore[no-unty
     _, count, _, _ = watch_limits(strip, ends, 0.0, low_ends, high_ends, cuts, breaks)
     if count == 0:  # limits leave nothing, and no breaks
         return 0.0
+    turning = turning_of(line, side, data)
     if data.breaks_sliding:
-        count = insert_break(slowest_place(line, side, data), breaks, count)
+        count = insert_break(turning.z, breaks, count)
     for i in range(count - 1):
         z_0, length = breaks[i], breaks[i + 1] - breaks[i]
         for k in range(data.stations):  # the load fades out linearly, which the plain rule integrates exactly
@@ -154,15 +160,30 @@ def _line_in_band(band, line, side, data, work, slopes):  # type: ignore[no-unty
             weight = length * data.along[0, 1, k] / data.cos_base_helix
             xi, depth = crest_of(strip, z)
             p_r, p_t, q = formed_point(xi, z, line, band, side, data)
-            _press_line(depth, weight, p_r, p_t, q, z, side, data, work, slopes)
+            load = _press_line(depth, weight, p_r, p_t, q, z, side, data, work, slopes)
+            share, end = moving(k, z_0, breaks[i + 1], turning.z, data)
+            if slopes.wanted and end != 0 and load > 0 and not data.law.has_state:
+                growth = (crest_of(strip, turning.z)[1] / depth - 1.0) / (turning.z - z)
+                add_moved(load, growth, share, end, p_r, p_t, z, turning, side, data, slopes)
     return deepest_crest(strip, breaks[0], breaks[count - 1])
 
 
 @inline
 def _press_line(depth, length, p_r, p_t, q, z, side, data, work, slopes):  # type: ignore[no-untyped-def]
-    """Law "line": add the load on a part of the line about a point."""
+    """Law "line": add the load on a part of the line about a point; return it."""
     if not depth > 0:  # the end of what is pressed is found to a few digits; damping presses nothing apart
-        return
+        return 0.0
     before = work.sums[LOAD]
     press(depth, data.line_stiffness * length, 1.0, p_r, p_t, z, side, data, work, slopes)
-    note_line_load((work.sums[LOAD] - before) / length, q, work)
+    load = work.sums[LOAD] - before
+    note_line_load(load / length, q, work)
+    return load
+
+
+@inline
+def moving(k, from_, to, place, data):  # type: ignore[no-untyped-def]
+    """Return by which share station k of a piece follows a place that moves, and how `add_moved` counts its
+    end; nothing if the piece does not end there."""
+    if to == place:
+        return data.along[0, 0, k], 1.0 / (to - from_)
+    return (1.0 - data.along[0, 0, k], -1.0 / (to - from_)) if from_ == place else (0.0, 0.0)

@@ -461,17 +461,25 @@ def on_plain_line(coefficients, line, side, data):  # type: ignore[no-untyped-de
     return at_middle, coefficients[2] * side.sign * line.q_1 + coefficients[3]
 
 
-@inline
-def slowest_place(line, side, data):  # type: ignore[no-untyped-def]
-    """Z where the flanks slide slowest along a line: with parallel axes, where sliding turns about.
+class Turning(NamedTuple):
+    """Where the flanks slide slowest along a line: with parallel axes, where sliding turns about."""
 
-    Both components of the slip, along e_r and along B, are linear in Z; nan where nothing slides.
-    """
+    z: float  # nan where nothing slides
+    p_t: float
+    p_t_z: float  # change of that along the line with Z ...
+    r_z: float  # ... of the slip along e_r ...
+    b_z: float  # ... and along B
+
+
+@inline
+def turning_of(line, side, data):  # type: ignore[no-untyped-def]
+    """Return a line's `Turning`: both components of the slip are linear in Z."""
     r, r_z = side.velocity[0] - side.spin[2] * side.sign * line.q_0, side.spin[1]
     r_z -= side.spin[2] * side.sign * line.q_1
     b, b_z = on_plain_line(side.slip, line, side, data)
     square = r_z * r_z + b_z * b_z
-    return -(r * r_z + b * b_z) / square if square > 0 else np.nan
+    z = -(r * r_z + b * b_z) / square if square > 0 else np.nan
+    return Turning(z, side.sign * (line.q_0 + line.q_1 * z), side.sign * line.q_1, r_z, b_z)
 
 
 @inline

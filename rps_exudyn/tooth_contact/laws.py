@@ -35,7 +35,7 @@ SCRATCH = record_type(
         ("rubbed", "f8", (PATCH_SUMS,)),  # sums over a patch of it
         # of each side, over the rack's motion: changes of its directions with the loads, of weight and slip
         ("by_direction", "f8", (2, 2, 6, 6)),
-        ("by_weight", "f8", (2, 6)),
+        ("by_weight", "f8", (2, 6)),  # without bristles of the load
         ("by_slip", "f8", (2, 2, 6)),
         ("sums", "f8", (SUMS,)),
         ("strip", "f8", STRIP_SHAPE),
@@ -43,6 +43,7 @@ SCRATCH = record_type(
         ("breaks", "f8", (BREAKS,)),
         ("pose", "f8", (5, 3)),  # of the rack: rotation, position, angular velocity
         ("stiffness", "f8", (6, 6)),  # of the wrench over the rack's motion
+        ("rubbing", "f8", (2, 6, 6)),  # the same of each side's friction without a state
         ("wrench", "f8", (WRENCH_SIZE,)),
     ]
 )

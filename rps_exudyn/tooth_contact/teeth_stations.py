@@ -24,7 +24,7 @@ from rps_exudyn.tooth_contact.flank_line import (
     line_of,
     plain_ends,
     plain_point,
-    slowest_place,
+    turning_of,
 )
 from rps_exudyn.tooth_contact.flank_strip import (
     PRESSING,
@@ -60,6 +60,8 @@ class Lines(NamedTuple):
     rack_tooth: np.ndarray
     deepest: np.ndarray  # greatest overlap [m]
     length: np.ndarray  # [m]
+    turns: np.ndarray  # 1 of a piece that ends where sliding turns about, -1 of one that begins there, else 0
+    turning: np.ndarray  # (5, lines), the numbers of that place, see `flank_line.Turning`
     stations: np.ndarray  # (STATION_SIZE, stations)
     on_pinion: np.ndarray  # (PLACE_SIZE, stations)
     on_rack: np.ndarray  # (PLACE_SIZE, stations)
@@ -71,13 +73,15 @@ def find_lines(angle, drive, coast, data):  # type: ignore[no-untyped-def]
     flank, n = data.flank, 0
     most, deepest = _overlap(angle, drive, coast, flank)
     total = most * flank.stations
-    numbers, columns = np.empty((5, most)), np.empty((STATION_SIZE + 2 * PLACE_SIZE, total))
+    numbers, columns = np.empty((11, most)), np.empty((STATION_SIZE + 2 * PLACE_SIZE, total))
     lines = Lines(
         numbers[0],
         numbers[1],
         numbers[2],
         numbers[3],
         numbers[4],
+        numbers[5],
+        numbers[6:],
         columns[:STATION_SIZE],
         columns[STATION_SIZE : STATION_SIZE + PLACE_SIZE],
         columns[STATION_SIZE + PLACE_SIZE :],
@@ -139,10 +143,12 @@ def _fill_plain_line(lines, n, margin, tooth, line, side, data):  # type: ignore
     low, high = plain_ends(line, margin, side, flank)
     if not low < high:
         return 0
-    middle, count = _turning_place(low, high, line, side, flank), 0
+    turning = turning_of(line, side, flank)
+    middle, count = _broken_at(low, high, turning, flank), 0
     for from_, to in ((low, middle), (middle, high)):
         if not from_ < to:
             continue
+        _note_turning(lines, n + count, from_, to, turning, flank)
         deepest = line.d_0 + max(line.d_1 * from_, line.d_1 * to)
         _name_line(lines, n + count, tooth, line, side, deepest, to - from_, flank)
         for k in range(flank.stations):
@@ -155,13 +161,19 @@ def _fill_plain_line(lines, n, margin, tooth, line, side, data):  # type: ignore
 
 
 @inline
-def _turning_place(low, high, line, side, flank):  # type: ignore[no-untyped-def]
+def _broken_at(low, high, turning, flank):  # type: ignore[no-untyped-def]
     """Z where sliding turns about between the ends of a line that is to be broken there, else its low end."""
+    return turning.z if flank.breaks_sliding and low < turning.z < high else low
+
+
+@inline
+def _note_turning(lines, n, from_, to, turning, flank):  # type: ignore[no-untyped-def]
+    """Fill which end of a piece is the place where sliding turns about, if any."""
+    lines.turns[n] = 0.0
     if flank.breaks_sliding:
-        z = slowest_place(line, side, flank)
-        if low < z < high:
-            return z
-    return low
+        lines.turns[n] = 1.0 if to == turning.z else -1.0 if from_ == turning.z else 0.0
+    for i in range(5):
+        lines.turning[i, n] = turning[i]
 
 
 @inline
@@ -179,10 +191,12 @@ def _fill_line(lines, n, strip, margin, band, tooth, line, side, data):  # type:
     low, high = _describe_line(strip, band, line, side, margin, flank)
     if not low < high:
         return 0
-    middle, count = _turning_place(low, high, line, side, flank), 0
+    turning = turning_of(line, side, flank)
+    middle, count = _broken_at(low, high, turning, flank), 0
     for from_, to in ((low, middle), (middle, high)):
         if not from_ < to:
             continue
+        _note_turning(lines, n + count, from_, to, turning, flank)
         deepest = deepest_crest(strip, from_, to) - margin
         _name_line(lines, n + count, tooth, line, side, deepest, to - from_, flank)
         for k in range(flank.stations):
