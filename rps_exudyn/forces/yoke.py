@@ -326,12 +326,16 @@ def add_seat_tangent(q, v, data, memory, rubbed, points, factor_q, factor_v, tan
     `of_loads` (2, 7) with factor_q times the derivatives of its own outputs.
 
     A point under the load k depth acts on the bar along its normal n, its friction against the slip's
-    direction t: -k (n + f t) w . dq with the wrench w of n, and its friction changes with the slip.
+    direction t: -k (n + f t) w . dq with the wrench w of n, and its friction changes with the slip. Without
+    a state, all friction changes with the whole load.
     """
     turn, omega, slope_y, slope_z, tilt, count = seat_stance(q, v, q[6], data, points)
-    law, axis, friction = data.law, turn.axis, data.friction
+    law, axis, friction, per_load = data.law, turn.axis, data.friction, 0.0
     if law.load_exponent != 1.0 and not law.has_state:
-        friction *= by_load(_whole_load(points, count, q, axis, tilt, data), law)
+        whole = _whole_load(points, count, q, axis, tilt, data)
+        friction *= by_load(whole, law)
+        per_load = (law.load_exponent - 1.0) / whole if whole > 0 else 0.0
+    rubs = rub_moments = (0.0, 0.0, 0.0)  # friction of all points, and its moment
     for i in range(7):
         of_loads[0, i] = of_loads[1, i] = 0.0
     for i in range(count):
@@ -376,6 +380,7 @@ def add_seat_tangent(q, v, data, memory, rubbed, points, factor_q, factor_v, tan
             moment,
             -ny,
         )
+        rubs, rub_moments = plus(rubs, scaled(load, rub)), plus(rub_moments, scaled(load, cross(surface, rub)))
         drag = -factor_v * load
         if drag != 0 and not law.has_state:
             on, beside = scaled(d_a, ahead_of), scaled(d_a, around)
@@ -385,6 +390,10 @@ def add_seat_tangent(q, v, data, memory, rubbed, points, factor_q, factor_v, tan
                 add_seat_outer(tangent, drag * ahead, on, moment, -on[1], on, moment, -on[1])
             moment = cross(surface, beside)
             add_seat_outer(tangent, drag * aside, beside, moment, -beside[1], beside, moment, -beside[1])
+    if per_load != 0:
+        by_force, by_moment = vector(of_loads[0, :3]), vector(of_loads[0, 3:6])
+        at = rubs, rub_moments, -rubs[1]
+        add_seat_outer(tangent, -per_load, *at, by_force, by_moment, of_loads[0, 6])
     if law.has_state:
         k_aa, k_ab, k_ba, k_bb, p_a, p_b = patch_slopes(friction, law.place, law, memory, rubbed)
         g = rubbed[WEIGHT] / rubbed[WHOLE_LOAD] if rubbed[WEIGHT] > 0 else 0.0
