@@ -380,7 +380,8 @@ def add_seat_tangent(q, v, data, memory, rubbed, points, factor_q, factor_v, tan
             moment,
             -ny,
         )
-        rubs, rub_moments = plus(rubs, scaled(load, rub)), plus(rub_moments, scaled(load, cross(surface, rub)))
+        rubs = plus(rubs, scaled(load, rub))
+        rub_moments = plus(rub_moments, scaled(load, cross(surface, rub)))
         drag = -factor_v * load
         if drag != 0 and not law.has_state:
             on, beside = scaled(d_a, ahead_of), scaled(d_a, around)

@@ -5,7 +5,7 @@ kinks, what its extremes miss between them, at the cost of reading the record ag
 again only where these doubt a metric, or where equilibria take the rack's rolling late. A motion to and fro,
 or with impacts, is made again in half the steps with twice the stations of a line and half the zone of
 friction, a swing from another cycle before. What still changes, or is not resolved by the finest steps, is
-left out, and a run whose own figure changes is invalid.
+left out, and a run whose own figure changes, or whose finer run fails, is invalid.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -335,10 +335,12 @@ def confirmed(
     if refined.confirmed and refined.times == 1 and not smooth:
         left = not_standing(changed(described, finest))
         return _left_out(_counted(described, refined.runs, 0), left, figure)
-    if refined.times and (refined.failed is None or not smooth):
+    if refined.failed is not None:
+        return _counted(finest, refined.runs, begun + refined.times).unconfirmed(refined.failed)
+    if refined.times:
         left = not_standing(larger(changed(refined.runs[-2], finest), between(finest)))
     else:
-        left = _beyond(first if not refined.times else missed(finest), 1.0)
+        left = _beyond(first, 1.0)
     return _left_out(_counted(finest, refined.runs, begun + refined.times), left, figure)
 
 

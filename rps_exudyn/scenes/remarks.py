@@ -9,6 +9,7 @@ from rps_exudyn.analysis.curve import UNRESOLVED, unresolved
 from rps_exudyn.analysis.passes import Signals, first_angle, passes, spread
 from rps_exudyn.gears.tooth_stiffness import BEARABLE_PRESSURE
 from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.scene_run import SceneRun
@@ -153,10 +154,12 @@ def few_stations(gear: SteeringGear, fidelity: Fidelity) -> Remark | None:
     )
 
 
-def wide_zone(fidelity: Fidelity, numbers: str, widest: float) -> Remark | None:
+def wide_zone(gear: SteeringGear, fidelity: Fidelity, numbers: str, widest: float) -> Remark | None:
     """Return a remark on numbers that depend on the friction zone, in which what should rest creeps, where
-    its ratio is above the widest with which they are right."""
+    its ratio is above the widest with which they are right; bristles have none."""
     if fidelity.solver == "closed-form" or fidelity.zone_ratio <= widest:
+        return None
+    if all(getattr(gear, part).facts.has_state for part in RUBBING_PARTS):
         return None
     return Remark(
         Code.FRICTION_ZONE,

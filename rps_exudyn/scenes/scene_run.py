@@ -40,6 +40,11 @@ class SceneRun:
         changed = replace(self.outcome, status=Status.INVALID, codes=(code,), message=message)
         return replace(self, outcome=changed)
 
+    def unconfirmed(self, failed: "SceneRun") -> "SceneRun":
+        """Return the run as one that cannot be relied on, because its confirming run failed."""
+        why = "the run in half the steps, which should confirm the metrics, fails"
+        return self.invalid(Code.STEPS_NOT_CONFIRMED, f"{why}: {failed.outcome.message}")
+
     def without(self, left_out: Collection[str]) -> "SceneRun":
         """Return the run without some of its metrics."""
         kept = {name: value for name, value in self.summary.items() if name not in left_out}

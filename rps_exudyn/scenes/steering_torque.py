@@ -51,7 +51,7 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
     else:
         run = run_swing(turned, fidelity, maneuver, options, metrics, SCENE.figure)
     figure = "breakaway_torque" if gear.test.steer_shape == "ramp" else "angle_dead_band"
-    remark = wide_zone(fidelity, f"{figure} depends", WIDEST_ZONE)
+    remark = wide_zone(gear, fidelity, f"{figure} depends", WIDEST_ZONE)
     return run.noting(*remarks(gear, run.signals), _held(gear), remark)
 
 

@@ -58,7 +58,7 @@ def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> S
     model = reduced_gear(gear)
     run = _resolved(gear, fidelity, options)
     nothing = None if model.surplus > 0 else NOTHING_FALLS
-    zone = wide_zone(fidelity, "sticking depends", WIDEST_ZONE) if model.surplus > 0 else None
+    zone = wide_zone(gear, fidelity, "sticking depends", WIDEST_ZONE) if model.surplus > 0 else None
     predicted = predictions(gear, fidelity)
 
     def metrics(signals: Signals) -> dict[str, float]:
@@ -86,11 +86,7 @@ def _resolved(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
         findings = {**run.outcome.findings, "halvings": refined.times}
         run = replace(run, outcome=replace(run.outcome, cpu_s=cpu, findings=findings))
     if refined.failed is not None:
-        return run.invalid(
-            Code.STEPS_NOT_CONFIRMED,
-            f"the run in half the steps, which should confirm the metrics, fails: "
-            f"{refined.failed.outcome.message}",
-        )
+        return run.unconfirmed(refined.failed)
     if refined.times and not refined.confirmed:
         return run.invalid(
             Code.STEPS_TOO_COARSE,

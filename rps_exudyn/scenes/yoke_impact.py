@@ -57,7 +57,7 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
 
     maneuver = shaken(gear, chosen.swing_steps or own)
     run = run_and_confirm(gear, chosen, [maneuver], options, metrics, SCENE.figure, always=True)
-    zone = wide_zone(fidelity, "the impacts depend", WIDEST_ZONE)
+    zone = wide_zone(gear, fidelity, "the impacts depend", WIDEST_ZONE)
     return run.noting(_rigid(chosen), _closed(gear, run.signals), zone)
 
 

@@ -93,16 +93,6 @@ def test_a_metric_that_half_the_steps_change_is_left_out(by: float, left_out: bo
         assert ("halvings" in run.outcome.findings) == left_out
 
 
-def test_a_finer_run_that_fails_leaves_what_the_record_shows() -> None:
-    def metrics(signals: dict[str, np.ndarray]) -> dict[str, float]:
-        return {"torque_mean": 1.0, "torque_peak_to_peak": 0.01 * signals["time"].size}
-
-    failed = recorded(2, Status.NO_CONVERGENCE)
-    run = confirmed(recorded(), metrics, lambda n: failed, "torque_mean", most=2, always=True)
-    assert run.ok
-    assert set(run.summary) == {"torque_mean"}
-
-
 def test_every_metric_declares_its_confirmation() -> None:
     """But for formulas, settings, checks, and those of rattle, which are given with their scatter."""
     without = {name for name, each in SUMMARY.items() if each.confirmed is None}
@@ -188,10 +178,10 @@ def test_metrics_that_are_asked_for_are_those_of_a_run_that_has_all() -> None:
 
 
 def test_a_finer_run_that_fails_midway_needs_no_metrics() -> None:
-    """Its record holds only a part of the motion; the coarse run stands, without what it cannot confirm."""
+    """Its record holds only a part of the motion; the coarse run, which it does not confirm, is invalid."""
 
     def made(times: int) -> SceneRun:
-        outcome = Outcome(Status.NO_CONVERGENCE if times else Status.OK)
+        outcome = Outcome(Status.NO_CONVERGENCE, "no equilibrium") if times else Outcome(Status.OK)
         return SceneRun(outcome, {"time": np.arange(4.0 if times else 40.0)})
 
     def metrics(signals: dict[str, np.ndarray]) -> dict[str, float]:
@@ -200,8 +190,9 @@ def test_a_finer_run_that_fails_midway_needs_no_metrics() -> None:
         return {"efficiency_forward": 1.0 + (0.2 if signals["time"].size < 40 else 0.0)}
 
     run = confirmed(made(0), metrics, made, "torque_mean", most=2, smooth=True)
-    assert run.ok
-    assert "efficiency_forward" not in run.summary
+    assert run.outcome.status is Status.INVALID
+    assert run.outcome.codes == (Code.STEPS_NOT_CONFIRMED,)
+    assert run.outcome.message.endswith("fails: no equilibrium")
 
 
 def test_a_late_rolling_is_half_a_step_of_its_fastest_over_its_range() -> None:
