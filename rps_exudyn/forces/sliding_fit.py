@@ -308,8 +308,10 @@ def add_fit_tangent(q, v, data, memory, k, factor_q, factor_v, tangent):  # type
         tangent[3, j] -= factor_q * lever * (a_y * by_z - a_z * by_y + p_z * s_y - p_y * s_z)
         tangent[4, j] -= factor_q * about_b
         tangent[5, j] -= factor_q * about_c
-    # with the bar, whose tilts are small: it slides along X and rolls about it
-    along, roll, law = v[0], data.radius * v[3], data.law
+    # it slides along the bar's axis and rolls about it
+    turn, law = turn_of(q[3:6]), data.law
+    axis, angles = turn.axis, scaled(data.radius, on_angles(turn, turn.axis))
+    along, roll = dot(axis, vector(v[0:3])), dot(angles, vector(v[3:6]))
     if law.has_state:
         speed = np.sqrt(along**2 + roll**2)
         limit, fall = data.drag * stribeck(speed, law), data.drag * stribeck_slope(speed, law)
@@ -325,10 +327,12 @@ def add_fit_tangent(q, v, data, memory, k, factor_q, factor_v, tangent):  # type
         in_line = factor_v * (ahead * d_a * d_a + aside * d_b * d_b + data.viscous)
         mixed = turned = factor_v * (ahead - aside) * d_a * d_b
         across = factor_v * (ahead * d_b * d_b + aside * d_a * d_a)
-    tangent[0, 0] -= in_line
-    tangent[0, 3] -= mixed * data.radius
-    tangent[3, 0] -= turned * data.radius
-    tangent[3, 3] -= across * data.radius * data.radius
+    for i in range(3):
+        for j in range(3):
+            tangent[i, j] -= in_line * axis[i] * axis[j]
+            tangent[i, 3 + j] -= mixed * axis[i] * angles[j]
+            tangent[3 + i, j] -= turned * angles[i] * axis[j]
+            tangent[3 + i, 3 + j] -= across * angles[i] * angles[j]
 
 
 LATERAL = [1, 2, 4, 5]  # of x y z, about x y z
