@@ -26,6 +26,7 @@ RESTARTED = {Code.NO_STEP, Code.NOT_FINITE, Code.OUT_OF_BOUNDS, Code.RACK_OUT_OF
 MOST_RESTARTS = 12  # of a run ...
 MOST_DIVISIONS = 3  # ... and about one place, each in a quarter of the steps and from twice as far back
 RESTART_PARTS, RESTART_SPAN = 4, 8  # parts of a step, and planned steps before the place, at first
+PATIENT = 40  # iterations of Newton's method in a restart: with friction near rest they converge slowly
 
 
 class StepRefusedError(ArithmeticError):
@@ -120,7 +121,8 @@ def _shortened(plans: Sequence[SolverPlan], begin: float, end: float, parts: int
             first, last = max(first, begin, plan.start_time), min(last, plan.end_time)
             steps = int(np.ceil((last - first) / plan.step * divided * (1 - 1e-9)))
             if steps > 0:
-                pieces.append(replace(plan, start_time=first, end_time=last, steps=steps))
+                most = plan.max_iterations if divided == 1 else PATIENT
+                pieces.append(replace(plan, start_time=first, end_time=last, steps=steps, max_iterations=most))
     return pieces
 
 
