@@ -121,8 +121,8 @@ def _shortened(plans: Sequence[SolverPlan], begin: float, end: float, parts: int
             first, last = max(first, begin, plan.start_time), min(last, plan.end_time)
             steps = int(np.ceil((last - first) / plan.step * divided * (1 - 1e-9)))
             if steps > 0:
-                most = plan.max_iterations if divided == 1 else PATIENT
-                pieces.append(replace(plan, start_time=first, end_time=last, steps=steps, max_iterations=most))
+                piece = replace(plan, start_time=first, end_time=last, steps=steps)
+                pieces.append(piece if divided == 1 else replace(piece, max_iterations=PATIENT))
     return pieces
 
 
