@@ -72,7 +72,13 @@ STEADY = 2e-4  # of the force and of the rack's travel, over a period: what drif
 RETURNED = 3e-3  # ... if each motion of the rack beside its travel returns, but for this part of its range
 UNDER_TORQUE = 0.1  # of the tolerance where a torque is given, for what is left over would hold the gear
 UNEVEN = Swing, SetOff, WheelTorque  # drives under which friction turns about
-NOT_CURED_BY_STEPS = {Code.SWING_TOO_FAST, Code.TURN_TOO_FAST, Code.BEYOND_LAW, Code.START_MATTERS}
+NOT_CURED_BY_STEPS = {
+    Code.SWING_TOO_FAST,
+    Code.TURN_TOO_FAST,
+    Code.BEYOND_LAW,
+    Code.START_MATTERS,
+    Code.EDGES_LOADED,
+}
 SHAKEN = 0.15  # contractivity: between impacts an old Jacobian takes twice the iterations
 FOLLOWS = "only generalized-alpha follows a jump"
 JUMPS = (

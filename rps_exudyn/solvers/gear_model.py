@@ -228,7 +228,7 @@ def go_beside_pinion(q, v, gear, work):  # type: ignore[no-untyped-def]
 
 
 @inline
-def leave_pinion(gear, work, factor_q, by_rate):  # type: ignore[no-untyped-def]
+def leave_pinion(gear, work, factor_q, factor_v, by_rate):  # type: ignore[no-untyped-def]
     """Turn the teeth's forces and tangent into those by the rack's own coordinates and the supports', and add
     the supports' own."""
     place, out, near, memory = work.place, work.out, work.near, work.contact.memory
@@ -259,7 +259,7 @@ def leave_pinion(gear, work, factor_q, by_rate):  # type: ignore[no-untyped-def]
     work.on_support[RIGID + 2] += friction
     out[_SUPPORT] += stored[2]
     out[_SUPPORT + 1], out[_SUPPORT + 9], out[_SUPPORT + 10] = stored[0], stored[1], stored[2]
-    if factor_q == 0 and by_rate == 0:
+    if factor_q == 0 and factor_v == 0:
         return
     half = np.zeros((7, NEAR))
     for i in range(7):
@@ -311,7 +311,7 @@ def _add_others(gear, work, factor_q, factor_v, by_rate):  # type: ignore[no-unt
     place, out, near, memory = work.place, work.out, work.near, work.contact.memory
     rate, turning = rates_of(gear.seat.law, work), rates_of(gear.bearing.law, work)[0]
     if gear.is_supported:
-        leave_pinion(gear, work, factor_q, by_rate)
+        leave_pinion(gear, work, factor_q, factor_v, by_rate)
     for i in range(2):
         for j in range(2):
             work.of_mesh[i, j] = near[1 + i, 1 + j]
