@@ -57,6 +57,7 @@ SHOWN = 0.8  # ... and the part of it that a curve through them shows
 NARROW_ZONE = 0.002  # of friction, over the smallest sliding speed: it moves no metric of a swing by 3 %
 AGREED = 0.4  # of a metric's tolerance: where curves have kinks, as much again or more is left ...
 KINKED = 0.6  # ... and of one of a motion to and fro, or with impacts, whose steps are not halved once more
+COMPARED = {Code.SWING_TOO_FAST, Code.TURN_TOO_FAST}  # limits that a finer run may exceed and still confirm
 SLOW = 2 * np.pi * 20 / 60  # speed of the pinion up to which teeth that enter hardly shake the gear [rad/s]
 
 
@@ -292,13 +293,17 @@ def confirmed(
     def changed(coarse: SceneRun, fine: SceneRun) -> dict[str, float]:
         return changes(coarse.summary, fine.summary, fine.signals)
 
+    def confirms(fine: SceneRun) -> bool:
+        exceeds = fine.outcome.status is Status.INVALID and COMPARED.issuperset(fine.outcome.codes)
+        return fine.ok or exceeds
+
     def made(coarse: SceneRun, times: int) -> SceneRun:
         assert finer is not None
         try:
             run = finer(begun + times)
         except Interrupted:
             raise Interrupted(coarse) from None
-        return run.described(metrics) if run.ok else run  # the record of one that failed lacks motions
+        return run.described(metrics) if confirms(run) else run  # one that failed lacks motions
 
     figure_moved = 0.0
 
@@ -320,28 +325,29 @@ def confirmed(
     def asks(each: SceneRun) -> bool:
         if each is described:
             return always or bool(_beyond(first, 1.0))
-        return not for_figure or figure_moved > AGREED
+        return each.ok and (not for_figure or figure_moved > AGREED)
 
     refined = refine(
         described,
         made,
         most + for_figure if finer is not None else 0,
-        usable=lambda each: each.ok,
+        usable=confirms,
         asks=asks,
         change=unsure,
         allowed=AGREED,
     )
-    finest = refined.finest
+    finest, taken = refined.finest, refined.finest if refined.finest.ok else refined.runs[-2]
     if refined.confirmed and refined.times == 1 and not smooth:
         left = not_standing(changed(described, finest))
         return _left_out(_counted(described, refined.runs, 0), left, figure)
     if refined.failed is not None:
-        return _counted(finest, refined.runs, begun + refined.times).unconfirmed(refined.failed)
+        return _counted(taken, refined.runs, begun + refined.times).unconfirmed(refined.failed)
     if refined.times:
         left = not_standing(larger(changed(refined.runs[-2], finest), between(finest)))
     else:
         left = _beyond(first, 1.0)
-    return _left_out(_counted(finest, refined.runs, begun + refined.times), left, figure)
+    halvings = begun + refined.runs.index(taken)
+    return _left_out(_counted(taken, refined.runs, halvings), left, figure)
 
 
 def larger(some: Mapping[str, Any], others: Mapping[str, Any]) -> dict[str, Any]:
