@@ -6,9 +6,10 @@ unit load. A small motion of the rack, u and a turn omega, deepens the flanks th
     w = (N, r x N)          and changes its wrench by        -(N + h, r x (N + h)) stiffness w . (u, omega).
 
 Friction changes with the slip across the direction of sliding by drag over speed, along it by the slope of
-the friction's law. The loads turn with the flank, and their points move against the reference point. Left
-out: the ends of the lines, which move with the motion under the loads that stand there, and the change of
-the sliding with the place: together below a hundredth of the largest entry.
+the friction's law, with the load of its whole side, and as the place moves where sliding turns about within a
+line. The loads turn with the flank, and their points move against the reference point. Left out: the ends of
+the lines, which move with the motion under the loads that stand there, and the change of the sliding with the
+rack's place: together below a hundredth of the largest entry.
 
 The pinion's turn by phi is a turn of the rack by -phi about the pinion's axis, seen from a housing that turns
 along. So one matrix C of the motions per coordinate serves: with the stiffness K of the wrench, that of the
