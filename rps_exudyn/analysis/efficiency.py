@@ -10,7 +10,8 @@ gross, as the standard measures them; net with the free torque T_0 tared, W s' /
 1 - (T_0 / W s')^2: heavier weights look better. Means are over whole tooth pitches.
 
 Below 0 and above 1 these numbers are no efficiencies, see `LoadTest.remarks`: reverse is negative where the
-gear locks itself, and net exceeds 1 where less rubs under the load than without it.
+gear locks itself, and net exceeds 1 where less rubs under the load than without it. Net is left out where the
+free torque takes nearly all of the torque under the load: what is left is smaller than what means may miss.
 """
 
 from collections.abc import Iterator
@@ -19,9 +20,11 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.analysis.passes import Signals, both_directions, longest_pass, whole_periods
+from rps_exudyn.analysis.passes import Signals, both_directions, longest_pass, number_of, whole_periods
 from rps_exudyn.analysis.torque import mean
 from rps_exudyn.results.outcome import Code, Remark
+
+LEFT = 0.1  # of the free torque, to be left of a torque from which it is tared: means are right to 0.5 %
 
 
 @dataclass(frozen=True)
@@ -47,12 +50,25 @@ class LoadTest:
     @property
     def efficiency_forward_net(self) -> float:
         """W s' / (T_f - T_0), with the free torque tared."""
-        return self.ideal_torque / (self.torque_forward - self.free_torque)
+        return self.ideal_torque / self.tared["forward"]
 
     @property
     def efficiency_reverse_net(self) -> float:
         """(T_r + T_0) / (W s'), with the free torque tared."""
-        return (self.torque_reverse + self.free_torque) / self.ideal_torque
+        return self.tared["reverse"] / self.ideal_torque
+
+    @property
+    def tared(self) -> dict[str, Any]:
+        """What is left of the torques without the free torque, "forward" and "reverse" [N m]."""
+        return {
+            "forward": self.torque_forward - self.free_torque,
+            "reverse": self.torque_reverse + self.free_torque,
+        }
+
+    @property
+    def cancels(self) -> dict[str, Any]:
+        """Whether that is too little for a net efficiency."""
+        return {way: np.abs(left) < LEFT * self.free_torque for way, left in self.tared.items()}
 
     @property
     def efficiency_ratio(self) -> float:
@@ -79,6 +95,13 @@ class LoadTest:
                 "and no efficiencies",
             )
         for way, does in (("forward", "raised"), ("reverse", "lowered")):
+            if self.cancels[way]:
+                yield Remark(
+                    Code.NO_EFFICIENCY,
+                    f"efficiency_{way}_net is omitted: while the weight is {does}, {self.tared[way]:.4g} N m "
+                    f"of the torque are left without the free torque of {self.free_torque:.4g} N m",
+                )
+                continue
             net = getattr(self, f"efficiency_{way}_net")
             if not 0 <= round(net, 3) <= 1:
                 yield Remark(
@@ -128,7 +151,10 @@ def free_torque_of(signals: Signals, pitch: float) -> float:
 
 
 def describe_load_test(test: LoadTest) -> dict[str, float]:
-    """The summary's figures, by their names there; no efficiencies without a load."""
+    """The summary's figures, by their names there; no efficiencies without a load.
+
+    Of many gears, nan is a net efficiency that one lacks.
+    """
     torques = {
         "torque_forward": test.torque_forward,
         "torque_reverse": test.torque_reverse,
@@ -136,5 +162,11 @@ def describe_load_test(test: LoadTest) -> dict[str, float]:
     }
     if not np.all(np.asarray(test.load) > 0):
         return torques
-    names = ("forward", "reverse", "forward_net", "reverse_net", "ratio")
-    return torques | {f"efficiency_{name}": getattr(test, f"efficiency_{name}") for name in names}
+    of_many = np.ndim(test.torque_forward) > 0
+    gross = {f"efficiency_{name}": getattr(test, f"efficiency_{name}") for name in ("forward", "reverse")}
+    net = {
+        f"efficiency_{way}_net": number_of(np.where(cancels, np.nan, getattr(test, f"efficiency_{way}_net")))
+        for way, cancels in test.cancels.items()
+        if of_many or not cancels
+    }
+    return torques | gross | net | {"efficiency_ratio": test.efficiency_ratio}

@@ -170,6 +170,18 @@ def test_numbers_that_are_no_efficiencies_are_said_with_their_reason() -> None:
     assert "friction takes 0.63 N m, and the free torque of 0.64 N m is tared" in above
 
 
+def test_a_net_efficiency_is_left_out_where_the_free_torque_takes_nearly_all() -> None:
+    """Means right to half a percent would leave it wrong by a tenth; of many gears it is nan."""
+    cancelling, usual = (10.0, 0.4, 1.05, -0.99, 1.0), (10.0, 1.0, 2.0, 0.2, 1.0)
+    test = LoadTest(*cancelling)
+    assert not {"efficiency_forward_net", "efficiency_reverse_net"} & describe_load_test(test).keys()
+    _, forward, reverse = (remark.text for remark in test.remarks())
+    assert forward.startswith("efficiency_forward_net is omitted: while the weight is raised, 0.05 N m")
+    assert reverse.startswith("efficiency_reverse_net is omitted: while the weight is lowered, 0.01 N m")
+    both = LoadTest(*(np.array(numbers) for numbers in zip(cancelling, usual, strict=True)))
+    assert np.isnan(describe_load_test(both)["efficiency_forward_net"]).tolist() == [True, False]
+
+
 def test_rounding_is_shown_as_nothing() -> None:
     """A number below what the quantity can mean is 0, with its unit; what it can mean is not."""
     torque, error = SUMMARY["torque_first_order"], SUMMARY["transmission_error_first_order"]
