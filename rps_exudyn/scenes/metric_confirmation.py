@@ -308,8 +308,7 @@ def confirmed(
     figure_moved = 0.0
 
     def not_standing(change: Mapping[str, float]) -> dict[str, float]:
-        beyond = _beyond(change, 1.0 if smooth else KINKED)
-        return {name: value for name, value in beyond.items() if name != figure or not value <= 1.0}
+        return _beyond(change, 1.0 if smooth else KINKED)
 
     def unsure(coarse: SceneRun, fine: SceneRun) -> float:
         nonlocal figure_moved
