@@ -27,7 +27,7 @@ from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.prescribed_motion import Steady
 
-WIDEST_ZONE = 0.1  # of friction; narrower ones only ask for shorter steps, and are widened
+ZONE = 0.1  # of friction: narrower ones only ask for shorter steps, in wider ones the rack creeps
 STEPS_PER_SWING = 7  # of the plunger between seat and yokenut, the fastest motion: figures to 1 %
 STEPS_PER_BAND = 20  # of the fastest vibration in the band of the acceleration
 KEPT = 4  # of so many instants one stays in the result, whose figures come from all of them
@@ -82,7 +82,7 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
             f"impacts."
         )
     chosen, test = with_float(gear, fidelity.with_bending()), gear.test
-    chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, WIDEST_ZONE)})
+    chosen = chosen.replace({"zone_ratio": ZONE})
     maneuvers = list(shaken_by_road(gear, chosen.swing_steps or STEPS_PER_SWING))
     run = run_maneuver(gear, chosen, maneuvers, options)
     growing = test.road_shape == GROWING
