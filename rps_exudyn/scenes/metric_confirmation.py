@@ -335,18 +335,18 @@ def confirmed(
         change=unsure,
         allowed=AGREED,
     )
-    finest, taken = refined.finest, refined.finest if refined.finest.ok else refined.runs[-2]
+    finest = refined.finest
     if refined.confirmed and refined.times == 1 and not smooth:
         left = not_standing(changed(described, finest))
         return _left_out(_counted(described, refined.runs, 0), left, figure)
     if refined.failed is not None:
-        return _counted(taken, refined.runs, begun + refined.times).unconfirmed(refined.failed)
+        return _counted(finest, refined.runs, begun + refined.times).unconfirmed(refined.failed)
     if refined.times:
         left = not_standing(larger(changed(refined.runs[-2], finest), between(finest)))
     else:
         left = _beyond(first, 1.0)
-    halvings = begun + refined.runs.index(taken)
-    return _left_out(_counted(taken, refined.runs, halvings), left, figure)
+    taken = refined.times if finest.ok else refined.times - 1
+    return _left_out(_counted(refined.runs[taken], refined.runs, begun + taken), left, figure)
 
 
 def larger(some: Mapping[str, Any], others: Mapping[str, Any]) -> dict[str, Any]:

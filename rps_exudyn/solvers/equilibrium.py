@@ -409,13 +409,8 @@ class _Following:
         instant found, where some is left already, to those beyond it."""
         last = self.rows.time[self.found - 1]
         beyond = sorted((time, least) for time, least in self.left.items() if time >= last)[:FOLD]
-        left = np.array([least for _, least in beyond])
-        return (
-            len(left) == FOLD
-            and beyond[0][0] == last
-            and left[0] > TOLERANCE
-            and bool((np.diff(left) > 0).all())
-        )
+        rises = bool((np.diff([least for _, least in beyond]) > 0).all())
+        return self.left.get(last, 0.0) > TOLERANCE and len(beyond) == FOLD and rises
 
     def runs_away(self) -> bool:
         """Return whether the steps at the end are as short as makes sense, and over the last of them the

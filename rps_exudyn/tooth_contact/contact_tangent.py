@@ -206,7 +206,7 @@ def add_viscous(load, arm, rub, slopes):  # type: ignore[no-untyped-def]
 
 
 @inline
-def add_moved(load, growth, share, end, p_r, p_t, z, turning, side, data, slopes):  # type: ignore[no-untyped-def]
+def add_moved(load, growth, k, end, p_r, p_t, z, turning, side, data, slopes):  # type: ignore[no-untyped-def]
     """Add what a station's friction changes by as the place moves where sliding turns about and a line is
     taken in two pieces: by the rates of the rack's motion, of which the place's change is -s . v / s^2 with
     the change s of the slip along the line.
@@ -214,8 +214,8 @@ def add_moved(load, growth, share, end, p_r, p_t, z, turning, side, data, slopes
     Args:
         load: of the station [N].
         growth: of the load per length along the line, over the load per length [1/m].
-        share: of the place's motion that the station follows.
-        end: 1 over the width of its piece if that ends there, -1 over it if it begins there [1/m].
+        k: number of the station in its piece.
+        end: of the piece, see `flank_line.turning_end` [1/m].
         p_r: of the station, as `p_t` and `z`.
         turning: the line's `Turning`.
         side: of the line.
@@ -225,6 +225,7 @@ def add_moved(load, growth, share, end, p_r, p_t, z, turning, side, data, slopes
     stance = slopes.stance
     slip_r, slip_b = slip_at(p_r, p_t, z, side)
     rub = friction_at(slip_r, slip_b, data, slopes)
+    share = data.along[0, 0, k] if end > 0 else 1.0 - data.along[0, 0, k]  # of the place's motion
     along = plus(scaled(turning.r_z, stance.radial), scaled(turning.b_z, stance.across))
     ahead, aside = rub.ahead * dot(rub.on, along), rub.aside * dot(rub.beside, along)
     change = scaled(load * share, plus(scaled(ahead, rub.on), scaled(aside, rub.beside)))

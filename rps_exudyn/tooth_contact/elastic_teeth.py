@@ -232,15 +232,17 @@ def add_teeth(matrix, lines, force, drive, coast, of_drive, of_coast, data, work
     for row in range(m):
         side, slopes = (drive, of_drive) if lines.side[chosen[row] // count] < 0 else (coast, of_coast)
         for i in range(6):
-            by_load, by_friction = factor * normal[row, i], factor * rubbing[row, i]
+            value = factor * normal[row, i]
             for j in range(6):
-                slopes.stiffness[i, j] -= by_load * yields[row, j]
-                slopes.rubbing[i, j] -= by_friction * yields[row, j]
+                slopes.stiffness[i, j] -= value * yields[row, j]
         if flank.law.has_state:
             _add_to_patch(lines.stations, chosen[row], -factor, yields[row], side, flank, work, slopes)
             continue
         for i in range(6):
             slopes.loads[i] -= factor * yields[row, i]
+            value = factor * rubbing[row, i]
+            for j in range(6):
+                slopes.rubbing[i, j] -= value * yields[row, j]
 
 
 @inline
@@ -259,12 +261,10 @@ def _fill_wrenches(lines, i, row, load, yields, rubbing, side, data, slopes):  #
     if data.law.has_state:
         return
     add_viscous(load, arm, rub, slopes)
-    if lines.turns[piece] != 0:
-        at, share = lines.turning[:, piece], data.along[0, 0, i % data.stations]
-        turning = Turning(at[0], at[1], at[2], at[3], at[4])
-        end = lines.turns[piece] / (lines.length[piece] * data.cos_base_helix)
-        share = share if end > 0 else 1.0 - share
-        add_moved(load, 0.0, share, end, p_r, p_t, z, turning, side, data, slopes)
+    if lines.end[piece] != 0:
+        at = lines.turning[:, piece]
+        turning, k = Turning(at[0], at[1], at[2], at[3], at[4]), i % data.stations
+        add_moved(load, 0.0, k, lines.end[piece], p_r, p_t, z, turning, side, data, slopes)
 
 
 @inline

@@ -43,6 +43,7 @@ from rps_exudyn.tooth_contact.flank_line import (
     plain_ends,
     plain_point,
     side_of,
+    turning_end,
     turning_of,
 )
 from rps_exudyn.tooth_contact.flank_strip import (
@@ -118,19 +119,19 @@ def _plain_line(line, side, data, work, slopes):  # type: ignore[no-untyped-def]
     if not low < high:
         return 0.0
     turning, middle = turning_of(line, side, data), low
-    if data.breaks_sliding and low < turning.z < high:
+    if low < turning.z < high:
         middle = turning.z
     for from_, to in ((low, middle), (middle, high)):
         if not from_ < to:
             continue
+        end = turning_end(from_, to, turning)
         for k in range(data.stations):
             z = from_ + (to - from_) * data.along[0, 0, k]
             length = (to - from_) * data.along[0, 1, k] / data.cos_base_helix
             p_r, p_t, q, depth = plain_point(z, line, side, data)
             load = _press_line(depth, length, p_r, p_t, q, z, side, data, work, slopes)
-            if slopes.wanted and low < middle and load > 0 and not data.law.has_state:
-                share, end = moving(k, from_, to, middle, data)
-                add_moved(load, line.d_1 / depth, share, end, p_r, p_t, z, turning, side, data, slopes)
+            if slopes.wanted and end != 0 and load > 0 and not data.law.has_state:
+                add_moved(load, line.d_1 / depth, k, end, p_r, p_t, z, turning, side, data, slopes)
     return max(line.d_0 + line.d_1 * low, line.d_0 + line.d_1 * high)
 
 
@@ -151,20 +152,19 @@ def _line_in_band(band, line, side, data, work, slopes):  # type: ignore[no-unty
     if count == 0:  # limits leave nothing, and no breaks
         return 0.0
     turning = turning_of(line, side, data)
-    if data.breaks_sliding:
-        count = insert_break(turning.z, breaks, count)
+    count = insert_break(turning.z, breaks, count)
     for i in range(count - 1):
         z_0, length = breaks[i], breaks[i + 1] - breaks[i]
+        end = turning_end(z_0, breaks[i + 1], turning)
         for k in range(data.stations):  # the load fades out linearly, which the plain rule integrates exactly
             z = z_0 + length * data.along[0, 0, k]
             weight = length * data.along[0, 1, k] / data.cos_base_helix
             xi, depth = crest_of(strip, z)
             p_r, p_t, q = formed_point(xi, z, line, band, side, data)
             load = _press_line(depth, weight, p_r, p_t, q, z, side, data, work, slopes)
-            share, end = moving(k, z_0, breaks[i + 1], turning.z, data)
             if slopes.wanted and end != 0 and load > 0 and not data.law.has_state:
                 growth = (crest_of(strip, turning.z)[1] / depth - 1.0) / (turning.z - z)
-                add_moved(load, growth, share, end, p_r, p_t, z, turning, side, data, slopes)
+                add_moved(load, growth, k, end, p_r, p_t, z, turning, side, data, slopes)
     return deepest_crest(strip, breaks[0], breaks[count - 1])
 
 
@@ -178,12 +178,3 @@ def _press_line(depth, length, p_r, p_t, q, z, side, data, work, slopes):  # typ
     load = work.sums[LOAD] - before
     note_line_load(load / length, q, work)
     return load
-
-
-@inline
-def moving(k, from_, to, place, data):  # type: ignore[no-untyped-def]
-    """Return by which share station k of a piece follows a place that moves, and how `add_moved` counts its
-    end; nothing if the piece does not end there."""
-    if to == place:
-        return data.along[0, 0, k], 1.0 / (to - from_)
-    return (1.0 - data.along[0, 0, k], -1.0 / (to - from_)) if from_ == place else (0.0, 0.0)

@@ -464,7 +464,7 @@ def on_plain_line(coefficients, line, side, data):  # type: ignore[no-untyped-de
 class Turning(NamedTuple):
     """Where the flanks slide slowest along a line: with parallel axes, where sliding turns about."""
 
-    z: float  # nan where nothing slides
+    z: float  # nan where nothing slides, or lines are taken whole
     p_t: float
     p_t_z: float  # change of that along the line with Z ...
     r_z: float  # ... of the slip along e_r ...
@@ -474,12 +474,23 @@ class Turning(NamedTuple):
 @inline
 def turning_of(line, side, data):  # type: ignore[no-untyped-def]
     """Return a line's `Turning`: both components of the slip are linear in Z."""
+    if not data.breaks_sliding:
+        return Turning(np.nan, np.nan, 0.0, 0.0, 0.0)
     r, r_z = side.velocity[0] - side.spin[2] * side.sign * line.q_0, side.spin[1]
     r_z -= side.spin[2] * side.sign * line.q_1
     b, b_z = on_plain_line(side.slip, line, side, data)
     square = r_z * r_z + b_z * b_z
     z = -(r * r_z + b * b_z) / square if square > 0 else np.nan
     return Turning(z, side.sign * (line.q_0 + line.q_1 * z), side.sign * line.q_1, r_z, b_z)
+
+
+@inline
+def turning_end(from_, to, turning):  # type: ignore[no-untyped-def]
+    """Return 1 over the width of a piece of a line that ends where sliding turns about, -1 over it of one
+    that begins there, else 0 [1/m]."""
+    if to == turning.z:
+        return 1.0 / (to - from_)
+    return -1.0 / (to - from_) if from_ == turning.z else 0.0
 
 
 @inline

@@ -24,6 +24,7 @@ from rps_exudyn.tooth_contact.flank_line import (
     line_of,
     plain_ends,
     plain_point,
+    turning_end,
     turning_of,
 )
 from rps_exudyn.tooth_contact.flank_strip import (
@@ -60,7 +61,7 @@ class Lines(NamedTuple):
     rack_tooth: np.ndarray
     deepest: np.ndarray  # greatest overlap [m]
     length: np.ndarray  # [m]
-    turns: np.ndarray  # 1 of a piece that ends where sliding turns about, -1 of one that begins there, else 0
+    end: np.ndarray  # whether a piece ends or begins where sliding turns about, see `turning_end`
     turning: np.ndarray  # (5, lines), the numbers of that place, see `flank_line.Turning`
     stations: np.ndarray  # (STATION_SIZE, stations)
     on_pinion: np.ndarray  # (PLACE_SIZE, stations)
@@ -144,11 +145,11 @@ def _fill_plain_line(lines, n, margin, tooth, line, side, data):  # type: ignore
     if not low < high:
         return 0
     turning = turning_of(line, side, flank)
-    middle, count = _broken_at(low, high, turning, flank), 0
+    middle, count = _broken_at(low, high, turning), 0
     for from_, to in ((low, middle), (middle, high)):
         if not from_ < to:
             continue
-        _note_turning(lines, n + count, from_, to, turning, flank)
+        _note_turning(lines, n + count, from_, to, turning)
         deepest = line.d_0 + max(line.d_1 * from_, line.d_1 * to)
         _name_line(lines, n + count, tooth, line, side, deepest, to - from_, flank)
         for k in range(flank.stations):
@@ -161,17 +162,15 @@ def _fill_plain_line(lines, n, margin, tooth, line, side, data):  # type: ignore
 
 
 @inline
-def _broken_at(low, high, turning, flank):  # type: ignore[no-untyped-def]
+def _broken_at(low, high, turning):  # type: ignore[no-untyped-def]
     """Z where sliding turns about between the ends of a line that is to be broken there, else its low end."""
-    return turning.z if flank.breaks_sliding and low < turning.z < high else low
+    return turning.z if low < turning.z < high else low
 
 
 @inline
-def _note_turning(lines, n, from_, to, turning, flank):  # type: ignore[no-untyped-def]
+def _note_turning(lines, n, from_, to, turning):  # type: ignore[no-untyped-def]
     """Fill which end of a piece is the place where sliding turns about, if any."""
-    lines.turns[n] = 0.0
-    if flank.breaks_sliding:
-        lines.turns[n] = 1.0 if to == turning.z else -1.0 if from_ == turning.z else 0.0
+    lines.end[n] = turning_end(from_, to, turning)
     for i in range(5):
         lines.turning[i, n] = turning[i]
 
@@ -192,11 +191,11 @@ def _fill_line(lines, n, strip, margin, band, tooth, line, side, data):  # type:
     if not low < high:
         return 0
     turning = turning_of(line, side, flank)
-    middle, count = _broken_at(low, high, turning, flank), 0
+    middle, count = _broken_at(low, high, turning), 0
     for from_, to in ((low, middle), (middle, high)):
         if not from_ < to:
             continue
-        _note_turning(lines, n + count, from_, to, turning, flank)
+        _note_turning(lines, n + count, from_, to, turning)
         deepest = deepest_crest(strip, from_, to) - margin
         _name_line(lines, n + count, tooth, line, side, deepest, to - from_, flank)
         for k in range(flank.stations):
