@@ -57,7 +57,7 @@ CURVE_FINER, CURVE_PER_CYCLE = 2, 1600  # of a curve's steps, and of those of a 
 STATIONS: dict[str, Any] = {"mesh": "flank", "strip_stations": 12, "strip_points": 6}
 PER_FASTEST = 2.0  # Runge-Kutta's step over the time constant of the fastest mode; stable to 2.8
 MOST_EXPLICIT = 3000  # steps; motion that needs more is slow ...
-HALVED = (1, 2)  # times that the steps of finer runs are halved, ...
+HALVED = (0, 1, 2)  # times that the steps of finer runs are halved, ...
 STEPS_OF_FINER = {"generalized-alpha": np.deg2rad((0.4, 2.0)), "equilibrium": np.deg2rad((0.2, 0.4))}
 # ... which are the plan's within these bounds [rad], equilibria shorter for extremes at kinks, ...
 STATIONS_OF_FINER = 6, 12  # ... twice the plan's stations of a strip within these ...
@@ -117,7 +117,7 @@ def expected(plan: ScenePlan) -> Expected:
 
 # --- every metric ------------------------------------------------------------------------------------
 def finer_metrics(plan: ScenePlan) -> dict[str, tuple[float, float]]:
-    """Return each metric of the scene by finer quadrature and steps, and how much half these steps change it.
+    """Return each metric of the scene by finer quadrature and steps, and how far that can be doubted.
 
     They are those of dynamics where these end well, for equilibria leave out what inertia does; else those of
     equilibria. Equilibria have no vibration, of which their user reads: how far their signals vary, and in
@@ -150,16 +150,23 @@ def finer_metrics(plan: ScenePlan) -> dict[str, tuple[float, float]]:
 
 
 def _by_solver(plan: ScenePlan, solver: str) -> tuple[dict[str, tuple[float, float]], str]:
-    """Return metrics in the shorter of two lengths of steps, and their changes; {} and why there are none."""
+    """Return metrics in the shortest of three lengths of steps, and their doubt: their last change, or what a
+    quarter of that before was, where it is there, for two lengths may agree by chance; {} and why there are
+    none."""
     fidelity = _finer_model(plan.fidelity, solver)
     runs = []
     for times in HALVED:
         options = replace(STEPS_AS_GIVEN, halvings=times)
         runs.append(run_unchecked(plan.scene, plan.gear, fidelity, options))
-        if runs[-1].status is not Status.OK:
+        if times and runs[-1].status is not Status.OK:
             return {}, runs[-1].message
-    coarse, fine = (run.summary for run in runs)
-    return {name: (fine[name], abs(fine[name] - coarse[name])) for name in fine.keys() & coarse.keys()}, ""
+    first, coarse, fine = (run.summary for run in runs)
+
+    def doubt(name: str) -> float:
+        before = abs(coarse[name] - first.get(name, coarse[name])) / 4  # of second order
+        return max(abs(fine[name] - coarse[name]), before)
+
+    return {name: (fine[name], doubt(name)) for name in fine.keys() & coarse.keys()}, ""
 
 
 def _finer_model(model: Fidelity, solver: str) -> Fidelity:

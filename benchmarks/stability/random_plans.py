@@ -29,7 +29,7 @@ from rps_exudyn.base.compiling import CompileStep, listeners
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.friction_law import LAWS, RUBBING_PARTS
 from rps_exudyn.results.outcome import Code, Status
-from rps_exudyn.results.quantities import LOSS_SHARES, SUMMARY
+from rps_exudyn.results.quantities import LOSS_SHARES, OTHER, SCATTERS, SUMMARY
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.simulate.run_plan import run_unchecked
@@ -46,9 +46,7 @@ EVERY_PRESET = 4  # of so many plans one has a preset
 TIME_LIMIT = 30.0  # [s] of CPU time of one plan ...
 REFERENCE_LIMIT = 10.0  # ... and of each of its references
 COMPILING = 300.0  # [s] more where kernels are compiled; such a plan is done again
-WRONG = 0.02  # error of the scene's figure that must not be called ok ...
-WRONG_METRIC = 0.05  # ... and of every other metric
-SURE = 0.3  # of these, the doubt above which a reference judges nothing
+SURE = 0.3  # of a metric's tolerance, the doubt above which a reference judges nothing
 OF_LARGEST = 0.01  # of the largest metric of a unit, besides its own size, by which an error is counted
 LEAST_SIZES = {"m": 1e-7, "rad": 1e-6, "": 1e-3}  # the same where sizes of one unit have nothing in common
 BY_EQUATIONS = ("free-pinion-torque", "rack-push", "load-test", "reversal", "yoke-impact")
@@ -188,19 +186,25 @@ def errors(plan: ScenePlan, summary: Mapping[str, float], right: Sequence[Values
     for values in right:
         for name in summary.keys() & values.keys() - {NOT_JUDGED}:
             value, doubt = values[name]
-            size, allowed = size_of(name, values), WRONG if name == figure else WRONG_METRIC
-            if size > 0 and doubt <= SURE * allowed * size:
+            scatter = summary.get(SCATTERS.get(name, ""), 0.0)  # printed with it
+            size = max(size_of(name, values), 2 * scatter / tolerance(name))
+            if size > 0 and doubt <= SURE * tolerance(name) * size:
                 found.setdefault(name, []).append((summary[name] - value) / size)
     others = {name: each[0] for name, each in found.items() if name != figure}
-    worst = max(others, key=lambda name: abs(others[name]), default="")
+    worst = max(others, key=lambda name: abs(others[name]) / tolerance(name), default="")
     of_figure = sorted(found.get(figure, [nan]), key=abs)
     return {
         "error": of_figure[0],
         "metric": worst,
         "metric_error": others.get(worst, nan),
         "judged": len(found),
-        "disputed": abs(of_figure[0]) <= WRONG < abs(of_figure[-1]),
+        "disputed": abs(of_figure[0]) <= tolerance(figure) < abs(of_figure[-1]),
     }
+
+
+def tolerance(name: str) -> float:
+    """Return the error of a metric that must not be called ok: 2 % of means, 5 % of others."""
+    return how.tolerance if name in SUMMARY and (how := SUMMARY[name].confirmed) else OTHER
 
 
 def size_of(name: str, right: Mapping[str, tuple[float, float]]) -> float:
@@ -313,7 +317,8 @@ def verdict(row: dict[str, Any]) -> str:
         return "by formula" if row["status"] == Status.OK else row["status"]
     error, other = row.get("error", nan), row.get("metric_error", nan)
     judged = isfinite(error) or isfinite(other)
-    right, sound = not abs(error) > WRONG and not abs(other) > WRONG_METRIC, row["status"] == Status.OK
+    wrong = abs(error) > tolerance(scene_named(row["scene"]).figure)
+    right, sound = not (wrong or abs(other) > tolerance(row.get("metric", ""))), row["status"] == Status.OK
     known = judged and right
     if row.get("refused"):
         return "refused, was right" if sound and known else "refused"
@@ -323,7 +328,7 @@ def verdict(row: dict[str, Any]) -> str:
         return "ok, no reference"
     if right:
         return DISPUTED if row.get("disputed") else "right"
-    return WRONGLY_OK[0] if abs(error) > WRONG else WRONGLY_OK[1]
+    return WRONGLY_OK[0] if wrong else WRONGLY_OK[1]
 
 
 def run(folder: Path, plans: int = PLANS) -> None:

@@ -30,10 +30,11 @@ Equilibria are found to 1e-3 N, a hundred thousandth of their torque, and positi
 
 LEAST_CHANGED = {"um": 1e-7, "mrad": 1e-6, "deg": 1e-5, "%": 1e-3}
 """Display unit -> size in SI below which a metric changes as if it had that size."""
+NOTHING = 1e-200  # size in SI of any other that is 0
 LEAST_SHARE = 0.01  # the same where a run has a size of its own, of that size
 FACE = 0.01  # face width of a small gear [m], beside which a place on the face changes
 PART = 0.02  # of all work lost, or of a record's time, beside which a share of it changes
-IMPACTS = 35  # beside which their number changes: one more or less stands
+IMPACTS = 30  # beside which their number changes: fewer stand only if their number is the same
 SEEN = 5e-7  # smallest motion of the rack that is of interest [m], at the bar's surface and half a seat ...
 LEVERS = {"rack_roll_range": 0.01, "rack_yaw_range": 0.1}  # ... of turns about X and Y [m]
 
@@ -48,7 +49,10 @@ class Confirmation:
 
 HALF_STEPS = "half the steps"
 ANOTHER_CYCLE = "half the steps, twice the stations and another cycle before"
-MEAN, OTHER = 0.02, 0.05  # tolerances of means of torque and force, and of all others
+MEAN, OTHER = 0.02, 0.05  # tolerances of means of torque and force, and of all others ...
+UNCERTAIN = (
+    0.25  # ... but of what says how uncertain another metric is: of 10 cycles it is right to a quarter
+)
 
 
 @dataclass(frozen=True)
@@ -74,7 +78,7 @@ class Quantity:
         """
         if self.confirmed is None:
             return 0.0 * np.abs(right)
-        least = max(self.least, LEAST_CHANGED.get(self.display, np.finfo(float).tiny))
+        least = max(self.least, LEAST_CHANGED.get(self.display, NOTHING))
         least = np.maximum(LEAST_SHARE * size, least)
         return np.abs(value - right) / np.maximum(np.abs(right), least) / self.confirmed.tolerance
 
@@ -532,8 +536,23 @@ NEEDS_STATIONS = MOTIONS | {"torque_tooth_order", "torque_direction_difference"}
 """Metrics that few stations on a line of contact miss: they are small beside forces that are right to 1 %."""
 LOSS_SHARES = frozenset(name for name in _SUMMARY if name.startswith("loss_share_"))
 """Metrics of who takes the work, which depend on how lines of contact share the load at each instant."""
-OF_ONE_WHOLE = LOSS_SHARES, frozenset({"yoke_force_min", "yoke_force_max"}), frozenset(RACK_RANGES)
+OF_ONE_WHOLE = (
+    LOSS_SHARES,
+    frozenset({"yoke_force_min", "yoke_force_max"}),
+    frozenset({"impacts", "impact_contact_share"}),
+    frozenset(RACK_RANGES),
+)
 """Metrics that stand together: where one is wrong, the others of its whole are in doubt."""
+
+SCATTERS = {
+    "rattle_impulse_per_cycle": "rattle_impulse_uncertainty",
+    "rattle_force_rms": "rattle_force_rms_uncertainty",
+    "rattle_energy_per_cycle": "rattle_energy_uncertainty",
+    "rattle_impacts_per_cycle": "rattle_impacts_scatter",
+    "rattle_fastest_impact": "rattle_fastest_scatter",
+    "rattle_threshold_force": "rattle_threshold_scatter",
+}
+"""Metric -> that which says how it scatters, printed with it."""
 
 WITHOUT_FINER_STEPS = frozenset({"reversal_angle"})
 """Metrics that are left out where they change, but for which no steps are halved: the stations of a line turn
@@ -541,10 +560,11 @@ about one after the other, so that the torque comes to its running value in stai
 
 
 def _confirmation(name: str) -> Confirmation | None:
-    """Return how a metric is confirmed; None of a formula, a setting, a check, and of rattle, whose metrics
-    are given with their scatter."""
-    if name in _NOT_FROM_STEPS or name.startswith("rattle_"):
+    """Return how a metric is confirmed; None of a formula, a setting and a check."""
+    if name in _NOT_FROM_STEPS:
         return None
+    if name in SCATTERS.values():
+        return Confirmation(HALF_STEPS, UNCERTAIN)
     by = ANOTHER_CYCLE if name in _OF_CYCLES else HALF_STEPS
     return Confirmation(by, MEAN if name in _MEANS else OTHER)
 

@@ -27,6 +27,7 @@ from rps_exudyn.results.quantities import (
     NEEDS_STATIONS,
     OF_ONE_WHOLE,
     OTHER,
+    SCATTERS,
     SPREADS,
     SUMMARY,
     WITHOUT_FINER_STEPS,
@@ -55,9 +56,13 @@ LATE = 0.15  # half a step of the rack's rolling, over its range: of its rate 3 
 FIRST_ORDER = 2  # times what all instants miss of a curve with kinks, half of them miss ...
 SHOWN = 0.8  # ... and the part of it that a curve through them shows
 NARROW_ZONE = 0.002  # of friction, over the smallest sliding speed: it moves no metric of a swing by 3 %
+FIRST_ORDER_SHRUNK, LEAST_SHRUNK = 0.5, 0.75  # a change over that before, by which what comes is guessed
 AGREED = 0.4  # of a metric's tolerance: where curves have kinks, as much again or more is left ...
 KINKED = 0.6  # ... and of one of a motion to and fro, or with impacts, whose steps are not halved once more
+SCATTERED = 2  # standard uncertainties of a metric, by which it may change ...
+SMALL_SCATTER = 0.1  # ... of the metric, beside which its uncertainty changes
 COMPARED = {Code.SWING_TOO_FAST, Code.TURN_TOO_FAST}  # limits that a finer run may exceed and still confirm
+FEW_INSTANTS = 20  # of a record, half of which are too few to show what all of them miss
 SLOW = 2 * np.pi * 20 / 60  # speed of the pinion up to which teeth that enter hardly shake the gear [rad/s]
 
 
@@ -101,7 +106,8 @@ def run_and_confirm(
     if by_equilibria:
         always = always or (steady and bool(run.signals) and bool(rolls_late(run.signals) > LATE))
     else:
-        always = always or coarse or (steady and gear.test.speed > SLOW)
+        few = bool(run.signals) and len(run.signals["time"]) < FEW_INSTANTS
+        always = always or coarse or (steady and (few or gear.test.speed > SLOW))
     most = most_finer(fidelity, options)
     more = 0 if steady and not coarse else more_for_figure(fidelity, options)
     run = confirmed(run, asked, made, figure, most=most, for_figure=more, always=always, smooth=steady)
@@ -118,7 +124,7 @@ def run_and_confirm(
 
 def with_stations_enough(run: SceneRun, gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
     """Return a run without the small metrics for which its stations on a line of contact are too few."""
-    remark = few_stations(gear, fidelity)
+    remark = few_stations(gear, fidelity) if NEEDS_STATIONS & run.summary.keys() else None
     return run.noting(remark).without(NEEDS_STATIONS) if remark else run
 
 
@@ -166,6 +172,7 @@ def changes(values: Mapping[str, Any], finer: Mapping[str, Any], signals: Signal
         one, other = values.get(name, np.nan), finer.get(name, np.nan)
         if not (np.ndim(one) or np.ndim(other)) and not (name in values and name in finer):
             return np.inf
+        item = replace(item, least=max(item.least, scattered(name, finer)))
         found = item.change(one, other, size.get(item.unit, 0.0))
         if not np.ndim(found):
             return found
@@ -177,6 +184,15 @@ def changes(values: Mapping[str, Any], finer: Mapping[str, Any], signals: Signal
     torque = np.abs(next((finer[name] for name in TORQUES if name in finer), 0.0))
     size["N*m"] = np.maximum(size.get("N*m", 0.0), torque)
     return {name: change(name, item) for name, item in declared.items()}
+
+
+def scattered(name: str, values: Mapping[str, float]) -> float:
+    """Return the size below which a metric changes as if it had that size, because it scatters, or says how
+    another one does; 0 of any other."""
+    if name in SCATTERS:
+        return SCATTERED * values.get(SCATTERS[name], 0.0) / OTHER
+    metric = next((each for each, scatter in SCATTERS.items() if scatter == name), "")
+    return SMALL_SCATTER * abs(values.get(metric, 0.0))
 
 
 def figure_changes(metrics: Metrics, figure: str, run: SceneRun, later: SceneRun) -> float:
@@ -317,7 +333,7 @@ def confirmed(
         if smooth and not always and not _beyond(larger(change, missed(fine)), 1.0):
             return 0.0
         asking = (each for name, each in change.items() if name not in WITHOUT_FINER_STEPS)
-        return max(0.0, *asking, *(AGREED * each for each in between_fine.values()))
+        return max([0.0, *asking, *(AGREED * each for each in between_fine.values())])
 
     first = missed(described)
 
@@ -342,11 +358,25 @@ def confirmed(
     if refined.failed is not None:
         return _counted(finest, refined.runs, begun + refined.times).unconfirmed(refined.failed)
     if refined.times:
-        left = not_standing(larger(changed(refined.runs[-2], finest), between(finest)))
+        still = [changed(*pair) for pair in pairwise(refined.runs)]
+        left = not_standing(larger(to_come(*still[-1:-3:-1]), between(finest)))
     else:
         left = _beyond(first, 1.0)
     taken = refined.times if finest.ok else refined.times - 1
     return _left_out(_counted(refined.runs[taken], refined.runs, begun + taken), left, figure)
+
+
+def to_come(last: Mapping[str, float], before: Mapping[str, float] | None = None) -> dict[str, float]:
+    """Return by how much metrics may change in ever finer steps, from their last change: as much again, more
+    where the change before, if there was one, was hardly larger."""
+
+    def ahead(name: str, change: float) -> float:
+        earlier = (before or {}).get(name, np.inf)
+        ratio = change / earlier if 0 < earlier < np.inf else 0.0
+        ratio = min(max(ratio, FIRST_ORDER_SHRUNK), LEAST_SHRUNK)
+        return change * ratio / (1 - ratio)
+
+    return {name: ahead(name, change) for name, change in last.items()}
 
 
 def larger(some: Mapping[str, Any], others: Mapping[str, Any]) -> dict[str, Any]:
@@ -355,8 +385,9 @@ def larger(some: Mapping[str, Any], others: Mapping[str, Any]) -> dict[str, Any]
 
 
 def with_wholes(change: Mapping[str, Any]) -> dict[str, Any]:
-    """Return changes in which each metric of one whole changes as the one of it that changes most."""
-    found = dict(change)
+    """Return changes in which each metric of one whole changes as the one of it that changes most, and a
+    scatter as the metric that scatters."""
+    found = dict(change) | {SCATTERS[name]: each for name, each in change.items() if name in SCATTERS}
     for whole in OF_ONE_WHOLE:
         if known := [change[name] for name in whole & change.keys()]:
             found |= dict.fromkeys(whole, np.fmax.reduce(known))
@@ -419,6 +450,7 @@ CYCLES_BEFORE = {"equilibrium": (1, 4, 16, 48), "generalized-alpha": (1, 4)}
 """Solver -> cycles before the record from which a swing is begun, one after the other ..."""
 CYCLES_UNDER_TORQUE = (2, 6, 14, 30, 62)  # ... and one that a torque drives ...
 TRIES_OF_INVALID = 3  # ... of which so many are tried where a check fails
+SEEN_TO_DRIFT = 4  # tries that show how fast a swing settles
 CLOSED = 0.01  # of the largest torque, by which a cycle may end elsewhere than it began ...
 IN_PLACE = 0.002  # ... and of the rack's travel: a drift this slow goes on for ten cycles and more
 VIBRATES = 50  # times its range that a torque goes up and down in a record: smoothly it goes 2 to 6 times
@@ -477,20 +509,28 @@ def _settled(
     """Return a swing of the rig whose first cycle closes, and its maneuver; invalid if it never does."""
     before = CYCLES_BEFORE.get(fidelity.solver, ())
     maneuvers = _earlier(maneuver, before)
+    drifts: list[float] = []
+
+    def asks(run: SceneRun) -> bool:
+        if not run.ok:
+            return False
+        drifts.append(unclosed(run.signals, maneuver))
+        return drifts[-1] > 1 and may_close(drifts, (0, *before))
+
     with run_ever_longer(gear, fidelity, options) as made:
         refined = refine(
             made(maneuver),
             lambda _, times: made(maneuvers[times]),
             len(before),
-            asks=lambda run: run.ok and unclosed(run.signals, maneuver) > 1,
+            asks=asks,
         )
     run, settled = refined.finest, maneuvers[refined.times]
     if before and run.ok and (beyond := unclosed(run.signals, maneuver)) > 1:
         return run.invalid(
             Code.SWING_NOT_SETTLED,
-            f"the swing does not settle: after {before[-1]} cycles the next one still changes by "
-            f"{beyond:.2g} times the limits of {CLOSED:.0%} of the torque and {IN_PLACE:.1%} of the rack's "
-            f"travel",
+            f"the swing does not settle: after {(0, *before)[refined.times]} cycles the next one still "
+            f"changes by {beyond:.2g} times the limits of {CLOSED:.0%} of the torque and {IN_PLACE:.1%} of "
+            f"the rack's travel",
         ), settled
     return run, settled
 
@@ -533,6 +573,16 @@ def _settled_under_torque(
             "torque may be near resonance of the wheel on the tyres",
         ), settled
     return run, settled
+
+
+def may_close(drifts: Sequence[float], cycles: Sequence[int]) -> bool:
+    """Return whether the last and longest try, of so many cycles before each, may close a swing that drifts
+    by so much more than is allowed: its drift shrinks on as it did from the try before."""
+    tried = len(drifts)
+    if tried < SEEN_TO_DRIFT or tried != len(cycles) - 1:
+        return True
+    times = (cycles[tried] - cycles[tried - 1]) / (cycles[tried - 1] - cycles[tried - 2])
+    return drifts[-1] * (drifts[-1] / max(drifts[-2], 1e-9)) ** times <= 1
 
 
 def unclosed(signals: Signals, maneuver: Maneuver) -> float:

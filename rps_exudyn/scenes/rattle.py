@@ -21,13 +21,13 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.checks.before_run import check_travel
 from rps_exudyn.scenes.maneuver import Maneuver
+from rps_exudyn.scenes.metric_confirmation import run_and_confirm
 from rps_exudyn.scenes.metrics import balance
-from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.prescribed_motion import Steady
 
-ZONE = 0.1  # of friction: narrower ones only ask for shorter steps, in wider ones the rack creeps
+ZONE = 0.1  # of friction, halved with the steps: in a wide one the rack creeps until the yokenut is hit
 STEPS_PER_SWING = 7  # of the plunger between seat and yokenut, the fastest motion: figures to 1 %
 STEPS_PER_BAND = 20  # of the fastest vibration in the band of the acceleration
 KEPT = 4  # of so many instants one stays in the result, whose figures come from all of them
@@ -82,9 +82,8 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
             f"impacts."
         )
     chosen, test = with_float(gear, fidelity.with_bending()), gear.test
-    chosen = chosen.replace({"zone_ratio": ZONE})
+    chosen = chosen.replace({"zone_ratio": ZONE / 2**options.halvings})
     maneuvers = list(shaken_by_road(gear, chosen.swing_steps or STEPS_PER_SWING))
-    run = run_maneuver(gear, chosen, maneuvers, options)
     growing = test.road_shape == GROWING
     band = FrequencyBand(test.band_low, test.band_high)
 
@@ -94,7 +93,9 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
         of_cycles = describe_rattle(signals, 1 / test.road_frequency, gear.yoke.plunger_mass, band)
         return of_cycles | balance(signals)
 
-    described = run.described(figures).noting(None if chosen.rack == "flexible" else RIGID)
+    figure = "rattle_threshold_force" if growing else SCENE.figure
+    run = run_and_confirm(gear, chosen, maneuvers, options, figures, figure, always=True)
+    described = run.noting(None if chosen.rack == "flexible" else RIGID)
     if growing:
         described = described.noting(_threshold_remark(gear, described.summary))
     return replace(described, signals=_thinned(described.signals, maneuvers))

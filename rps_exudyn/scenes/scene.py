@@ -147,7 +147,9 @@ class Scene:
     @property
     def motion(self) -> Motion:
         """Return the kind of its motion, on which the limits of a plan depend."""
-        return "at rest" if self.at_rest else "steady" if self.steady else "stopping"
+        if self.at_rest or self.steady:
+            return "at rest" if self.at_rest else "steady"
+        return "stopping" if self.needs_inertia else "to and fro"
 
     @property
     def unit_of_cost(self) -> str:

@@ -26,8 +26,8 @@ from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.tooth_contact.mean_depth import mean_depth
 from rps_exudyn.tooth_contact.spheres import sphere_radius
 
-Motion = Literal["steady", "stopping", "at rest"]
-"""Whether everything slides at a constant speed, stops and turns, or does not move."""
+Motion = Literal["steady", "to and fro", "stopping", "at rest"]
+"""Whether everything slides at a constant speed, goes to and fro in whole cycles, stops, or does not move."""
 
 STEPS_PER_PITCH = 2  # fewer cannot show the tooth frequency; after_run sees whether more are needed
 REPAIRED_STEPS_PER_PITCH = 20
@@ -61,7 +61,8 @@ class Breach:
 def breaches(gear: SteeringGear, fidelity: Fidelity, *, motion: Motion) -> Iterator[Breach]:
     """Yield all limits that a plan does not meet.
 
-    At rest friction has crept away, whatever its zone, and a chain of segments yields as the condensed bush.
+    A motion to and fro is made again with half its zone of friction, which shows what the zone takes. At rest
+    friction has crept away, whatever its zone, and a chain of segments yields as the condensed bush.
     """
     if fidelity.solver == "closed-form":
         return
@@ -69,7 +70,7 @@ def breaches(gear: SteeringGear, fidelity: Fidelity, *, motion: Motion) -> Itera
         yield from _tooth_pitch_resolved(gear, fidelity)
     elif motion == "stopping":
         yield from _zone_narrow(gear, fidelity)
-    else:
+    elif motion == "at rest":
         fidelity = fidelity.with_condensed_chain()
     yield from _straight_where_rigid(gear, fidelity)
     yield from _contact_integrated(gear, fidelity)
