@@ -449,7 +449,7 @@ def _shown(name: str, change: float) -> str:
 CYCLES_BEFORE = {"equilibrium": (1, 4, 16, 48), "generalized-alpha": (1, 4)}
 """Solver -> cycles before the record from which a swing is begun, one after the other ..."""
 CYCLES_UNDER_TORQUE = (2, 6, 14, 30, 62)  # ... and one that a torque drives ...
-TRIES_OF_INVALID = 3  # ... of which so many are tried where a check fails
+TRIES_OF_INVALID = 1  # ... of which so many more are tried where a check fails
 SEEN_TO_DRIFT = 4  # tries that show how fast a swing settles
 CLOSED = 0.01  # of the largest torque, by which a cycle may end elsewhere than it began ...
 IN_PLACE = 0.002  # ... and of the rack's travel: a drift this slow goes on for ten cycles and more

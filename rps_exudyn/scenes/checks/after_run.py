@@ -385,7 +385,7 @@ def least_work(signals: dict[str, np.ndarray]) -> float:
 # guides, which only dynamics follow. In steady motion runout and errors move a rack all the time; what its
 # inertia presses on the yoke works like preload.
 
-FREE_BOUND = 1e-3
+FREE_BOUND = 1.5e-3
 """Of the teeth's mean normal force, RMS over a swing: dynamics then differ by 1 % of the torque, RMS."""
 
 FREE_OF_YOKE = 0.02
