@@ -359,24 +359,24 @@ def confirmed(
         return _counted(finest, refined.runs, begun + refined.times).unconfirmed(refined.failed)
     if refined.times:
         still = [changed(*pair) for pair in pairwise(refined.runs)]
-        left = not_standing(larger(to_come(*still[-1:-3:-1]), between(finest)))
+        left = not_standing(larger(to_come(still), between(finest)))
     else:
         left = _beyond(first, 1.0)
     taken = refined.times if finest.ok else refined.times - 1
     return _left_out(_counted(refined.runs[taken], refined.runs, begun + taken), left, figure)
 
 
-def to_come(last: Mapping[str, float], before: Mapping[str, float] | None = None) -> dict[str, float]:
-    """Return by how much metrics may change in ever finer steps, from their last change: as much again, more
-    where the change before, if there was one, was hardly larger."""
+def to_come(found: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Return by how much metrics may change in ever finer steps, from what one halving after the other
+    changed: as much as the last one again, more where those before changed hardly more."""
 
     def ahead(name: str, change: float) -> float:
-        earlier = (before or {}).get(name, np.inf)
-        ratio = change / earlier if 0 < earlier < np.inf else 0.0
+        before = [each.get(name, 0.0) / 2**n for n, each in enumerate(found[-2:-4:-1])]
+        ratio = change / largest if 0 < (largest := max(before, default=0.0)) < np.inf else 0.0
         ratio = min(max(ratio, FIRST_ORDER_SHRUNK), LEAST_SHRUNK)
         return change * ratio / (1 - ratio)
 
-    return {name: ahead(name, change) for name, change in last.items()}
+    return {name: ahead(name, change) for name, change in found[-1].items()}
 
 
 def larger(some: Mapping[str, Any], others: Mapping[str, Any]) -> dict[str, Any]:

@@ -80,7 +80,7 @@ def test_motion_in_exudyn_tells_how_much_is_done(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(progress, "FIRST", 0.0)
     monkeypatch.setattr(progress, "INTERVAL", 0.0)
     told: list[Progress] = []
-    result = rps.run("free-pinion-torque", fidelity="flank", progress=told.append, turns=0.02)
+    result = rps.run("free-pinion-torque", fidelity="flank", progress=told.append, turns=0.2)
     assert result.status == "ok"
     fractions = [each.fraction for each in told if each.place.endswith("deg")]
     assert fractions == sorted(fractions)
