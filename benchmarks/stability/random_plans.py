@@ -5,12 +5,9 @@ steps too. Each has its own seed and hard time limits. The scene's figure is jud
 `behind_column` of verification, every other metric by finer runs, where half their steps confirm it. A plan
 that a check before the run refuses is run all the same, to see whether the refusal was a false alarm. A run
 that is stopped goes on where it was.
-
-    text_of(plan_of(792))       the settings of a plan
 """
 
 import json
-import multiprocessing
 import multiprocessing.connection
 import os
 from collections import Counter
@@ -186,8 +183,8 @@ def errors(plan: ScenePlan, summary: Mapping[str, float], right: Sequence[Values
     for values in right:
         for name in summary.keys() & values.keys() - {NOT_JUDGED}:
             value, doubt = values[name]
-            scatter = summary.get(SCATTERS.get(name, ""), 0.0)  # printed with it
-            size = max(size_of(name, values), 2 * scatter / tolerance(name))
+            scatter = 2 * summary.get(SCATTERS.get(name, ""), 0.0)  # printed with it
+            size = max(size_of(name, values), scatter / tolerance(name))
             if size > 0 and doubt <= SURE * tolerance(name) * size:
                 found.setdefault(name, []).append((summary[name] - value) / size)
     others = {name: each[0] for name, each in found.items() if name != figure}
@@ -319,11 +316,10 @@ def verdict(row: dict[str, Any]) -> str:
     judged = isfinite(error) or isfinite(other)
     wrong = abs(error) > tolerance(scene_named(row["scene"]).figure)
     right, sound = not (wrong or abs(other) > tolerance(row.get("metric", ""))), row["status"] == Status.OK
-    known = judged and right
     if row.get("refused"):
-        return "refused, was right" if sound and known else "refused"
+        return "refused, was right" if sound and judged and right else "refused"
     if not sound:
-        return "invalid, was right" if row["status"] == Status.INVALID and known else row["status"]
+        return "invalid, was right" if row["status"] == "invalid" and judged and right else row["status"]
     if not judged:
         return "ok, no reference"
     if right:
@@ -339,12 +335,11 @@ def run(folder: Path, plans: int = PLANS) -> None:
     rows: dict[int, dict[str, Any]] = {int(row["number"]): row for row in load_rows(folder / DATA)}
     worker = Child(outcome_of)
     for number in range(plans):
-        plan = plan_of(number)
-        mark = mark_of(plan)
+        mark = mark_of(plan := plan_of(number))
         if rows.get(number, {}).get("plan") == mark:
             continue
-        row: dict[str, Any] = {"number": number, "scene": plan.scene, "friction": friction_of(plan)}
-        row |= {"model": model_of(plan), "plan": mark}
+        row: dict[str, Any] = {"number": number, "plan": mark, "scene": plan.scene}
+        row |= {"friction": friction_of(plan), "model": model_of(plan)}
         row |= worker.do(number, TIME_LIMIT)
         row["verdict"] = verdict(row)
         if row["verdict"] in WRONGLY_OK:
