@@ -8,7 +8,15 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Outcome, Status
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.metric_confirmation import confirmed, every_second, rolls_late, with_midpoints
+from rps_exudyn.scenes.metric_confirmation import (
+    changes,
+    confirmed,
+    every_second,
+    may_close,
+    rolls_late,
+    to_come,
+    with_midpoints,
+)
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun
@@ -203,3 +211,43 @@ def test_a_late_rolling_is_half_a_step_of_its_fastest_over_its_range() -> None:
         np.pi / np.array([40, 20]), rel=0.02
     )
     assert rolls_late({"time": time}) == 0
+
+
+@pytest.mark.parametrize(
+    ("found", "ahead"),
+    [
+        ((0.4,), 0.4),  # of first order as much again is left
+        ((1.6, 0.4), 0.4),
+        ((0.5, 0.4), 1.2),  # it hardly shrinks
+        ((1.5, 0.0, 0.3), 0.3),  # by two halvings it does
+        ((0.6, 0.2, 0.4), 1.2),
+        ((0.0, 0.1), 0.1),  # there is nothing to compare it with
+    ],
+)
+def test_what_is_to_come_follows_from_how_changes_shrink(found: tuple[float, ...], ahead: float) -> None:
+    assert to_come([{"torque_mean": each} for each in found])["torque_mean"] == pytest.approx(ahead)
+
+
+@pytest.mark.parametrize(
+    ("drifts", "may"),
+    [
+        ([9.0], True),  # too few to see
+        ([3.3, 3.1, 3.0, 2.6], False),  # 48 cycles would leave 1.8
+        ([4.5, 9.0, 15.0, 3.0], True),
+        ([12.0, 29.0, 36.0, 40.0], False),
+    ],
+)
+def test_a_swing_that_drifts_on_is_not_begun_once_more(drifts: list[float], may: bool) -> None:
+    assert may_close(drifts, (0, 1, 4, 16, 48)) is may
+
+
+@pytest.mark.quick
+def test_a_metric_that_scatters_may_change_by_twice_its_uncertainty() -> None:
+    """Without an uncertainty by 5 %; an uncertainty itself by a quarter, beside a tenth of the metric."""
+    coarse = {"rattle_force_rms": 100.0, "rattle_force_rms_uncertainty": 10.0}
+    finer = {"rattle_force_rms": 120.0, "rattle_force_rms_uncertainty": 12.5}
+    assert changes(coarse, finer, {}) == pytest.approx(
+        {"rattle_force_rms": 0.8, "rattle_force_rms_uncertainty": 2.5 / 12.5 / 0.25}
+    )
+    alone = {"rattle_force_rms": 100.0}, {"rattle_force_rms": 105.0}
+    assert changes(*alone, {})["rattle_force_rms"] == pytest.approx(5 / 105 / 0.05)
