@@ -18,7 +18,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
 from verification.limited import cpu_limit
 from verification.references import SHAKEN, STRIPS, by_strips
-from verification.runs import run_scene
+from verification.runs import STEPS_AS_GIVEN, run_scene
 from verification.scene_truth import Made, Make, by_model, impact_in_parts
 
 Setting = tuple[str, int | None, dict[str, float]]
@@ -91,14 +91,14 @@ def _check_short(duration: float, limit: float) -> None:
 
 def rattling(swing_steps: int) -> Make:
     """Method: a road's force in so many steps per swing of the plunger; it must hit, the test be short."""
-    fine = by_model(SHAKEN.replace({"swing_steps": swing_steps}))
+    fine = SHAKEN.replace({"swing_steps": swing_steps})
 
     def limited(scene: str, gear: SteeringGear) -> Made:
         test = gear.test
         _check_short((test.road_cycles + 1) * test.road_phases / test.road_frequency, LONGEST_RATTLE)
-        if not run_scene(scene, gear, COARSE).summary.get("rattle_impacts_per_cycle"):
+        if not run_scene(scene, gear, COARSE, STEPS_AS_GIVEN).summary.get("rattle_impacts_per_cycle"):
             raise ArithmeticError("nothing hits: the plunger does not reach the yokenut, or never leaves it")
-        return fine(scene, gear)
+        return run_scene(scene, gear, fine, STEPS_AS_GIVEN), fine
 
     return limited
 

@@ -183,7 +183,7 @@ def test_a_growing_force_on_a_gear_that_finds_no_start_keeps_its_cause(
 ) -> None:
     """Nothing is recorded then: there is no threshold to read, and nothing to remark."""
     lost = SceneRun(Outcome(Status.NO_CONVERGENCE, "no start was found"))
-    monkeypatch.setattr("rps_exudyn.scenes.metric_confirmation.run_maneuver", lambda *_, **__: lost)
+    monkeypatch.setattr("rps_exudyn.scenes.rattle.run_maneuver", lambda *_, **__: lost)
     growing = FAST | {"test.road_shape": "growing-sine"}
     result = rps.run("rattle", GEAR.replace(growing))
     assert (result.status, result.message) == (Status.NO_CONVERGENCE, "no start was found")
