@@ -40,7 +40,7 @@ def measured(force: float, frequency: float) -> dict[str, Any]:
     case: dict[str, Any] = {"force": force, "frequency": frequency}
     if result.status is not Status.OK:
         return case | {"message": f"{result.status}: {result.message}"}
-    return case | {name: result.summary[name] for name in (*FIGURES, "rattle_impacts_per_cycle")}
+    return case | {name: value for name, value in result.summary.items() if name.startswith("rattle_")}
 
 
 def picture(cases: list[dict[str, Any]]) -> Figure:
@@ -71,8 +71,8 @@ def rattle_table(folder: Path) -> str:
     cases = [case for case in load_data(folder / DATA)["cases"] if "message" not in case]
     for frequency in dict.fromkeys(case["frequency"] for case in cases):
         own = sorted((c for c in cases if c["frequency"] == frequency), key=lambda case: case["force"])
-        hit = [case["force"] for case in own if case["rattle_impacts_per_cycle"]]
-        values = [SUMMARY[name].show(own[-1][name]) for name in FIGURES]
+        hit = [case["force"] for case in own if case.get("rattle_impacts_per_cycle")]
+        values = [SUMMARY[name].show(own[-1][name]) if name in own[-1] else "-" for name in FIGURES]
         rows.append([f"{frequency:g}", f"{hit[0]:g}" if hit else "-", f"{own[-1]['force']:g}", *values])
     heads = ["frequency Hz", "impacts from N on", "at N", *(f"`{name}`" for name in FIGURES)]
     return markdown(heads, rows)

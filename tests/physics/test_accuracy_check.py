@@ -134,7 +134,7 @@ def test_equilibria_of_a_fast_test_are_compared_with_dynamics(rpm: float, moved_
 
 def test_dynamics_take_the_place_of_equilibria_that_do_not_run() -> None:
     """A swing too fast for equilibria; asked for by name they are not replaced."""
-    gear = SteeringGear().replace({"test.speed": "60 rpm", "test.amplitude": "5 deg"})
+    gear = SteeringGear().replace({"test.speed": "90 rpm", "test.amplitude": "5 deg"})
     result = rps.run("reversal", gear, accuracy="4%")
     assert result.fidelity["solver"] == "generalized-alpha"
     assert result.findings["accuracy"].startswith("quasi-static ends invalid: the swing is too fast")
