@@ -44,7 +44,7 @@ def measured(force: float, frequency: float) -> dict[str, Any]:
 
 
 def picture(cases: list[dict[str, Any]]) -> Figure:
-    """RMS of the yokenut's force and of the impact speed over force and frequency; white: no impact."""
+    """RMS of the yokenut's force and of the impact speed over force and frequency; white: no impact, or not confirmed."""
     forces = sorted({case["force"] for case in cases})
     frequencies = sorted({case["frequency"] for case in cases})
     with mpl.rc_context({"font.size": 10}):
@@ -57,11 +57,14 @@ def picture(cases: list[dict[str, Any]]) -> Figure:
             if case.get(name, 0.0) > 0:
                 at = forces.index(case["force"]), frequencies.index(case["frequency"])
                 shown[at] = quantity.displayed(case[name])
-        image = style.map_to_scale(axes, np.array(frequencies), np.array(forces), shown, "{:.0f}", "none")
+        image = style.map_to_scale(axes, np.array(frequencies), np.array(forces), shown, "{:.0f}", "-")
         axes.set_xlabel("frequency [Hz]")
         axes.set_ylabel("road force [N]")
         figure.colorbar(image, ax=axes, label=quantity.axis_label(LABELS[name]))
-    style.title(figure, "Rattle of the default gear, tie rod at 10 deg, clearance 50 µm")
+    style.title(
+        figure,
+        "Rattle of the default gear, tie rod at 10 deg, clearance 50 µm; -: no impact, or not confirmed",
+    )
     return figure
 
 
