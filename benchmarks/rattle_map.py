@@ -44,7 +44,7 @@ def measured(force: float, frequency: float) -> dict[str, Any]:
 
 
 def picture(cases: list[dict[str, Any]]) -> Figure:
-    """RMS of the yokenut's force and of the impact speed over force and frequency; white: none, or unsure."""
+    """RMS of the yokenut's force and of the impact speed over force and frequency; white: none."""
     forces = sorted({case["force"] for case in cases})
     frequencies = sorted({case["frequency"] for case in cases})
     with mpl.rc_context({"font.size": 10}):
@@ -61,9 +61,7 @@ def picture(cases: list[dict[str, Any]]) -> Figure:
         axes.set_xlabel("frequency [Hz]")
         axes.set_ylabel("road force [N]")
         figure.colorbar(image, ax=axes, label=quantity.axis_label(LABELS[name]))
-    style.title(
-        figure, "Rattle of the default gear, tie rod at 10 deg, clearance 50 µm; -: none, or not confirmed"
-    )
+    style.title(figure, "Rattle of the default gear, tie rod at 10 deg, clearance 50 µm; -: none, or unsure")
     return figure
 
 
