@@ -44,7 +44,7 @@ def measured(force: float, frequency: float) -> dict[str, Any]:
 
 
 def picture(cases: list[dict[str, Any]]) -> Figure:
-    """RMS of the yokenut's force and of the impact speed over force and frequency; white: none."""
+    """RMS of the yokenut's force and of the impact speed; white: none, or not confirmed."""
     forces = sorted({case["force"] for case in cases})
     frequencies = sorted({case["frequency"] for case in cases})
     with mpl.rc_context({"font.size": 10}):

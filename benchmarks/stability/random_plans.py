@@ -26,7 +26,7 @@ from rps_exudyn.base.compiling import CompileStep, listeners
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.friction_law import LAWS, RUBBING_PARTS
 from rps_exudyn.results.outcome import Code, Status
-from rps_exudyn.results.quantities import LOSS_SHARES, OTHER, SCATTERS, SUMMARY
+from rps_exudyn.results.quantities import LOSS_SHARES, OTHER, SCATTERED, SCATTERS, SUMMARY
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.simulate.run_plan import run_unchecked
@@ -183,7 +183,7 @@ def errors(plan: ScenePlan, summary: Mapping[str, float], right: Sequence[Values
     for values in right:
         for name in summary.keys() & values.keys() - {NOT_JUDGED}:
             value, doubt = values[name]
-            scatter = 2 * summary.get(SCATTERS.get(name, ""), 0.0)  # printed with it
+            scatter = SCATTERED * summary.get(SCATTERS.get(name, ""), 0.0)  # printed with it
             size = max(size_of(name, values), scatter / tolerance(name))
             if size > 0 and doubt <= SURE * tolerance(name) * size:
                 found.setdefault(name, []).append((summary[name] - value) / size)
@@ -319,7 +319,7 @@ def verdict(row: dict[str, Any]) -> str:
     if row.get("refused"):
         return "refused, was right" if sound and judged and right else "refused"
     if not sound:
-        return "invalid, was right" if row["status"] == "invalid" and judged and right else row["status"]
+        return "invalid, was right" if row["status"] == Status.INVALID and judged and right else row["status"]
     if not judged:
         return "ok, no reference"
     if right:

@@ -50,9 +50,7 @@ class Confirmation:
 HALF_STEPS = "half the steps"
 ANOTHER_CYCLE = "half the steps, twice the stations and another cycle before"
 MEAN, OTHER = 0.02, 0.05  # tolerances of means of torque and force, and of all others ...
-UNCERTAIN = (
-    0.25  # ... but of what says how uncertain another metric is: of 10 cycles it is right to a quarter
-)
+UNCERTAIN = 0.25  # ... but of the scatter of another metric, which ten cycles show to a quarter
 
 
 @dataclass(frozen=True)
@@ -553,6 +551,7 @@ SCATTERS = {
     "rattle_threshold_force": "rattle_threshold_scatter",
 }
 """Metric -> that which says how it scatters, printed with it."""
+SCATTERED = 2  # of these, by which the metric may change
 
 WITHOUT_FINER_STEPS = frozenset({"reversal_angle"})
 """Metrics that are left out where they change, but for which no steps are halved: the stations of a line turn

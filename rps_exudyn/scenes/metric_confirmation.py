@@ -27,6 +27,7 @@ from rps_exudyn.results.quantities import (
     NEEDS_STATIONS,
     OF_ONE_WHOLE,
     OTHER,
+    SCATTERED,
     SCATTERS,
     SPREADS,
     SUMMARY,
@@ -59,8 +60,7 @@ NARROW_ZONE = 0.002  # of friction, over the smallest sliding speed: it moves no
 FIRST_ORDER_SHRUNK, LEAST_SHRUNK = 0.5, 0.75  # a change over that before, by which what comes is guessed
 AGREED = 0.4  # of a metric's tolerance: where curves have kinks, as much again or more is left ...
 KINKED = 0.6  # ... and of one of a motion to and fro, or with impacts, whose steps are not halved once more
-SCATTERED = 2  # standard uncertainties of a metric, by which it may change ...
-SMALL_SCATTER = 0.1  # ... of the metric, beside which its uncertainty changes
+SMALL_SCATTER = 0.1  # of a metric, beside which its scatter changes
 COMPARED = {Code.SWING_TOO_FAST, Code.TURN_TOO_FAST}  # limits that a finer run may exceed and still confirm
 FEW_INSTANTS = 20  # of a record, half of which are too few to show what all of them miss
 SLOW = 2 * np.pi * 20 / 60  # speed of the pinion up to which teeth that enter hardly shake the gear [rad/s]

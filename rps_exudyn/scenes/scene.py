@@ -147,8 +147,10 @@ class Scene:
     @property
     def motion(self) -> Motion:
         """Return the kind of its motion, on which the limits of a plan depend."""
-        if self.at_rest or self.steady:
-            return "at rest" if self.at_rest else "steady"
+        if self.at_rest:
+            return "at rest"
+        if self.steady:
+            return "steady"
         return "stopping" if self.needs_inertia else "to and fro"
 
     @property
