@@ -12,6 +12,7 @@ import numpy as np
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.checks.before_run import largest_angle
+from rps_exudyn.solvers.balance import NOTHING_ACCELERATED
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, equilibrium_path
 from rps_exudyn.solvers.gear_forces import GearForces
 from rps_exudyn.solvers.prescribed_motion import Drive, DrivenBody, Steady, travel_per_radian
@@ -122,14 +123,14 @@ def equilibria_at(
     forces: GearForces,
     drive: Drive,
     time: np.ndarray,
-    inertia: tuple[float, float] = (0.0, 0.0),
+    masses: np.ndarray = NOTHING_ACCELERATED,
 ) -> EquilibriumPath:
-    """Follow the equilibria at these instants [s], with the inertia of what follows the drive.
+    """Follow the equilibria at these instants [s], with the inertia of masses (n, n).
 
     Raises:
         NotFoundError: there is none at one of them.
     """
-    path = equilibrium_path(forces.statics.with_(inertia=inertia), GearPair.of(gear), drive, time)
+    path = equilibrium_path(forces.statics.with_(masses=masses), GearPair.of(gear), drive, time)
     if not path.converged:
         raise NotFoundError(f"no equilibrium at {path.lost_at:.4g} s, {path.residual:.3g} N remain")
     return path

@@ -33,7 +33,7 @@ from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.balance import eigenvalues
 from rps_exudyn.solvers.closed_form import GRAVITY
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
-from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
+from rps_exudyn.solvers.gear_forces import GearForces, gear_forces, mass_matrix
 from rps_exudyn.solvers.prescribed_motion import Drive, Steady, Swing
 from verification.approach_paths import (
     Pass,
@@ -150,14 +150,17 @@ def finer_metrics(plan: ScenePlan) -> dict[str, tuple[float, float]]:
 
 
 def _by_solver(plan: ScenePlan, solver: str) -> tuple[dict[str, tuple[float, float]], str]:
-    """Return metrics in the shortest of three lengths of steps, and their doubt: their last change, or what a
-    quarter of that before was, where it is there, for two lengths may agree by chance; {} and why there are
-    none."""
-    fidelity = _finer_model(plan.fidelity, solver)
+    """Return metrics in the shortest of three lengths of steps, in swings with friction zones as narrow, and
+    their doubt; {} and why there are none.
+
+    The doubt is the last change, or a quarter of that before: two lengths may agree by chance.
+    """
+    fidelity, scene = _finer_model(plan.fidelity, solver), scene_named(plan.scene)
+    swings = scene.motion == "to and fro"  # where creep in the friction zone may move it on
     runs = []
     for times in HALVED:
-        options = replace(STEPS_AS_GIVEN, halvings=times)
-        runs.append(run_unchecked(plan.scene, plan.gear, fidelity, options))
+        options, zone = replace(STEPS_AS_GIVEN, halvings=times), fidelity.zone_ratio / 2 ** (swings * times)
+        runs.append(run_unchecked(plan.scene, plan.gear, fidelity.replace({"zone_ratio": zone}), options))
         if times and runs[-1].status is not Status.OK:
             return {}, runs[-1].message
     first, coarse, fine = (run.summary for run in runs)
@@ -263,7 +266,9 @@ def curve(plan: ScenePlan) -> Curve:
     if plan.scene == "reversal":
         swing = _swing(plan)
         time = np.linspace(-swing.period, swing.period, 2 * CURVE_PER_CYCLE + 1)
-        path = equilibria_at(plan.gear, reference_forces(plan), swing, time, following_inertia(plan.gear))
+        forces = reference_forces(plan)
+        masses = mass_matrix(plan.gear, forces, np.zeros(forces.statics.size))
+        path = equilibria_at(plan.gear, forces, swing, time, masses)
         kept = time >= 0
         return Curve(time[kept], -swing.sign * path.forces[kept, swing.coordinate])
     test = plan.gear.test

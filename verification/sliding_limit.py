@@ -16,10 +16,10 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions
-from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.solvers.gear_forces import gear_forces, mass_matrix
 from rps_exudyn.solvers.prescribed_motion import Steady
 from rps_exudyn.solvers.settled_start import SteadyApproach, settled_path
-from rps_exudyn.solvers.sliding_stability import PERIODS, masses, reduced_gear
+from rps_exudyn.solvers.sliding_stability import PERIODS, reduced_gear
 from rps_exudyn.solvers.steering_column import ColumnModel
 
 PER_PERIOD = 60  # steps in a natural period; of the periods of a run ...
@@ -116,7 +116,7 @@ def fast_growth(gear: SteeringGear, fidelity: Fidelity) -> float:
         raise ArithmeticError("no equilibrium at the start")
     q, v, column = path.coordinates[-1].copy(), path.rates[-1].copy(), ColumnModel.of(gear)
     free = np.array([i for i in range(q.size) if i not in forces.locked])
-    inverse, balance = np.linalg.inv(masses(gear, forces, q)[np.ix_(free, free)]), forces.dynamics
+    inverse, balance = np.linalg.inv(mass_matrix(gear, forces, q)[np.ix_(free, free)]), forces.dynamics
     ahead = balance.force(q, v)[0] / column.stiffness - q[0]
 
     def acceleration(time: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:

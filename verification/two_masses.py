@@ -15,8 +15,8 @@ import numpy as np
 from numba import njit
 
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.masses import pinion_inertia, rack_masses
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.gear_forces import following_inertia
 from rps_exudyn.solvers.steering_column import ColumnModel
 
 PER_PERIOD = 400  # steps in the period of the gear on its column
@@ -26,7 +26,7 @@ PER_CYCLE = 20000  # and in one of the hand
 def settled_work(gear: SteeringGear, friction: float, cycles: int = 16) -> float:
     """Return the work that friction [N m] takes over the last of so many cycles [J]."""
     test, column, gain = gear.test, ColumnModel.of(gear), float(GearPair.of(gear).gain)
-    pinion, rack = following_inertia(gear)
+    pinion, rack = pinion_inertia(gear), rack_masses(gear).mass
     inertia, period = pinion + rack * gain**2, 1 / test.steer_frequency
     per_cycle = max(PER_CYCLE, ceil(PER_PERIOD * period / (2 * np.pi * np.sqrt(inertia / column.stiffness))))
     spring = column.stiffness, column.damping, test.tyre_stiffness * gain**2

@@ -30,7 +30,7 @@ SEED = 33
 GEARS = 20  # in each scene by each law
 STEADY = "free-pinion-torque"
 SCENES = [scene for scene in SCENE_WEIGHTS if not scene_named(scene).at_rest]
-TOO_FAST = (Code.SWING_TOO_FAST,), (Code.TURN_TOO_FAST,)  # for equilibria: dynamics follow
+TOO_FAST = (Code.TURN_TOO_FAST,)  # for equilibria: dynamics follow
 DATA = "wide_gears.csv"
 COLUMNS = ("scene", "law", "number", "equilibria", "dynamics", "codes", "restarts", "seconds", "message")
 
@@ -54,7 +54,7 @@ def outcome_of(
             return found | {name: Status.INVALID.value, "message": str(error)}
         found |= {name: result.status.value, "message": result.message, "codes": " ".join(result.codes)}
         found |= {"restarts": result.counters.get("restarts", 0), "seconds": process_time() - start}
-        if result.status is not Status.OK and tuple(result.codes) not in TOO_FAST:
+        if result.status is not Status.OK and tuple(result.codes) != TOO_FAST:
             break
         done(found | {"dynamics": Status.TIMEOUT.value})
     return found

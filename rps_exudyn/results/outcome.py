@@ -75,7 +75,6 @@ class Code(StrEnum):
     STRIPS_NOT_CONFIRMED = "strips-not-confirmed", "the run with finer strips failed"
     RACK_NOT_SETTLED = "rack-not-settled", "the rack has not settled in roll"
     START_MATTERS = "start-matters", "the result depends on where the motion began"
-    SWING_TOO_FAST = "swing-too-fast", "equilibria leave out inertia, which matters in this swing"
     TURN_TOO_FAST = "turn-too-fast", "equilibria leave out inertia, which matters in this turn"
     SWING_NOT_SETTLED = "swing-not-settled", "the swing does not become periodic"
     CONTACT_DISAGREES = "contact-disagrees", "two evaluations of the contact forces differ"

@@ -31,6 +31,7 @@ from rps_exudyn.results.quantities import (
     SCATTERS,
     SPREADS,
     SUMMARY,
+    WANDERING,
     WITHOUT_FINER_STEPS,
     Quantity,
 )
@@ -38,7 +39,7 @@ from rps_exudyn.scenes.checks.needs_finer import coarse_strips, doubled_stations
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.remarks import few_stations, part_of_pitch, unresolved_peaks
-from rps_exudyn.scenes.run_maneuver import run_ever_longer, run_maneuver
+from rps_exudyn.scenes.run_maneuver import left_open, run_ever_longer, run_maneuver
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
@@ -61,7 +62,7 @@ FIRST_ORDER_SHRUNK, LEAST_SHRUNK = 0.5, 0.75  # a change over that before, by wh
 AGREED = 0.4  # of a metric's tolerance: where curves have kinks, as much again or more is left ...
 KINKED = 0.6  # ... and of one of a motion to and fro, or with impacts, whose steps are not halved once more
 SMALL_SCATTER = 0.1  # of a metric, beside which its scatter changes
-COMPARED = {Code.SWING_TOO_FAST, Code.TURN_TOO_FAST}  # limits that a finer run may exceed and still confirm
+COMPARED = {Code.TURN_TOO_FAST}  # limits that a finer run may exceed and still confirm
 FEW_INSTANTS = 20  # of a record, half of which are too few to show what all of them miss
 SLOW = 2 * np.pi * 20 / 60  # speed of the pinion up to which teeth that enter hardly shake the gear [rad/s]
 
@@ -451,6 +452,7 @@ CYCLES_BEFORE = {"equilibrium": (1, 4, 16, 48), "generalized-alpha": (1, 4)}
 CYCLES_UNDER_TORQUE = (2, 6, 14, 30, 62)  # ... and one that a torque drives ...
 TRIES_OF_INVALID = 1  # ... of which so many more are tried where a check fails
 SEEN_TO_DRIFT = 4  # tries that show how fast a swing settles
+OPEN = 0.05  # of its range, by which a motion beside the travel may end a cycle elsewhere than it began
 CLOSED = 0.01  # of the largest torque, by which a cycle may end elsewhere than it began ...
 IN_PLACE = 0.002  # ... and of the rack's travel: a drift this slow goes on for ten cycles and more
 VIBRATES = 50  # times its range that a torque goes up and down in a record: smoothly it goes 2 to 6 times
@@ -478,8 +480,21 @@ def run_swing(
 
     most, more = most_finer(fidelity, options), more_for_figure(fidelity, options)
     run = confirmed(run, metrics, made, figure, most=most, for_figure=more, always=True)
-    run = with_stations_enough(run, gear, fidelity)
+    run = with_cycle_closed(with_stations_enough(run, gear, fidelity), gear, maneuver)
     return _with_cause(run, fidelity, maneuver.drive.signal)
+
+
+def with_cycle_closed(run: SceneRun, gear: SteeringGear, maneuver: Maneuver) -> SceneRun:
+    """Return a swing of the rig without the metrics of motions that wander on from cycle to cycle."""
+    if not (run.ok and isinstance(maneuver.drive, Swing)):
+        return run
+    if (share := left_open(run.signals, gear)) <= OPEN:
+        return run
+    text = (
+        "the rack's motions beside its travel, the transmission error and the lost motion are omitted: such "
+        f"a motion ends the cycle {share:.0%} of its range from where it began (limit {OPEN:.0%})"
+    )
+    return run.noting(Remark(Code.METRIC_NOT_CONFIRMED, text)).without(WANDERING)
 
 
 def _with_cause(run: SceneRun, fidelity: Fidelity, signal: str) -> SceneRun:

@@ -10,7 +10,6 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager, nullcontext
 from dataclasses import replace
-from functools import partial
 from time import process_time
 from typing import TYPE_CHECKING
 
@@ -42,7 +41,7 @@ from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined, lost, outcome
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state, pushing_force, runout_harmonics
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
-from rps_exudyn.solvers.gear_forces import following_inertia, gear_forces
+from rps_exudyn.solvers.gear_forces import gear_forces, mass_matrix
 from rps_exudyn.solvers.prescribed_motion import Drive, SetOff, Steady, Swing
 from rps_exudyn.solvers.record import (
     COORDINATES,
@@ -70,10 +69,10 @@ SHORTEST_AT_TURNS = 1e-9  # ... where all friction turns about at once
 LEAST_FORCE = 10.0  # of which a tolerance is a fraction [N]
 STEADY = 2e-4  # of the force and of the rack's travel, over a period: what drifts less is settled ...
 RETURNED = 3e-3  # ... if each motion of the rack beside its travel returns, but for this part of its range
+LEAST_RANGE = 1e-7  # of such a motion, below which it is none [m]
 UNDER_TORQUE = 0.1  # of the tolerance where a torque is given, for what is left over would hold the gear
 UNEVEN = Swing, SetOff, WheelTorque  # drives under which friction turns about
 NOT_CURED_BY_STEPS = {
-    Code.SWING_TOO_FAST,
     Code.TURN_TOO_FAST,
     Code.BEYOND_LAW,
     Code.START_MATTERS,
@@ -127,10 +126,20 @@ def run_ever_longer(
     gear: SteeringGear, fidelity: Fidelity, options: RunOptions
 ) -> Iterator[Callable[[Maneuver], SceneRun]]:
     """Yield what makes one maneuver after the other, each of which begins as the one before: dynamics go on
-    where that one ended."""
-    dynamic = fidelity.solver == "generalized-alpha"
+    where that one ended, equilibria begin with the steps that it needed."""
+    dynamic, halvings = fidelity.solver == "generalized-alpha", 0
+
+    def made(maneuver: Maneuver) -> SceneRun:
+        nonlocal halvings
+        run = run_maneuver(gear, fidelity, maneuver, options.halved(halvings), solver)
+        if not (more := int(run.outcome.findings.get("halvings", 0))) and not halvings:
+            return run
+        halvings += more
+        findings = {**run.outcome.findings, "halvings": halvings}
+        return replace(run, outcome=replace(run.outcome, findings=findings))
+
     with closing(Integration()) if dynamic else nullcontext() as solver:
-        yield partial(run_maneuver, gear, fidelity, options=options, solver=solver)
+        yield made
 
 
 # --- dynamics --------------------------------------------------------------------------------------
@@ -318,8 +327,9 @@ def _along_equilibria(
     column = ColumnModel.of(gear) if drive.body == "wheel" else None
     turned = drive if column is None else replace(drive, body="pinion")
     pair, time = GearPair.of(gear), maneuver.time
-    inertia = (0.0, 0.0) if isinstance(drive, Steady) else following_inertia(gear)
-    balance = forces.statics.with_(inertia=inertia)
+    balance = forces.statics
+    if not isinstance(drive, Steady):
+        balance = balance.with_(masses=mass_matrix(gear, forces, np.zeros(balance.size)))
     closes = maneuver.closes and maneuver.approach is not None
     for approach in (None, maneuver.approach) if closes else (maneuver.approach,):
         start, interrupted = process_time(), False
@@ -370,15 +380,16 @@ def _drift(signals: Signals, driven: str) -> float:
 
 def _is_settled(signals: Signals, driven: str, gear: SteeringGear) -> bool:
     """Return whether a gear ends a record as it began it."""
-    return _drift(signals, driven) <= STEADY and _returns(signals, gear)
+    return _drift(signals, driven) <= STEADY and left_open(signals, gear) <= RETURNED
 
 
-def _returns(signals: Signals, gear: SteeringGear) -> bool:
-    """Return whether all motions of the rack beside its travel end a record where they began it, but for a
-    part of their ranges."""
+def left_open(signals: Signals, gear: SteeringGear) -> float:
+    """Return by which part of its range a motion of the rack beside its travel ends a record elsewhere than
+    it began, at most."""
     beside = [transmission_error(signals, float(GearPair.of(gear).gain))]
-    beside += [signals[name] for name in COORDINATES if name != "rack_displacement"]
-    return all(abs(float(each[-1] - each[0])) <= RETURNED * float(np.ptp(each)) for each in beside)
+    lengths = dict(zip(COORDINATES, CHARACTERISTIC_LENGTHS[2:], strict=True))
+    beside += [signals[name] * length for name, length in lengths.items() if name in signals]
+    return max(abs(float(each[-1] - each[0])) / max(float(np.ptp(each)), LEAST_RANGE) for each in beside)
 
 
 def _seen_from_wheel(record: Record, column: ColumnModel, drive: Drive, wheel: np.ndarray) -> Record:

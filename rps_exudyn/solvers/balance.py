@@ -13,6 +13,7 @@ from rps_exudyn.solvers.gear_model import WORK
 
 SIZE = 8  # coordinates of pinion, rack and plunger; modes of a flexible rack and the supports follow
 CHARACTERISTIC_LENGTHS = np.array([0.01, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 1.0])  # coordinates to lengths [m]
+NOTHING_ACCELERATED = np.zeros((0, 0))
 SUPPORT_LENGTHS = np.array([1.0, 1.0, 1.0, 0.01, 0.01])
 
 
@@ -33,7 +34,7 @@ class Balance:
         pool: numbers that the record points to.
         locked: coordinates that are held at zero.
         approach: of the rack under the preload at rest [m].
-        inertia: of what follows the drive: pinion [kg m^2] and rack [kg].
+        masses: of what is accelerated, mass matrix (n, n); (0, 0) in steady motion.
         outside: times (t,) -> generalised forces (t, n) that act besides.
         modes: of the rack's bending.
         supported: coordinates of a supported pinion under the preload at rest; none of a rigid one.
@@ -44,7 +45,7 @@ class Balance:
     pool: np.ndarray
     locked: tuple[int, ...] = ()
     approach: float = 0.0
-    inertia: tuple[float, float] = (0.0, 0.0)
+    masses: np.ndarray = field(default_factory=lambda: NOTHING_ACCELERATED)
     outside: Callable[[np.ndarray], np.ndarray] | None = None
     modes: int = 0
     supported: np.ndarray = field(default_factory=lambda: np.zeros(0))
@@ -99,7 +100,7 @@ class Balance:
         return total, tangent
 
     def with_(self, **changes: Any) -> "Balance":
-        """Return the same with other inertia or forces from outside."""
+        """Return the same with other masses or forces from outside."""
         return replace(self, **changes)
 
 

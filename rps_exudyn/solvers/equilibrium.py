@@ -1,14 +1,14 @@
 """Equilibrium of the gear while pinion, rack or steering wheel is moved, everything sliding.
 
 Unknowns are the coordinates of rack, plunger and pinion but for the one that the rig drives. The forces are
-those of the dynamic model (`gear_model`), and of inertia only what the drive prescribes: that of pinion and
-rack where they follow a drive that is not steady. The rates that friction needs are the path's own,
-by backward differences, so that this is the limit of slow dynamics and not a model of its own. At the first
-instant they are those of steady motion: rack and pinion move at the gear's gain, nothing else moves.
+those of the dynamic model (`gear_model`). The rates that friction needs are the path's own, by backward
+differences, so that this is the limit of slow dynamics and not a model of its own. At the first instant they
+are those of steady motion: rack and pinion move at the gear's gain, nothing else moves.
 
-Behind a steering column the pinion is free too; the wheel's coordinate follows, given or turned by a torque.
-No drive prescribes how these are accelerated: the inertia of pinion, rack and free wheel is that of the path,
-by backward differences of its rates.
+Steady motion is followed without inertia. Where the drive is not steady all masses are accelerated as the
+path is, by backward differences of its rates: in long steps what swings fast is damped, and slow motion is
+right. Behind a steering column the pinion is free, and the wheel's coordinate follows, given or turned by a
+torque.
 """
 
 from dataclasses import dataclass, field, replace
@@ -139,18 +139,6 @@ def starting_guess(pair: GearPair, angle: float, size: int = SIZE) -> np.ndarray
     return guess
 
 
-def inertia_forces(balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray) -> np.ndarray:
-    """Return the inertia forces on the coordinates, of a pinion and a rack that follow the drive, (t, n).
-
-    To first order both follow at the gear's gain: what their elastic deflection changes in that is left out.
-    """
-    turning = drive.acceleration(time) / travel_per_radian(drive.body, pair.gain)
-    forces = np.zeros((len(time), balance.size))
-    forces[:, PINION] = balance.inertia[0] * turning
-    forces[:, RACK] = -balance.inertia[1] * pair.gain * turning
-    return forces
-
-
 def rigid_motion(pair: GearPair, drive: Drive, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return about where rigid bodies would be at times [s], and their rates, shape (t, 8): gain and
     runout."""
@@ -243,7 +231,7 @@ class _Following:
     free: np.ndarray  # coordinates that are unknown
     lengths: np.ndarray  # of all coordinates
     column: np.ndarray  # of `follower.Column`
-    masses: np.ndarray  # of what is accelerated as the path is, one for each coordinate
+    masses: np.ndarray  # mass matrix of what is accelerated as the path is
     approach_path: EquilibriumPath | None  # path along the first instants
     found: int = 0  # instants
     counts: np.ndarray = field(
@@ -267,11 +255,12 @@ class _Following:
         """Begin with the guess for the first instant, or behind a path that leads along the first ones."""
         rows = _Rows.along(balance, pair, drive, time, column)
         free, lengths, numbers = balance.free(drive.coordinate), balance.lengths, NO_COLUMN
-        masses = np.zeros(rows.coordinates.shape[1])
+        masses = balance.masses.copy()
         if column is not None:
-            masses[[PINION, RACK, -1]] = *balance.inertia, column.inertia
             wheel = drive.wheel if isinstance(drive, BehindColumn) else drive
             tyre = wheel.tyre if isinstance(wheel, WheelTorque) else None
+            masses = np.pad(masses, (0, 1)) if masses.size else masses
+            masses[-1:, -1:] = 0.0 if tyre is None else column.inertia
             free = np.union1d(free, [PINION])
             free = np.append(free, balance.size) if tyre is not None else free
             lengths = np.append(lengths, WHEEL_LENGTH)
@@ -354,10 +343,10 @@ class _Following:
         def evaluate(q: np.ndarray, v: np.ndarray, factor_v: float) -> tuple[np.ndarray, np.ndarray]:
             forces, slopes = balance.force_and_tangent(q[:size], v[:size], 1.0, factor_v)
             forces += rows.applied[k, :size]
-            if not self.column[0]:
+            if not self.column[0] and not self.masses.size:
                 return forces, slopes
-            total, tangent = np.append(forces, 0.0), np.zeros((size + 1, size + 1))
-            tangent[:size, :size] = slopes
+            total, tangent = np.zeros(q.size), np.zeros((q.size, q.size))
+            total[:size], tangent[:size, :size] = forces, slopes
             acting = self.column, rows.hand[k], self.masses, before, rate_factor
             ready(add_column_to)(q, v, *acting, factor_v, total, tangent)
             return total, tangent
@@ -443,9 +432,9 @@ class _Following:
         size = balance.size
         forces = balance.force(rows.coordinates[k, :size], rows.rates[k, :size])
         rows.forces[k, :size] = forces + rows.applied[k, :size]
-        if self.column[0]:
+        if self.masses.size:
             before, factor = backward_difference(time[: k + 1], rows.rates[:k])
-            rows.forces[k, :size] -= (self.masses * (rows.rates[k] - before) * factor)[:size]
+            rows.forces[k, :size] -= (self.masses @ (rows.rates[k] - before) * factor)[:size]
         rows.outputs[k] = balance.works[0]["out"]
         if balance.has_bristles:
             rows.kept[k] = balance.memory
@@ -455,9 +444,11 @@ class _Following:
         """Return what was found."""
         left = self.unbalanced if self.whole else self.residual
         path = self.rows.path(self.found, self.counts, self.rescues, left, self.balance.size, self.column)
-        given = np.append(path.rates, path.wheel[:, 1:], axis=1)
-        free = np.isin(np.arange(given.shape[1]), self.free)
-        return replace(path, kinetic=0.5 * (given**2 * self.masses) @ free, jumps=self.jumps())
+        kinetic: np.ndarray | float = 0.0
+        if self.masses.size:
+            rates = np.append(path.rates, path.wheel[:, 1:], axis=1)
+            kinetic = 0.5 * np.einsum("ti,ij,tj->t", rates, self.masses, rates)
+        return replace(path, kinetic=kinetic, jumps=self.jumps())
 
 
 @dataclass
@@ -489,8 +480,6 @@ class _Rows:
         else:
             coordinates[:, -1], rates[:, -1] = -wheel.place(time), -wheel.rate(time)
             hand = np.asarray(wheel.torque(time)) if isinstance(wheel, WheelTorque) else hand
-        if column is None:
-            applied[:, : balance.size] = inertia_forces(balance, pair, drive, time)
         if balance.outside is not None:
             applied[:, : balance.size] += balance.outside(time)
         kept, outputs = np.zeros((t, 2, balance.kept)), np.zeros((t, OUTPUTS))

@@ -232,21 +232,31 @@ def add_column(q, v, column, hand, per_time, wanted, total, tangent):  # type: i
 
 
 @inline
+def inertia_force(i, masses, v, before, per_time):  # type: ignore[no-untyped-def]
+    """Return the force on coordinate i of masses accelerated from the rates: (v - before) per_time."""
+    force = 0.0
+    for j in range(v.size):
+        force -= masses[i, j] * (v[j] - before[j]) * per_time
+    return force
+
+
+@inline
 def add_inertia(v, masses, before, per_time, wanted, total, tangent):  # type: ignore[no-untyped-def]
-    """Add the forces of masses that are accelerated from the rates (v - before) per_time."""
+    """Add these forces to all coordinates."""
     for i in range(v.size):
-        if masses[i] != 0:
-            total[i] -= masses[i] * (v[i] - before[i]) * per_time
-            if wanted:
-                tangent[i, i] -= masses[i] * per_time * per_time
+        total[i] += inertia_force(i, masses, v, before, per_time)
+        if wanted:
+            for j in range(v.size):
+                tangent[i, j] -= masses[i, j] * per_time * per_time
 
 
-@kernel_of(VECTOR, VECTOR, VECTOR, NUMBER, VECTOR, VECTOR, NUMBER, NUMBER, VECTOR, MATRIX)
+@kernel_of(VECTOR, VECTOR, VECTOR, NUMBER, MATRIX, VECTOR, NUMBER, NUMBER, VECTOR, MATRIX)
 def add_column_to(  # type: ignore[no-untyped-def]
     q, v, column, hand, masses, before, per_time, factor_v, total, tangent
 ):
     """Add both to forces (n,) and their tangent (n, n), with the rates' derivative; for Python."""
-    add_column(q, v, column, hand, factor_v, True, total, tangent)
+    if column[0] != 0:
+        add_column(q, v, column, hand, factor_v, True, total, tangent)
     add_inertia(v, masses, before, per_time, factor_v != 0, total, tangent)
 
 
@@ -319,6 +329,7 @@ def evaluate(  # type: ignore[no-untyped-def]
         total[i] = (own_total[i] if i < own else 0.0) + applied[i]
     if n > own:
         add_column(q, v, column, hand, per_time, wanted, total, tangent)
+    if masses.size > 0:
         add_inertia(v, masses, before, per_time, wanted, total, tangent)
 
 
@@ -334,7 +345,7 @@ def evaluate(  # type: ignore[no-untyped-def]
     MATRIX,
     VECTOR,
     VECTOR,
-    VECTOR,
+    MATRIX,
     NUMBER,
     CUBE,
     CUBE,
@@ -387,7 +398,7 @@ def follow(  # type: ignore[no-untyped-def]
         applied: what acts besides and counts among the forces, (t, n).
         column: fields of `Column`; all 0 without one.
         hand: torque on the wheel (t,) [N m].
-        masses: behind a column, of what is accelerated as the path is: diagonal (n,) [kg or kg m^2]; else 0.
+        masses: of what is accelerated as the path is (n, n) [kg, kg m, kg m^2]; (0, 0) if nothing is.
         accept: residual [N] from which a step by the tangent is not evaluated.
         coordinates: (g, t, n), to be filled.
         rates: the same.
@@ -402,6 +413,7 @@ def follow(  # type: ignore[no-untyped-def]
             (g, 5), to be filled.
     """
     work, n, has_column = works[0], lengths.size, column[0] != 0
+    has_masses = masses.size > 0
     own = n - 1 if has_column else n  # coordinates of the gear
     m, memory, has_bristles = free.size, work.contact.memory, kept.shape[3] > 0
     found, system, pivots = np.zeros((time.size, n)), np.empty((m, m)), np.empty(m, np.int64)
@@ -421,7 +433,7 @@ def follow(  # type: ignore[no-untyped-def]
             put(coordinates[g, k], q)
             put(rates[g, k], v)
             per_time = differenced(k, time, found, base)
-            if has_column:
+            if has_masses:
                 differenced(k, time, rates[g], before)
             if k > 0:
                 extrapolated(k, per_pitch, time, found, d)
@@ -570,8 +582,8 @@ def follow(  # type: ignore[no-untyped-def]
             put(v, rates[g, k])
             for i in range(own):
                 forces[g, k, i] = own_total[i] + applied[k, i]
-                if masses[i] != 0:
-                    forces[g, k, i] -= masses[i] * (v[i] - before[i]) * per_time
+                if has_masses:
+                    forces[g, k, i] += inertia_force(i, masses, v, before, per_time)
             for i in range(OUTPUTS):
                 outputs[g, k, i] = work.out[i]
         counts[g, 0], counts[g, 1], counts[g, 2] = evaluations, iterations, tangents

@@ -13,16 +13,17 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces import external_load, pinion_support, sliding_fit, yoke
 from rps_exudyn.forces.bearing import bearing_record
 from rps_exudyn.forces.bush import Chain, bush_chain
-from rps_exudyn.forces.force_element import RACK, Part
+from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, RACK, Part
 from rps_exudyn.forces.friction import PLAIN, Patches
+from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.masses import pinion_inertia, rack_masses
+from rps_exudyn.gears.masses import pinion_inertia, pinion_on_supports, rack_masses
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS, check_friction_laws
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.retired import choice_instead
-from rps_exudyn.solvers.balance import Balance, new_work
+from rps_exudyn.solvers.balance import SIZE, Balance, new_work
 from rps_exudyn.solvers.bent_rack import ALONG_BAR, ON_BAR, BentBar, bent_bar
 from rps_exudyn.solvers.gear_model import GEAR, LAWS, outputs_along, parts_of
 from rps_exudyn.solvers.settling import static_approach
@@ -258,9 +259,22 @@ class ModelledMesh:
     spheres: SampledContactData | None = None
 
 
-def following_inertia(gear: SteeringGear) -> tuple[float, float]:
-    """Return what follows the drive: the pinion's moment of inertia [kg m^2] and the rack's mass [kg]."""
-    return pinion_inertia(gear), rack_masses(gear).mass
+def mass_matrix(gear: SteeringGear, forces: GearForces, place: np.ndarray) -> np.ndarray:
+    """Return the mass matrix of pinion, rack, plunger, modes and supports at a place (n,), shape (n, n)."""
+    mass = np.eye(place.size)
+    mass[0, 0], bar = pinion_inertia(gear), rack_masses(gear)
+    angles = place[COORDINATE_BLOCKS["rack"]][3:]
+    turn, spin = rotation_matrix(angles), spin_map(angles)
+    x, y, z = turn @ bar.centre_of_mass
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    about_point = turn @ bar.inertia @ turn.T - bar.mass * cross @ cross
+    beside = -bar.mass * cross @ spin
+    rack = COORDINATE_BLOCKS["rack"]
+    mass[rack, rack] = np.block([[bar.mass * np.eye(3), beside], [beside.T, spin.T @ about_point @ spin]])
+    mass[SIZE - 1, SIZE - 1] = gear.yoke.plunger_mass
+    if held := len(forces.supported):
+        mass[-held:, -held:] = pinion_on_supports(gear)
+    return mass
 
 
 def load_at_end(gear: SteeringGear, rack_load: float) -> np.record:

@@ -23,6 +23,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.balance import NOTHING_ACCELERATED
 from rps_exudyn.solvers.closed_form import GRAVITY
 from rps_exudyn.solvers.follower import ACCEPT, NO_COLUMN, follow
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
@@ -362,7 +363,7 @@ class GearSeries:
             np.zeros((k, m)),
             NO_COLUMN,
             np.zeros(k),
-            np.zeros(m),
+            NOTHING_ACCELERATED,
             ACCEPT,
             coordinates,
             speeds,

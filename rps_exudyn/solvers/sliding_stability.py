@@ -13,18 +13,16 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 
 from rps_exudyn.analysis.friction_oscillator import Oscillator, Rubbing
-from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
 from rps_exudyn.forces.friction import ELEMENT_TRAVELS
-from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.masses import pinion_on_supports, rack_masses
+from rps_exudyn.gears.masses import pinion_inertia, rack_masses
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS, FrictionLaw
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.balance import SIZE, slopes, state_matrix
+from rps_exudyn.solvers.balance import slopes, state_matrix
 from rps_exudyn.solvers.closed_form import closed_form
-from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
+from rps_exudyn.solvers.gear_forces import gear_forces, mass_matrix
 from rps_exudyn.solvers.prescribed_motion import Steady
 from rps_exudyn.solvers.settled_start import SteadyApproach, settled_path
 from rps_exudyn.solvers.steering_column import ColumnModel
@@ -119,7 +117,7 @@ class SlidingVibration:
         by_place, by_rate = slopes(forces.dynamics, path.coordinates[after], path.rates[after])
         by_place[:, 0, 0] -= model.stiffness
         free = np.array([i for i in range(by_place.shape[1]) if i not in forces.locked])
-        mass, at = masses(gear, forces, path.coordinates[-1]), np.ix_(free, free)
+        mass, at = mass_matrix(gear, forces, path.coordinates[-1]), np.ix_(free, free)
         by_place, by_rate = (np.array([each[at] for each in every]) for every in (by_place, by_rate))
         averaged = PERIODS * 2 * np.pi / model.frequency / max(time[1], 1e-300)
         return cls(mass[at], by_place, by_rate, int(np.clip(np.ceil(averaged), 1, INSTANTS)))
@@ -153,24 +151,6 @@ class SlidingVibration:
         return np.asarray((sums[self.averaged :] - sums[: -self.averaged]) / self.averaged).ravel()
 
 
-def masses(gear: SteeringGear, forces: GearForces, place: np.ndarray) -> np.ndarray:
-    """Return the mass matrix of pinion, rack, plunger, modes and supports at a place (n,), shape (n, n)."""
-    mass = np.eye(place.size)
-    mass[0, 0], bar = following_inertia(gear)[0], rack_masses(gear)
-    angles = place[COORDINATE_BLOCKS["rack"]][3:]
-    turn, spin = rotation_matrix(angles), spin_map(angles)
-    x, y, z = turn @ bar.centre_of_mass
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    about_point = turn @ bar.inertia @ turn.T - bar.mass * cross @ cross
-    beside = -bar.mass * cross @ spin
-    rack = COORDINATE_BLOCKS["rack"]
-    mass[rack, rack] = np.block([[bar.mass * np.eye(3), beside], [beside.T, spin.T @ about_point @ spin]])
-    mass[SIZE - 1, SIZE - 1] = gear.yoke.plunger_mass
-    if held := len(forces.supported):
-        mass[-held:, -held:] = pinion_on_supports(gear)
-    return mass
-
-
 def _condensed(fidelity: Fidelity) -> Fidelity:
     """The same with a bush that has no coordinates of its own, and teeth whose contact is smooth."""
     condensed = fidelity.with_condensed_chain()
@@ -187,7 +167,7 @@ LEVERS = 5  # Gauss points along the path of contact
 
 def reduced_gear(gear: SteeringGear) -> Oscillator:
     """Return the reduced model of a gear and its column; parts by law coulomb are no larger at rest."""
-    gain, (pinion, rack) = float(GearPair.of(gear).gain), following_inertia(gear)
+    gain, pinion, rack = float(GearPair.of(gear).gain), pinion_inertia(gear), rack_masses(gear).mass
     parts = tuple(_part(law, torque, lever) for law, torque, lever in _parts(gear))
     column = ColumnModel.of(gear)
     return Oscillator(pinion + rack * gain**2, column.stiffness, column.damping, parts)

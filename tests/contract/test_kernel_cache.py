@@ -182,7 +182,7 @@ from rps_exudyn.solvers.follower import add_column_to
 
 column = np.array([1.0, 100.0, 0.2, 0.5, 0.3, 0.0, 0.0])
 total, tangent = np.zeros(9), np.zeros((9, 9))
-masses, before = np.linspace(0, 0.1, 9), np.zeros(9)
+masses, before = np.diag(np.linspace(0, 0.1, 9)), np.zeros(9)
 at = np.linspace(0, 1, 9), np.linspace(1, 0, 9), column, 4.0, masses, before
 ready(add_column_to)(*at, 10.0, 1.0, total, tangent)
 print((total.tobytes() + tangent.tobytes()).hex())

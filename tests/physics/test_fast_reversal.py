@@ -1,4 +1,4 @@
-"""Equilibria carry the inertia that the drive prescribes, or say that the rest matters."""
+"""Equilibria of swings contain all inertia; those of turns are refused where it matters."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def test_equilibria_jump_as_dynamics_do(rpm: float, degrees: float) -> None:
 
 def test_a_heavy_pinion_is_accelerated_by_the_drive_alone() -> None:
     """The drive's torque is larger by J times the acceleration, and nothing else changes: the same place of
-    the rack (1 nm), the same work lost, and a balance that closes."""
+    the rack (1 nm), the same work lost, and a balance that closes; its steps are of second order (0.1 %)."""
     swing = {"test.speed": "30 rpm", "test.amplitude": "10 deg"}
     gears = [SteeringGear().replace(swing | settings) for settings in ({}, HEAVY)]
     model = Fidelity.preset("quasi-static")
@@ -47,18 +47,21 @@ def test_a_heavy_pinion_is_accelerated_by_the_drive_alone() -> None:
     amplitude, speed = np.deg2rad(10), np.pi
     angle = light["pinion_angle"] - gears[0].test.start_angle
     torque = -added * (speed / amplitude) ** 2 * angle
-    assert heavy["pinion_torque"] - light["pinion_torque"] == pytest.approx(torque, abs=1e-6)
-    assert np.abs(torque).max() > 0.05 * np.abs(light["pinion_torque"]).max()
+    largest = np.abs(torque).max()
+    assert heavy["pinion_torque"] - light["pinion_torque"] == pytest.approx(torque, abs=1e-3 * largest)
+    assert largest > 0.05 * np.abs(light["pinion_torque"]).max()
     assert heavy["rack_displacement"] == pytest.approx(light["rack_displacement"], abs=1e-9)
     assert abs(runs[1].summary["energy_residual"]) < 1e-3
 
 
 def test_the_racks_inertia_loads_the_teeth() -> None:
     """m a along the travel goes through the teeth: the difference of both flanks' forces changes by
-    m a / (cos alpha_n cos beta_r), to 2 %: friction on the teeth turns the force by up to 0.1 rad."""
+    m a / (cos alpha_n cos beta_r), to 3 %: friction on the teeth turns the force by up to 0.1 rad."""
     dense = {"rack.density": 7.85e5 / 20}
-    light, heavy = reversal("quasi-static", 60, 20), reversal("quasi-static", 60, 20, dense)
-    gears = [SteeringGear().replace(settings) for settings in ({}, dense)]
+    swing = {"test.speed": "60 rpm", "test.amplitude": "20 deg"}
+    gears = [SteeringGear().replace(swing | settings) for settings in ({}, dense)]
+    model = Fidelity.preset("quasi-static")
+    light, heavy = (run_scene("reversal", gear, model, STEPS_AS_GIVEN).signals for gear in gears)
     added = np.subtract(*(rack_masses(gear).mass for gear in reversed(gears)))
     pair = GearPair.of(gears[0])
     middle = gears[0].test.start_angle
@@ -66,15 +69,19 @@ def test_the_racks_inertia_loads_the_teeth() -> None:
     more = [run["mesh_normal_force_drive"] - run["mesh_normal_force_coast"] for run in (light, heavy)]
     force = added * pair.gain * turning / (np.cos(pair.alpha_n) * np.cos(pair.beta_r))
     slope = float((more[1] - more[0]) @ force / (force @ force))
-    assert slope == pytest.approx(1.0, abs=0.02)
+    assert slope == pytest.approx(1.0, abs=0.03)
 
 
-@pytest.mark.parametrize(("rpm", "degrees"), [(300, 5), (150, 5)])
-def test_a_swing_that_shakes_the_rack_is_refused(rpm: float, degrees: float) -> None:
-    """Dynamics differ by 21 and 7 % of the torque, RMS."""
-    run = reversal("quasi-static", rpm, degrees)
-    assert run.status is Status.INVALID
-    assert "too fast for equilibria" in run.message
+@pytest.mark.parametrize("rpm", [150, 600])
+def test_equilibria_follow_a_swing_that_shakes_the_rack(rpm: float) -> None:
+    """All metrics are those of dynamics within 1 %. Without the inertia of rolling and tilting the torque of
+    the slower swing is 7 % off, RMS."""
+    still, moving = (reversal(model, rpm, 5) for model in ("quasi-static", "flank"))
+    assert still.status is moving.status is Status.OK, still.message
+    compared = (still.summary.keys() & moving.summary.keys()) - {"energy_residual"}
+    assert {"hysteresis_area", "rack_gain", "yoke_force_max"} <= compared
+    for name in compared:
+        assert still.summary[name] == pytest.approx(moving.summary[name], rel=0.01), name
 
 
 def test_a_turn_that_shakes_the_rack_is_refused() -> None:

@@ -19,8 +19,6 @@ GEARS = json.loads((Path(__file__).parents[1] / "lost_gears.json").read_text())
     [
         # the bush's tangent lacked that the axis of a tilted bar swings with its roll
         ("a long rack that lies askew", Status.OK, None),
-        # sliding bristles pushed it to and fro by the friction in its bore
-        ("a plunger held in its bore", Status.INVALID, Code.SWING_TOO_FAST),
         # it had left its place before the last equilibrium
         ("a rack that rolls away", Status.CONTACT_LOST, Code.RACK_OUT_OF_MESH),
         # over the last steps a part moves a hundred times as fast as the rack

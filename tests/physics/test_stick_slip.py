@@ -19,10 +19,9 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.stick_slip import predictions
-from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.solvers.gear_forces import gear_forces, mass_matrix
 from rps_exudyn.solvers.prescribed_motion import Steady
 from rps_exudyn.solvers.sliding_stability import (
-    masses,
     one_inertia_damping,
     reduced_gear,
     sliding_damping,
@@ -248,7 +247,7 @@ def test_masses_of_the_linearised_gear_are_those_of_its_exudyn_system() -> None:
     """All entries to 1e-9 of the largest of their rows and columns."""
     forces = gear_forces(STEEL, Fidelity.preset("flank"))
     motion = FreeMotion.of(STEEL, Fidelity.preset("flank"), Steady("pinion", 0.0, 0.0))
-    found = masses(STEEL, forces, motion.place)
+    found = mass_matrix(STEEL, forces, motion.place)
     size = np.sqrt(np.outer(np.diag(motion.mass), np.diag(motion.mass)))
     assert np.abs((found - motion.mass) / size).max() < 1e-9
 

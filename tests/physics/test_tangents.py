@@ -215,11 +215,12 @@ def test_tangent_of_the_loads_on_the_seat() -> None:
 @pytest.mark.parametrize("bend", [0.0, 0.5])
 def test_tangent_of_column_and_tyres_is_their_derivative(bend: float) -> None:
     """Torques on pinion and wheel, through a universal joint too, the tyres' force on the rack, and the
-    inertia of pinion, rack and wheel along the path."""
+    inertia of all masses along the path, where some are coupled."""
     column = np.array([1.0, 80.0, 0.05, bend, 0.3, 2e5, 1e-4])
-    q, v, masses, before, per_time = (*np.zeros((4, 9)), 200.0)
+    q, v, before, masses, per_time = (*np.zeros((3, 9)), np.zeros((9, 9)), 200.0)
     q[[0, 1, 8]], v[[0, 1, 8]] = (-0.71, 4e-3, -0.7), (-1.5, 8e-3, -1.4)
-    masses[[0, 1, 8]], before[[0, 1, 8]] = (4e-5, 2.5, 0.035), (-1.3, 7e-3, -1.45)
+    masses[[0, 1, 8], [0, 1, 8]], before[[0, 1, 8]] = (4e-5, 2.5, 0.035), (-1.3, 7e-3, -1.45)
+    masses[[1, 5], [5, 1]] = 0.02
 
     def at(q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         total, tangent = np.zeros(9), np.zeros((9, 9))

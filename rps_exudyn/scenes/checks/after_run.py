@@ -90,7 +90,6 @@ def _of_a_whole_record(
         *([] if friction_zone is None or record.settled else [settled(signals, gear)]),
         start_settled(record.start, signals, gear),
         *([] if friction_zone is None or not equilibria else [rolling_followed(signals, gear)]),
-        *([swing_slow(record, signals, gear)] if equilibria and friction_zone is None else []),
         *([turn_slow(record, signals, gear)] if equilibria and friction_zone is not None else []),
         contact_agreed(contact_disagreement(record)),
         spheres_enough(record, _on_an_edge(gear, signals)),
@@ -378,15 +377,9 @@ def least_work(signals: dict[str, np.ndarray]) -> float:
     return MISSED_TORQUE * float(np.abs(np.diff(signals["pinion_angle"])).sum()) + ROUNDING
 
 
-# --- The inertia that equilibria leave out: of how the rack moves besides following the drive
+# --- The inertia that equilibria leave out in steady motion: of how the rack moves besides its travel
 #
-# Where a swing turns about, friction lets go and the rack rolls, tilts and shifts to its other side.
-# Equilibria do that without inertia. In a slow swing it matters little; in a fast one the rack swings on its
-# guides, which only dynamics follow. In steady motion runout and errors move a rack all the time; what its
-# inertia presses on the yoke works like preload.
-
-FREE_BOUND = 1.5e-3
-"""Of the teeth's mean normal force, RMS over a swing: of random plans the first that is wrong has 2.6e-3."""
+# Runout and errors move a rack all the time; what its inertia presses on the yoke works like preload.
 
 FREE_OF_YOKE = 0.02
 """Of the yoke's force in steady motion, most of the time, for jumps of a rack that turns over are short.
@@ -410,21 +403,6 @@ def free_inertia(record: Record, gear: SteeringGear) -> np.ndarray:
     even = np.linspace(record.time[0], record.time[-1], steps + 1)
     rates = np.column_stack([np.interp(even, record.time, each) for each in record.of_rates("rack")[:, 1:].T])
     return np.asarray(masses * np.gradient(rates, even, axis=0))
-
-
-def swing_slow(record: Record, signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
-    """Check that equilibria along a drive that is not steady miss little of the rack's inertia."""
-    if "mesh_normal_force" not in signals:
-        return
-    largest = float(np.sqrt(np.mean(free_inertia(record, gear) ** 2, axis=0)).max())
-    share = largest / max(float(np.mean(signals["mesh_normal_force"])), 1e-9)
-    if share > FREE_BOUND:
-        yield (
-            Status.INVALID,
-            Code.SWING_TOO_FAST,
-            f"the swing is too fast for equilibria: at the reversals the inertia of rolling and tilting is "
-            f"{share:.2%} of the teeth's force (limit {FREE_BOUND:.2%}); choose generalized-alpha",
-        )
 
 
 def turn_slow(record: Record, signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
