@@ -89,8 +89,8 @@ def _check_short(duration: float, limit: float) -> None:
         raise ArithmeticError(f"the test is longer than {limit:g} s")
 
 
-def rattling(swing_steps: int) -> Make:
-    """Method: a road's force in so many steps per swing of the plunger; it must hit, the test be short."""
+def rattling(swing_steps: int, halvings: int) -> Make:
+    """Method: a road's force in steps per swing halved so often, with the zone; it must hit, and be short."""
     fine = SHAKEN.replace({"swing_steps": swing_steps})
 
     def limited(scene: str, gear: SteeringGear) -> Made:
@@ -98,7 +98,7 @@ def rattling(swing_steps: int) -> Make:
         _check_short((test.road_cycles + 1) * test.road_phases / test.road_frequency, LONGEST_RATTLE)
         if not run_scene(scene, gear, COARSE, STEPS_AS_GIVEN).summary.get("rattle_impacts_per_cycle"):
             raise ArithmeticError("nothing hits: the plunger does not reach the yokenut, or never leaves it")
-        return run_scene(scene, gear, fine, STEPS_AS_GIVEN), fine
+        return run_scene(scene, gear, fine, replace(STEPS_AS_GIVEN, halvings=halvings)), fine
 
     return limited
 
@@ -141,7 +141,7 @@ HIT: dict[str, Make] = {"a third of the step": struck(3), "half the step": struc
 
 LONGEST_RATTLE = 90e-3  # of all cycles and phases of a road's force that is measured [s]
 COARSE = Fidelity.preset("flank").replace({"swing_steps": 8})
-RATTLED: dict[str, Make] = {"63 steps per swing": rattling(63), "44 steps per swing": rattling(44)}
+RATTLED: dict[str, Make] = {"64 steps per swing": rattling(16, 2), "44 steps per swing": rattling(22, 1)}
 
 # --- at rest -----------------------------------------------------------------------------------------
 STILL: list[Setting] = [
@@ -167,10 +167,10 @@ SCENES: dict[str, Measured] = {
         STRUCK,
         RATTLED,
         {
-            "rattle_force_rms": 0.03,
-            "rattle_impulse_per_cycle": 0.03,
-            "rattle_acceleration_rms": 0.05,
-            "rattle_energy_per_cycle": 0.3,
+            "rattle_force_rms": 0.3,
+            "rattle_impulse_per_cycle": 0.3,
+            "rattle_acceleration_rms": 0.3,
+            "rattle_energy_per_cycle": 0.5,
         },
         signal=False,
         gears=408,
