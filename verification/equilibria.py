@@ -17,7 +17,7 @@ from rps_exudyn.solvers.settled_start import settled_path
 
 
 def equilibria(gear: SteeringGear, forces: GearForces, maneuver: Maneuver) -> SceneRun:
-    """The maneuver with these forces, each instant at rest but for friction and prescribed inertia."""
+    """The maneuver with these forces, each instant at rest but for friction, and for inertia in a swing."""
     balance = forces.statics
     if not isinstance(maneuver.drive, Steady):
         balance = balance.with_(masses=mass_matrix(gear, forces, np.zeros(balance.size)))

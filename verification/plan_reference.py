@@ -119,7 +119,7 @@ def expected(plan: ScenePlan) -> Expected:
 def finer_metrics(plan: ScenePlan) -> dict[str, tuple[float, float]]:
     """Return each metric of the scene by finer quadrature and steps, and how far that can be doubted.
 
-    They are those of dynamics where these end well, for equilibria leave out what inertia does; else those of
+    They are those of dynamics where these end well, which equilibria do not judge themselves; else those of
     equilibria. Equilibria have no vibration, of which their user reads: how far their signals vary, and in
     steady motion their extremes, are judged by finer equilibria.
 

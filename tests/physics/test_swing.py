@@ -14,9 +14,10 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import WITHOUT_FINER_STEPS
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.maneuver import swing_maneuver
-from rps_exudyn.scenes.metric_confirmation import changes, unclosed
+from rps_exudyn.scenes.metric_confirmation import changes, unclosed, with_cycle_closed
 from rps_exudyn.scenes.run_maneuver import run_ever_longer, run_maneuver
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS
+from rps_exudyn.scenes.scene_run import Signals
 from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.closed_form import closed_form
 from verification.stability import ScenePlan
@@ -49,6 +50,40 @@ def test_a_gear_that_rolls_into_its_cycle_is_begun_earlier() -> None:
     plan = bad_cases()["reversal 971"].plan
     later = ScenePlan(plan.scene, plan.gear.replace({"test.cycles": 6}), plan.fidelity)
     assert plan.figure(made(plan)) == pytest.approx(plan.figure(made(later)), rel=2e-3)
+
+
+def test_a_swing_whose_small_motions_wander_on_is_printed_without_them() -> None:
+    """A drift of the roll by a tenth of its range over the cycle leaves out what small motions make."""
+    gear, maneuver = SteeringGear(), swing_maneuver(SteeringGear(), STILL.step_angle)
+    run = run_maneuver(gear, STILL, maneuver).described(
+        lambda _: dict.fromkeys(["lost_motion", "torque_jump"], 1.0)
+    )
+    assert with_cycle_closed(run, gear, maneuver) is run
+    roll = run.signals["rack_roll"]
+    drift = np.linspace(0.0, 0.1 * np.ptp(roll), roll.size)
+    found = with_cycle_closed(replace(run, signals=run.signals | {"rack_roll": roll + drift}), gear, maneuver)
+    assert found.ok
+    assert set(found.summary) == {"torque_jump"}
+    assert "from where it began" in found.outcome.message
+
+
+def test_a_longer_try_begins_with_the_steps_that_the_one_before_needed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A gear that asks for halves once: the second try makes no record in the steps that were too long."""
+    lengths: list[int] = []
+
+    def late(signals: Signals, gear: SteeringGear) -> bool:
+        lengths.append(signals["time"].size)
+        return lengths[-1] < 400
+
+    monkeypatch.setattr("rps_exudyn.scenes.run_maneuver.rolls_over_late", late)
+    gear, maneuver = SteeringGear(), swing_maneuver(SteeringGear(), STILL.step_angle)
+    with run_ever_longer(gear, STILL, DEFAULT_OPTIONS) as made:
+        first, second = made(maneuver), made(maneuver)
+    assert lengths == [257, 513, 513]
+    assert first.outcome.findings["halvings"] == second.outcome.findings["halvings"] == 1
+    assert second.signals["pinion_torque"] == pytest.approx(first.signals["pinion_torque"])
 
 
 def test_an_ordinary_swing_by_enough_stations_is_made_once_in_the_steps_asked_for() -> None:
