@@ -48,7 +48,7 @@ CHANGES: dict[str, Settings] = {
     "seat: clearance of 50 um": {"yoke.seat_clearance": "50 um"},
     "seat: gothic arch, 50 um": {"yoke.seat_form": "gothic", "yoke.seat_clearance": "50 um"},
     "seat: damping time 5 us": {"yoke.seat_damping": "5 us"},
-    "inertia: none (equilibria)": {"fidelity.solver": "equilibrium"},
+    "equilibria instead of dynamics": {"fidelity.solver": "equilibrium"},
     "inertia: pinion twice as heavy": {"pinion.density": 2 * GEAR.pinion.density},
     "teeth: bending together": {"mesh.law": "teeth"},
     "teeth: load per length of line": {"mesh.law": "line"},
