@@ -23,6 +23,8 @@ from rps_exudyn.base.files import write_json
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Status
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.law_by_scene import with_law
 from rps_exudyn.simulate.by_accuracy import choose, known_scenes
 from rps_exudyn.simulate.run import simulate
 from verification.limited import cpu_limit
@@ -49,7 +51,7 @@ def run(
     rows: dict[str, list[dict[str, Any]]] = begun(keep)
     for scene, measured in scenes.items():
         known = rows.setdefault(scene, [])
-        while len(known) < most and not _enough(known, judged):
+        while len(known) < most and min(len(_promised(known, at)) for at in range(len(WANTED))) < judged:
             gear = gears_under_tests(SEED, scene, len(known) + 1)[-1]
             known.append(checked(scene, gear, measured))
             print(scene, len(known), [each["verdict"] for each in known[-1]["by"]], flush=True)
@@ -63,12 +65,9 @@ def _promised(rows: Sequence[Mapping[str, Any]], at: int) -> list[Mapping[str, A
     return [row["by"][at] for row in rows if row["by"][at]["verdict"] in ("kept", "missed")]
 
 
-def _enough(rows: Sequence[Mapping[str, Any]], judged: int) -> bool:
-    return all(len(_promised(rows, at)) >= judged for at in range(len(WANTED)))
-
-
 def checked(scene: str, gear: SteeringGear, measured: Measured) -> dict[str, Any]:
     """What the promises were on one gear."""
+    gear = with_law(gear, Fidelity.preset("flank"), scene_named(scene).law)  # as the run takes it
     allowed = measured.allowed(scene)
     everything = dict.fromkeys(allowed, np.inf)
     try:
