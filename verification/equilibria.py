@@ -2,15 +2,13 @@
 
 from time import process_time
 
-import numpy as np
-
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.checks.after_run import validated
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.solvers.gear_forces import GearForces, mass_matrix
+from rps_exudyn.solvers.gear_forces import GearForces, accelerated
 from rps_exudyn.solvers.prescribed_motion import Steady
 from rps_exudyn.solvers.record import record_of_path, signals_of
 from rps_exudyn.solvers.settled_start import settled_path
@@ -18,9 +16,7 @@ from rps_exudyn.solvers.settled_start import settled_path
 
 def equilibria(gear: SteeringGear, forces: GearForces, maneuver: Maneuver) -> SceneRun:
     """The maneuver with these forces, each instant at rest but for friction, and for inertia in a swing."""
-    balance = forces.statics
-    if not isinstance(maneuver.drive, Steady):
-        balance = balance.with_(masses=mass_matrix(gear, forces, np.zeros(balance.size)))
+    balance = forces.statics if isinstance(maneuver.drive, Steady) else accelerated(gear, forces)
     start = process_time()
     path = settled_path(
         balance,

@@ -33,7 +33,7 @@ from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.balance import eigenvalues
 from rps_exudyn.solvers.closed_form import GRAVITY
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
-from rps_exudyn.solvers.gear_forces import GearForces, gear_forces, mass_matrix
+from rps_exudyn.solvers.gear_forces import GearForces, accelerated, gear_forces
 from rps_exudyn.solvers.prescribed_motion import Drive, Steady, Swing
 from verification.approach_paths import (
     Pass,
@@ -267,8 +267,7 @@ def curve(plan: ScenePlan) -> Curve:
         swing = _swing(plan)
         time = np.linspace(-swing.period, swing.period, 2 * CURVE_PER_CYCLE + 1)
         forces = reference_forces(plan)
-        masses = mass_matrix(plan.gear, forces, np.zeros(forces.statics.size))
-        path = equilibria_at(plan.gear, forces, swing, time, masses)
+        path = equilibria_at(plan.gear, forces, swing, time, accelerated(plan.gear, forces).masses)
         kept = time >= 0
         return Curve(time[kept], -swing.sign * path.forces[kept, swing.coordinate])
     test = plan.gear.test

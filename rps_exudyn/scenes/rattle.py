@@ -31,9 +31,7 @@ from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.prescribed_motion import Steady
 
 ZONE = 0.02  # of friction, halved with the steps: by creep in it figures are up to 0.5 % off, in 0.1 2.7 %
-STEPS_PER_SWING = (
-    8  # of the plunger between seat and yokenut, the fastest motion: figures to 1 %, speed to 2 %
-)
+STEPS_PER_SWING = 8  # of the plunger between seat and yokenut, its fastest motion: figures to 1 %, speed 2 %
 STEPS_PER_BAND = 20  # of the fastest vibration in the band of the acceleration
 KEPT = 4  # of so many instants one stays in the result, whose figures come from all of them
 GROWING = "growing-sine"

@@ -41,7 +41,7 @@ from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined, lost, outcome
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state, pushing_force, runout_harmonics
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
-from rps_exudyn.solvers.gear_forces import gear_forces, mass_matrix
+from rps_exudyn.solvers.gear_forces import accelerated, gear_forces
 from rps_exudyn.solvers.prescribed_motion import Drive, SetOff, Steady, Swing
 from rps_exudyn.solvers.record import (
     COORDINATES,
@@ -327,9 +327,7 @@ def _along_equilibria(
     column = ColumnModel.of(gear) if drive.body == "wheel" else None
     turned = drive if column is None else replace(drive, body="pinion")
     pair, time = GearPair.of(gear), maneuver.time
-    balance = forces.statics
-    if not isinstance(drive, Steady):
-        balance = balance.with_(masses=mass_matrix(gear, forces, np.zeros(balance.size)))
+    balance = forces.statics if isinstance(drive, Steady) else accelerated(gear, forces)
     closes = maneuver.closes and maneuver.approach is not None
     for approach in (None, maneuver.approach) if closes else (maneuver.approach,):
         start, interrupted = process_time(), False

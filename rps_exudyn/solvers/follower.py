@@ -257,7 +257,8 @@ def add_column_to(  # type: ignore[no-untyped-def]
     """Add both to forces (n,) and their tangent (n, n), with the rates' derivative; for Python."""
     if column[0] != 0:
         add_column(q, v, column, hand, factor_v, True, total, tangent)
-    add_inertia(v, masses, before, per_time, factor_v != 0, total, tangent)
+    if masses.size > 0:
+        add_inertia(v, masses, before, per_time, factor_v != 0, total, tangent)
 
 
 # --- the follower ----------------------------------------------------------------------------------

@@ -277,6 +277,11 @@ def mass_matrix(gear: SteeringGear, forces: GearForces, place: np.ndarray) -> np
     return mass
 
 
+def accelerated(gear: SteeringGear, forces: GearForces) -> Balance:
+    """Return the balance of forces in which all masses are accelerated, as at the middle of the travel."""
+    return forces.statics.with_(masses=mass_matrix(gear, forces, np.zeros(forces.statics.size)))
+
+
 def load_at_end(gear: SteeringGear, rack_load: float) -> np.record:
     """Return the load [N] along -X and the side force at the rack's end beside the pinion."""
     rack = gear.rack

@@ -212,6 +212,19 @@ def test_tangent_of_the_loads_on_the_seat() -> None:
     assert np.abs((found - expected) / scale).max() < 0.01 * np.abs(expected / scale).max()
 
 
+def test_a_column_without_masses_is_one_whose_masses_are_zero() -> None:
+    """In steady motion there is no mass matrix: nothing is read from it."""
+    column, rng = np.array([1.0, 80.0, 0.05, 0.5, 0.3, 2e5, 1e-4]), np.random.default_rng(5)
+    q, v, before = rng.normal(size=(3, 9))
+    found = []
+    for masses in (np.zeros((0, 0)), np.zeros((9, 9))):
+        total, tangent = np.zeros(9), np.zeros((9, 9))
+        ready(add_column_to)(q, v, column, 0.4, masses, before, 200.0, 200.0, total, tangent)
+        found.append((total, tangent))
+    for empty, zero in zip(*found, strict=True):
+        assert (empty == zero).all()
+
+
 @pytest.mark.parametrize("bend", [0.0, 0.5])
 def test_tangent_of_column_and_tyres_is_their_derivative(bend: float) -> None:
     """Torques on pinion and wheel, through a universal joint too, the tyres' force on the rack, and the
