@@ -96,7 +96,7 @@ def run_and_confirm(
     def made(halvings: int) -> SceneRun:
         model = fidelity
         if not steady:
-            model = with_finer_friction(fidelity, halvings)
+            model = with_finer_friction(fidelity, halvings - halved(run))
         elif coarse:
             model = doubled_stations(fidelity, halvings)
         return run_maneuver(gear, model, maneuvers, options.halved(halvings))
@@ -135,6 +135,11 @@ def with_finer_friction(fidelity: Fidelity, halvings: int) -> Fidelity:
     doubled."""
     zone = max(fidelity.zone_ratio / 2**halvings, min(fidelity.zone_ratio, NARROW_ZONE))
     return doubled_stations(fidelity, halvings).replace({"zone_ratio": zone})
+
+
+def halved(run: SceneRun) -> int:
+    """Return how often a run halved its steps by itself: its friction is that of the steps asked for."""
+    return int(run.outcome.findings.get("halvings", 0))
 
 
 def most_finer(fidelity: Fidelity, options: RunOptions) -> int:
@@ -296,7 +301,7 @@ def confirmed(
     described = run.described(metrics)
     if not (run.ok and run.signals and most):
         return described
-    begun = int(run.outcome.findings.get("halvings", 0))
+    begun = halved(run)
 
     @cache
     def between(each: SceneRun) -> dict[str, float]:
@@ -475,7 +480,9 @@ def run_swing(
 
     def made(halvings: int) -> SceneRun:
         earlier = settled.begun_earlier(1) if halvings else settled
-        model = with_finer_friction(fidelity, halvings)
+        stations = run.outcome.findings.get("strip_stations", fidelity.strip_stations)
+        taken = fidelity.replace({"strip_stations": int(stations)})
+        model = with_finer_friction(taken, halvings - halved(run))
         return run_maneuver(gear, model, earlier, options.halved(halvings))
 
     most, more = most_finer(fidelity, options), more_for_figure(fidelity, options)

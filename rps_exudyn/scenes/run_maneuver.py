@@ -30,6 +30,7 @@ from rps_exudyn.scenes.checks.needs_finer import (
     bends_more,
     finer_strips,
     needs_finer,
+    rolls_late_by,
     rolls_over_late,
     strips_change,
     yoke_stops,
@@ -86,6 +87,7 @@ JUMPS = (
 )
 JUMPS_UNDER_TORQUE = f"; under a given torque the gear jumps where friction falls; {FOLLOWS}"
 HALVINGS_FOR_TOLERANCE = 4  # more than a record asks for by itself: kinks are never resolved
+SHRINKS = 0.8  # of what the steps miss of the rolling, half of them miss less than this
 CLOSED = 1e-3  # of the drive's force: how much all periods may drift for one to stand for all
 
 
@@ -242,20 +244,34 @@ def by_equilibrium(
     """Go from equilibrium to equilibrium; a curve that repeats is followed over one period only.
 
     It repeats if all periods together drift by little: under its weight a rack tilts more the farther it is
-    out. Steps that are too long for what the record shows are halved. Where the yoke is at its nut, forces
+    out. Steps that are too long for what the record shows are halved; not where half of them miss no less of
+    how the rack rolls over in a swing, for it vibrates then, which longer steps damp. Where the yoke is at its nut, forces
     depend on a few micrometres: shorter steps lead to the start, and finer strips confirm teeth that bend.
     """
     if maneuver.pulse is not None:
         raise InputError("fidelity.solver is equilibrium, which has no pulses: choose generalized-alpha.")
     period, tolerance = maneuver.one_period(), fidelity.torque_tolerance
     most = options.least_steps.halvings + (HALVINGS_FOR_TOLERANCE if tolerance else 0)
+    late: list[float] = []  # of each run, by how much its steps miss the rack's rolling
+
+    def asks(run: SceneRun) -> bool:
+        if not _is_coarse(run, gear, maneuver, tolerance):
+            return False
+        late.append(rolls_late_by(run.signals, gear))
+        return not vibrates()
+
+    def vibrates() -> bool:  # half the steps show more of it
+        return isinstance(maneuver.drive, Swing) and len(late) > 1 and late[-1] > SHRINKS * late[-2]
+
     refined = refine(
         _along_equilibria(gear, fidelity, period, options),
         lambda _, times: _along_equilibria(gear, fidelity, period.halved(times), options),
         max(most - options.halvings, 0),  # a confirming run has been halved already
-        asks=lambda run: _is_coarse(run, gear, maneuver, tolerance),
+        asks=asks,
     )
     run, halved = refined.finest, refined.times
+    if vibrates():
+        run, halved = refined.runs[-2], halved - 1
     findings: dict[str, int] = {"halvings": halved} if halved else {}
     if run.ok and options.least_steps.halvings and yoke_stops(run.signals):
         if maneuver.is_steady:

@@ -7,7 +7,8 @@ of a tilted bar shifts across as it travels.
 
 Newton's method with the analytic tangent of all forces; a tangent serves until it converges slowly. A step
 is taken as far as it shortens the next one by the same tangent (the natural monotonicity test: P. Deuflhard,
-Newton Methods for Nonlinear Problems, 2011, section 3.3): stiff teeth let the residual grow on the way.
+Newton Methods for Nonlinear Problems, 2011, section 3.3): stiff teeth let the residual grow on the way. A
+quarter of it is taken anyway: where friction turns about, shorter steps stop before the corner for ever.
 
 Many gears save an evaluation: the step from a residual below `accept` is not evaluated where it should leave
 less than the tolerance, and the forces there are those of the tangent. It leaves ten times the tolerance at
@@ -39,7 +40,8 @@ from rps_exudyn.solvers.gear_model import GEAR_TYPE, LAW_POINTER, OUTPUTS, SEAT_
 from rps_exudyn.solvers.settling import TOLERANCE
 
 MAX_STEPS = 40
-SMALLEST_FRACTION = 1 / 32
+LEAST_DAMPED = 0.25  # of a step, which is taken even where it lengthens the next one
+SMALLEST_FRACTION = 1 / 32  # of one that leads to forces that are not finite
 FARTHEST_MOVE = 1e-4  # of one iteration [m]: the contact stays the same contact
 SLOW = 0.1  # a step that leaves more of the residual than this asks for a new tangent
 FIRST_STRETCH = 1e-9  # of a creeping gear's first step [m/N]
@@ -103,7 +105,7 @@ def differenced(k, time, found, base):  # type: ignore[no-untyped-def]
 @inline
 def extrapolated(k, per_pitch, time, found, d):  # type: ignore[no-untyped-def]
     """Fill the deviation at instant k: it changes as a tooth pitch before, by second differences over the
-    pitch; in the first pitch as before."""
+    pitch; in the first pitch, and where there is none, by the parabola through three instants."""
     p = per_pitch
     if k == 0:
         for i in range(d.size):
@@ -115,9 +117,13 @@ def extrapolated(k, per_pitch, time, found, d):  # type: ignore[no-untyped-def]
             before, earlier = found[k - 1, i] - found[k - 1 - p, i], found[k - 2, i] - found[k - 2 - p, i]
             d[i] = found[k - p, i] + 2 * before - earlier
     else:
-        stretch = (time[k] - time[k - 1]) / (time[k - 1] - time[k - 2])
+        h, g = time[k] - time[k - 1], time[k - 1] - time[k - 2]
+        f = time[k - 2] - time[k - 3] if k > 2 else 0.0
         for i in range(d.size):
-            d[i] = found[k - 1, i] + stretch * (found[k - 1, i] - found[k - 2, i])
+            slope = (found[k - 1, i] - found[k - 2, i]) / g
+            d[i] = found[k - 1, i] + h * slope
+            if k > 2:
+                d[i] += h * (h + g) / (g + f) * (slope - (found[k - 2, i] - found[k - 3, i]) / f)
 
 
 @inline
@@ -443,6 +449,7 @@ def follow(  # type: ignore[no-untyped-def]
                     begin_step(memory, kept[g, k - 1, 1], time[k])
             put(q, here)
             norm, size, fraction, is_found, wanted = np.inf, np.inf, 1.0, False, True
+            least = 0.0
             for _ in range(MAX_STEPS):
                 fill_rates(q, known[g, k], known_rates[g, k], base, per_time, free, u, w, v)
                 evaluate(
@@ -479,12 +486,17 @@ def follow(  # type: ignore[no-untyped-def]
                             put(here, q)
                             size, wanted = np.inf, True
                             continue
-                        fraction *= 0.5
-                        if fraction < SMALLEST_FRACTION:
-                            break
-                        for i in range(m):
-                            q[free[i]] = here[free[i]] + fraction * move[i]
-                        continue
+                        if fraction > least or not np.isfinite(after):
+                            fraction *= 0.5
+                            if fraction < SMALLEST_FRACTION:
+                                break
+                            for i in range(m):
+                                q[free[i]] = here[free[i]] + fraction * move[i]
+                            continue
+                        if not wanted:
+                            put(q, here)
+                            size, wanted = np.inf, True
+                            continue
                     slow = after > SLOW * size
                     if not wanted:
                         rate = after / size
@@ -503,6 +515,7 @@ def follow(  # type: ignore[no-untyped-def]
                     break
                 iterations += 1
                 wanted, fraction = slow, min(1.0, FARTHEST_MOVE / size)
+                least = LEAST_DAMPED * fraction
                 for i in range(m):
                     q[free[i]] = here[free[i]] + fraction * move[i]
                 if norm <= accept and fraction == 1.0 and rate * norm <= TOLERANCE:

@@ -118,11 +118,12 @@ def search(settling: Settling, starts: list[np.ndarray]) -> tuple[np.ndarray, fl
     place and the residual [N].
 
     First by Powell's hybrid method, whose trust region and updated tangent pass corners of friction and
-    contact, then the gear creeps there: a residual up to `JUMP` is left where the contact's forces jump.
+    contact, then the gear creeps there: a residual up to `JUMP` is left where the contact's forces jump. From
+    where the hybrid method has left no more than that, it creeps a last bit.
     """
     best, least = starts[-1], np.inf
     for method in (by_hybrid_method, by_creeping):
-        for start in starts:
+        for start in [best] if least <= JUMP else starts:
             with np.errstate(all="ignore"):  # far from an equilibrium the forces may be of any size
                 try:
                     place, residual = method(settling, start)
@@ -130,9 +131,9 @@ def search(settling: Settling, starts: list[np.ndarray]) -> tuple[np.ndarray, fl
                     continue
             if residual < least:
                 best, least = place, residual
-            if least <= TOLERANCE:
-                return best, least
-        if method is by_creeping and least <= JUMP:
+            if least <= (JUMP if method is by_hybrid_method else TOLERANCE):
+                break
+        if least <= TOLERANCE:
             break
     return best, least
 

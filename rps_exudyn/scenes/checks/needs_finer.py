@@ -29,7 +29,12 @@ STRIPS_AGREE = 0.005  # of the mean, between a record and that by strips of twic
 def rolls_over_late(signals: dict[str, np.ndarray], gear: SteeringGear) -> bool:
     """Return whether the steps of a swing are too long for how the rack rolls over in it."""
     roll = signals.get("rack_roll", np.zeros(1))
-    return bool(np.isfinite(roll).all()) and rolling_lag(signals, gear)[0] > ROLLING_OVER
+    return bool(np.isfinite(roll).all()) and rolls_late_by(signals, gear) > ROLLING_OVER
+
+
+def rolls_late_by(signals: dict[str, np.ndarray], gear: SteeringGear) -> float:
+    """Return by how much the steps of a swing miss the rate of the rack's rolling, over its travel."""
+    return rolling_lag(signals, gear)[0]
 
 
 def needs_finer(signals: dict[str, np.ndarray], gear: SteeringGear) -> bool:
