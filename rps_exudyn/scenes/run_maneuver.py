@@ -245,8 +245,9 @@ def by_equilibrium(
 
     It repeats if all periods together drift by little: under its weight a rack tilts more the farther it is
     out. Steps that are too long for what the record shows are halved; not where half of them miss no less of
-    how the rack rolls over in a swing, for it vibrates then, which longer steps damp. Where the yoke is at its nut, forces
-    depend on a few micrometres: shorter steps lead to the start, and finer strips confirm teeth that bend.
+    how the rack rolls over in a swing, for it vibrates then, which longer steps damp. Where the yoke is at
+    its nut, forces depend on a few micrometres: shorter steps lead to the start, and finer strips confirm
+    teeth that bend.
     """
     if maneuver.pulse is not None:
         raise InputError("fidelity.solver is equilibrium, which has no pulses: choose generalized-alpha.")

@@ -35,7 +35,7 @@ MAX_RESCUES = 50  # or as many as instants are asked for
 SHORTEST = 0.01  # of the steps asked for, that between an instant found and one that is not ...
 SHORTEST_BEHIND_COLUMN = 1 / 256  # ... and where friction lets a column's end go
 SNAP = 4  # times the fastest motion so far: behind a column the gear jumps to another equilibrium
-RUNS_AWAY = 3  # steps in which a part becomes twice as fast before the gear jumps, and `SNAP` times the rack
+RUNS_AWAY = 3  # steps, within one of those asked for, in which a part gets twice as fast before a jump
 FOLD = 4  # instants over which ever more force is left: beyond a fold of the equilibria it grows with the way
 WHEEL_LENGTH = 0.01  # turns the wheel's coordinate into a length [m]
 
@@ -402,16 +402,17 @@ class _Following:
         return self.left.get(last, 0.0) > TOLERANCE and len(beyond) == FOLD and rises
 
     def runs_away(self) -> bool:
-        """Return whether the steps at the end are as short as makes sense, and over the last of them the
-        fastest part has become twice as fast, and far faster than the rack. Friction that grows with the load
-        that it makes, or that falls, leaves no equilibrium ahead."""
-        k = self.found
+        """Return whether the steps at the end are as short as makes sense, and within the last of those asked
+        for the fastest part has become twice as fast, and far faster than the rack. Friction that grows with
+        the load that it makes, or that falls, leaves no equilibrium ahead."""
+        k, rows = self.found, self.rows
         if k <= RUNS_AWAY or self.column[0]:
             return False
-        rows = self.rows
+        asked = np.diff(rows.time[rows.asked]).min()
+        begun = min(int(np.searchsorted(rows.time[:k], rows.time[k - 1] - asked)), k - 1 - RUNS_AWAY)
         driven = max(abs(self.drive.pinion_speed(self.pair.gain, each)) for each in rows.time[:k])
-        fastest = np.abs(rows.rates[k - 1 - RUNS_AWAY : k] * self.lengths).max(axis=1)
-        shortened = rows.time[k] - rows.time[k - 1] < np.diff(rows.time[rows.asked]).min() / 2
+        fastest = np.abs(rows.rates[begun:k] * self.lengths).max(axis=1)
+        shortened = rows.time[k] - rows.time[k - 1] < asked / 2
         runs_away = fastest[-1] > max(2 * fastest[0], SNAP * driven * self.pair.gain)
         return bool(shortened and runs_away)
 
