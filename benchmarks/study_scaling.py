@@ -10,16 +10,12 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from matplotlib.figure import Figure
-
 from benchmarks.study_runner import watched, written
 from benchmarks.topic import ROOT, Columns, Topic, digits, rows_table, save_data
-from rps_exudyn.pages.charts import style
 from rps_exudyn.study.store import Store
 
 STUDY = ROOT / "studies" / "tolerance.toml"
 DATA = "scaling.json"
-PICTURE = "scaling.png"
 KEEP = '[keep]\nsignals = "none"\nblocks = true\n'
 
 
@@ -31,7 +27,6 @@ def run(folder: Path, counts: Sequence[int] = (200, 1000, 10_000)) -> None:
             rows.append(measured(Path(studies), count))
             print(rows[-1], flush=True)
             save_data(folder / DATA, {"load": os.getloadavg()[0], "rows": rows})
-            style.save(picture(rows), folder / PICTURE)
 
 
 def measured(folder: Path, count: int) -> dict[str, float]:
@@ -57,20 +52,6 @@ def tolerance_study(folder: Path, count: int) -> Path:
     text = STUDY.read_text().replace("samples = 200", f"samples = {count}")
     text = text.replace('gear = "gears/paper.toml"\n', "")  # the default gear is the paper's
     return written(folder, f"of_{count}", text.partition("[keep]")[0] + KEEP)
-
-
-def picture(rows: Sequence[dict[str, float]]) -> Figure:
-    """Elapsed time, and CPU time per case, over the number of cases."""
-    cases = [row["cases"] for row in rows]
-    figure, (above, below) = style.panels([2.6, 2.2])
-    above.loglog(cases, [row["wall"] for row in rows], "o-", color=style.COLOURS["torque"])
-    above.set_ylabel("elapsed [s]")
-    per_case = [1e3 * row["cpu"] / row["cases"] for row in rows]
-    below.loglog(cases, per_case, "o-", color=style.COLOURS["other"])
-    below.set_ylabel("CPU per case [ms]")
-    below.set_xlabel("cases of a study, two processes, start and storing included")
-    style.title(figure, "Random gears over a turn in steps of 1 degree")
-    return figure
 
 
 COLUMNS: Columns = {

@@ -12,8 +12,10 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import Maneuver, steady_maneuver
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, equilibrium_path
+from rps_exudyn.solvers.follower import extrapolated
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.record import record_of_path
+from rps_exudyn.solvers.rescue import JUMP, Settling, search
 from rps_exudyn.solvers.settling import TOLERANCE
 from verification.law_area import replaced
 
@@ -134,3 +136,26 @@ def test_kept_outputs_are_those_of_the_parts(name: str) -> None:
         assert np.abs(found - expected).max(axis=0) == pytest.approx(
             0, abs=2e-4 * np.abs(expected).max(axis=0).max()
         )
+
+
+def test_a_parabola_leads_on_from_uneven_instants() -> None:
+    time = np.array([0.0, 0.3, 0.4, 1.0])
+    found, guess = np.outer(time**2 - 2 * time, [1.0, -3.0]), np.empty(2)
+    extrapolated.py_func(3, 0, time, found, guess)
+    assert guess == pytest.approx(found[3])
+
+
+def test_a_rescue_goes_on_from_where_the_hybrid_method_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It has left less than contact's jumps do: no other start is tried, and the gear creeps a last bit."""
+    starts, tried = [np.zeros(1), np.ones(1)], []
+
+    def creeping(_: Settling, start: np.ndarray) -> tuple[np.ndarray, float]:
+        tried.append(start)
+        return start, 0.0
+
+    near = np.full(1, 2.0)
+    monkeypatch.setattr("rps_exudyn.solvers.rescue.by_hybrid_method", lambda *_: (near, JUMP / 2))
+    monkeypatch.setattr("rps_exudyn.solvers.rescue.by_creeping", creeping)
+    settling = Settling(lambda q, v, _: (q, v), np.zeros(1, int), np.ones(1), near, near, near, 0.0)
+    assert search(settling, starts) == (near, 0.0)
+    assert tried == [near]

@@ -1,6 +1,7 @@
 """A swing is recorded in cycles that are all alike, in steps short enough for how the rack rolls over."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,10 +15,10 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import WITHOUT_FINER_STEPS
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.maneuver import swing_maneuver
-from rps_exudyn.scenes.metric_confirmation import changes, unclosed, with_cycle_closed
+from rps_exudyn.scenes.metric_confirmation import changes, run_swing, unclosed, with_cycle_closed
 from rps_exudyn.scenes.run_maneuver import run_ever_longer, run_maneuver
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS
-from rps_exudyn.scenes.scene_run import Signals
+from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.closed_form import closed_form
 from verification.stability import ScenePlan
@@ -84,6 +85,39 @@ def test_a_longer_try_begins_with_the_steps_that_the_one_before_needed(
     assert lengths == [257, 513, 513]
     assert first.outcome.findings["halvings"] == second.outcome.findings["halvings"] == 1
     assert second.signals["pinion_torque"] == pytest.approx(first.signals["pinion_torque"])
+
+
+def test_a_swing_that_half_the_steps_let_vibrate_is_made_in_longer_ones(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Half the steps miss more of how the rack rolls over, so that no shorter ones follow."""
+    late = iter([0.010, 0.012])
+    monkeypatch.setattr("rps_exudyn.scenes.run_maneuver.rolls_over_late", lambda *_: True)
+    monkeypatch.setattr("rps_exudyn.scenes.run_maneuver.rolls_late_by", lambda *_: next(late))
+    run = run_maneuver(SteeringGear(), STILL, swing_maneuver(SteeringGear(), STILL.step_angle))
+    assert run.signals["time"].size == 257
+    assert "halvings" not in run.outcome.findings
+
+
+def test_a_confirming_run_halves_the_zone_of_the_run_that_it_confirms(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Also where that one halved its steps before by itself, in the zone that was asked for."""
+    zones: list[float] = []
+
+    def watched(gear: SteeringGear, fidelity: Fidelity, *others: Any) -> SceneRun:
+        zones.append(fidelity.zone_ratio)
+        return run_maneuver(gear, fidelity, *others)
+
+    monkeypatch.setattr(
+        "rps_exudyn.scenes.run_maneuver.rolls_over_late", lambda signals, _: signals["time"].size < 400
+    )
+    monkeypatch.setattr("rps_exudyn.scenes.metric_confirmation.run_maneuver", watched)
+    gear, model = SteeringGear(), STILL.replace({"zone_ratio": 0.02})
+    maneuver = swing_maneuver(gear, STILL.step_angle)
+    run = run_swing(gear, model, maneuver, DEFAULT_OPTIONS, lambda _: {"torque_jump": 1.0}, "torque_jump")
+    assert run.ok
+    assert zones == [0.01]
 
 
 def test_an_ordinary_swing_by_enough_stations_is_made_once_in_the_steps_asked_for() -> None:
