@@ -33,6 +33,7 @@ from rps_exudyn.scenes.checks.needs_finer import (
     rolls_late_by,
     rolls_over_late,
     strips_change,
+    vibrates,
     yoke_stops,
 )
 from rps_exudyn.scenes.maneuver import Maneuver
@@ -87,7 +88,6 @@ JUMPS = (
 )
 JUMPS_UNDER_TORQUE = f"; under a given torque the gear jumps where friction falls; {FOLLOWS}"
 HALVINGS_FOR_TOLERANCE = 4  # more than a record asks for by itself: kinks are never resolved
-SHRINKS = 0.8  # of what the steps miss of the rolling, half of them miss less than this
 CLOSED = 1e-3  # of the drive's force: how much all periods may drift for one to stand for all
 
 
@@ -256,13 +256,10 @@ def by_equilibrium(
     late: list[float] = []  # of each run, by how much its steps miss the rack's rolling
 
     def asks(run: SceneRun) -> bool:
-        if not _is_coarse(run, gear, maneuver, tolerance):
-            return False
-        late.append(rolls_late_by(run.signals, gear))
-        return not vibrates()
-
-    def vibrates() -> bool:  # half the steps show more of it
-        return isinstance(maneuver.drive, Swing) and len(late) > 1 and late[-1] > SHRINKS * late[-2]
+        coarse = _is_coarse(run, gear, maneuver, tolerance)
+        if coarse and isinstance(maneuver.drive, Swing):
+            late.append(rolls_late_by(run.signals, gear))
+        return coarse and not vibrates(late)
 
     refined = refine(
         _along_equilibria(gear, fidelity, period, options),
@@ -271,7 +268,7 @@ def by_equilibrium(
         asks=asks,
     )
     run, halved = refined.finest, refined.times
-    if vibrates():
+    if vibrates(late):
         run, halved = refined.runs[-2], halved - 1
     findings: dict[str, int] = {"halvings": halved} if halved else {}
     if run.ok and options.least_steps.halvings and yoke_stops(run.signals):

@@ -7,6 +7,8 @@ the yoke is at its nut, the force follows from how far teeth and nut yield, and 
 strips.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from rps_exudyn.analysis.curve import every_second, missed
@@ -20,6 +22,7 @@ from rps_exudyn.solvers.closed_form import closed_form
 MEAN = 0.01  # of the mean that may hide between the steps ...
 ROLLING = 0.01  # ... or be moved by a late rate of rolling
 ROLLING_OVER = 0.004  # ... in a swing, over its travel: its work is then right to a percent
+SHRINKS = 0.8  # of what the steps miss there, half of them miss less, unless the rack vibrates
 PEAK = 0.025  # of the mean by which a step may leave the curve through its neighbours: peaks are right to 4 %
 FINEST = 16  # stations of a strip; more show nothing
 FEW_STATIONS = 4  # of teeth that bend; three leave means up to 3 % off
@@ -35,6 +38,12 @@ def rolls_over_late(signals: dict[str, np.ndarray], gear: SteeringGear) -> bool:
 def rolls_late_by(signals: dict[str, np.ndarray], gear: SteeringGear) -> float:
     """Return by how much the steps of a swing miss the rate of the rack's rolling, over its travel."""
     return rolling_lag(signals, gear)[0]
+
+
+def vibrates(late: Sequence[float]) -> bool:
+    """Return whether the rack vibrates in a swing, which longer steps damp: half the steps miss no less of
+    its rolling; of one run after the other what `rolls_late_by` gives."""
+    return len(late) > 1 and late[-1] > max(ROLLING_OVER, SHRINKS * late[-2])
 
 
 def needs_finer(signals: dict[str, np.ndarray], gear: SteeringGear) -> bool:
