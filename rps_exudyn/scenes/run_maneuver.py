@@ -257,7 +257,7 @@ def by_equilibrium(
 
     def asks(run: SceneRun) -> bool:
         coarse = _is_coarse(run, gear, maneuver, tolerance)
-        if coarse and isinstance(maneuver.drive, Swing):
+        if coarse and not maneuver.is_steady:
             late.append(rolls_late_by(run.signals, gear))
         return coarse and not vibrates(late)
 
