@@ -17,7 +17,6 @@ from benchmarks import (
     rack_deflection,
     rattle_map,
     stick_slip,
-    study_scaling,
     tooth_compliance,
 )
 from benchmarks.accuracy_speed import chart, law_and_scaling, overview
@@ -79,7 +78,6 @@ PICTURES: dict[str, Callable[[], Figure]] = {
     "bow": lambda: rack_bow.picture(data("flexible_rack/bow.json")["cases"]),
     "deflected": deflected,
     "fit with a bow": lambda: measured_bow.picture(data("fit/fit_bow.json")["cases"]),
-    "studies": lambda: study_scaling.picture(data("study_runner/scaling.json")["rows"]),
     "efficiency": efficiency,
     "laws": laws,
     "scaling": scaling,
