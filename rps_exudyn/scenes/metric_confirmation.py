@@ -96,7 +96,7 @@ def run_and_confirm(
     def made(halvings: int) -> SceneRun:
         model = fidelity
         if not steady:
-            model = with_finer_friction(fidelity, halvings - halved(run))
+            model = with_finer_friction(fidelity, halvings - run.halvings)
         elif coarse:
             model = doubled_stations(fidelity, halvings)
         return run_maneuver(gear, model, maneuvers, options.halved(halvings))
@@ -135,11 +135,6 @@ def with_finer_friction(fidelity: Fidelity, halvings: int) -> Fidelity:
     doubled."""
     zone = max(fidelity.zone_ratio / 2**halvings, min(fidelity.zone_ratio, NARROW_ZONE))
     return doubled_stations(fidelity, halvings).replace({"zone_ratio": zone})
-
-
-def halved(run: SceneRun) -> int:
-    """Return how often a run halved its steps by itself: its friction is that of the steps asked for."""
-    return int(run.outcome.findings.get("halvings", 0))
 
 
 def most_finer(fidelity: Fidelity, options: RunOptions) -> int:
@@ -301,7 +296,7 @@ def confirmed(
     described = run.described(metrics)
     if not (run.ok and run.signals and most):
         return described
-    begun = halved(run)
+    begun = run.halvings
 
     @cache
     def between(each: SceneRun) -> dict[str, float]:
@@ -482,7 +477,7 @@ def run_swing(
         earlier = settled.begun_earlier(1) if halvings else settled
         stations = run.outcome.findings.get("strip_stations", fidelity.strip_stations)
         taken = fidelity.replace({"strip_stations": int(stations)})
-        model = with_finer_friction(taken, halvings - halved(run))
+        model = with_finer_friction(taken, halvings - run.halvings)
         return run_maneuver(gear, model, earlier, options.halved(halvings))
 
     most, more = most_finer(fidelity, options), more_for_figure(fidelity, options)

@@ -138,7 +138,7 @@ def _confirmed(
 
     try:
         found = run_and_confirm(gear, fidelity, [cycle], options, of_cycle, SCENE.figure, part, always=True)
-        halvings = int(found.outcome.findings.get("halvings", 0))
+        halvings = found.halvings
         finer = found.ok and halvings > 0
         taken = (found if cycles == 1 else made(halvings)) if finer else run
     except Interrupted:

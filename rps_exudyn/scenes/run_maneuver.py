@@ -134,7 +134,7 @@ def run_ever_longer(
     def made(maneuver: Maneuver) -> SceneRun:
         nonlocal halvings
         run = run_maneuver(gear, fidelity, maneuver, options.halved(halvings), solver)
-        if not (more := int(run.outcome.findings.get("halvings", 0))) and not halvings:
+        if not (more := run.halvings) and not halvings:
             return run
         halvings += more
         findings = {**run.outcome.findings, "halvings": halvings}

@@ -26,6 +26,11 @@ class SceneRun:
         """Return whether it ended well."""
         return self.outcome.status is Status.OK
 
+    @property
+    def halvings(self) -> int:
+        """Return how often its steps were halved."""
+        return int(self.outcome.findings.get("halvings", 0))
+
     def noting(self, *remarks: Remark | None) -> "SceneRun":
         """Return a run that is all right with remarks for its reader added; a failed one keeps its cause."""
         added = [remark for remark in remarks if remark]

@@ -493,8 +493,7 @@ def follow(  # type: ignore[no-untyped-def]
                             for i in range(m):
                                 q[free[i]] = here[free[i]] + fraction * move[i]
                             continue
-                        if not wanted:
-                            put(q, here)
+                        if not wanted:  # goes on from here by a tangent of this place
                             size, wanted = np.inf, True
                             continue
                     slow = after > SLOW * size
