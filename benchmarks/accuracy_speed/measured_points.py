@@ -106,7 +106,8 @@ def measure_scene(
         print(f"{point.status:15s}", about, flush=True)
         measurement.points.append(point)
         measurement.save(file)
-    measurement.save(file)
+    if measurement.points != before:  # else the file keeps its origin
+        measurement.save(file)
     style.save(work_precision_figure(measurement), file.with_suffix(".png"))
 
 

@@ -105,14 +105,17 @@ class _Count:
 
         thread = Thread(target=count, daemon=True)
         thread.start()
+        is_compiled = False
         try:
             yield
+            is_compiled = True
         finally:
             ended.set()
             thread.join()
             if shown:
-                self._seconds += perf_counter() - begun
-                publish(CompileStep(len(self._needed), len(self._needed), self._seconds, 0.0))
+                last = step()
+                self._seconds = last.seconds
+                publish(last._replace(done=last.total, left=0.0) if is_compiled else last)
 
 
 compiling = _Count().running

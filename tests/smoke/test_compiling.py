@@ -60,6 +60,27 @@ def test_count_rises_to_its_total(monkeypatch: pytest.MonkeyPatch) -> None:
     assert steps[-1].left == 0
 
 
+@kernel
+def interrupted(x):  # type: ignore[no-untyped-def]
+    return innermost(x) - 1
+
+
+def test_interrupted_compilation_counts_what_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rps_exudyn.base.compiling, "LOADING", 0.0)
+    monkeypatch.setattr(rps_exudyn.base.compiling, "EVERY", 0.001)
+    steps: list[CompileStep] = []
+
+    def interrupt() -> None:
+        with listening(steps.append), rps_exudyn.base.compiling.compiling(interrupted):
+            while not steps:
+                sleep(0.001)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupt()
+    assert steps[-1].done < steps[-1].total
+
+
 def test_row_says_count_and_time() -> None:
     row = CompilingProgress()
     row.take(CompileStep(46, 146, 6.0, 18.0))
