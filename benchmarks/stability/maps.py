@@ -24,6 +24,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.checks.before_run import DEEPEST, STEPS_PER_PITCH
+from rps_exudyn.simulate.run import simulate
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.study.cases import setup_of
@@ -268,6 +269,8 @@ def toy_map() -> list[StabilityMap]:
 
 def run(folder: Path, maps: Mapping[str, Callable[[], list[StabilityMap]]] = MappingProxyType(MAPS)) -> None:
     """Compute these maps, each with its file and its picture."""
+    for preset in ("quasi-static", "flank", "full"):  # compiles kernels, for which no cell has time
+        simulate("free-pinion-torque", by_law(SteeringGear(), "area"), preset)
     for name, make in maps.items():
         start = process_time()
         found = [asdict(each) for each in make()]
