@@ -66,11 +66,11 @@ def measured(bow: float, clearance: float, bore: float = 0.0) -> dict[str, Any]:
 def picture(cases: list[dict[str, Any]]) -> Figure:
     """Variation of the torque over the bow, one curve for each clearance, and what manuals allow."""
     figure, (axes,) = style.panels([4.2])
-    clearances = sorted({case["clearance"] for case in cases})
+    clearances = clearances_shown(cases)
     for colour, clearance in zip(style.SEVERAL, clearances, strict=False):
         known = [case for case in cases if case["clearance"] == clearance and "variation" in case]
         bow, varies = ([case[name] for case in known] for name in ("bow", "variation"))
-        label = f"clearance {1e6 * clearance:.0f} µm"
+        label = f"clearance {1e6 * clearance:.0f} µm{' or more' if clearance == clearances[-1] else ''}"
         axes.plot(1e3 * np.array(bow), varies, "o-", color=colour, markersize=3, label=label)
     axes.axhspan(*ALLOWED, **style.BAND, label="allowed by manuals")
     axes.axvspan(0.15, 0.3, color="#38761d", alpha=0.08, linewidth=0, label="bow allowed by manuals")
@@ -82,12 +82,17 @@ def picture(cases: list[dict[str, Any]]) -> Figure:
     return figure
 
 
+def clearances_shown(cases: list[dict[str, Any]]) -> list[float]:
+    """Clearances at which the yoke stops, and the first one at which it does not: larger ones are like it."""
+    stops = [case["clearance"] for case in cases if case.get("stopped")]
+    clearances = sorted({case["clearance"] for case in cases})
+    return clearances[: sum(each <= max(stops, default=0.0) for each in clearances) + 1]
+
+
 def bow_table(folder: Path) -> str:
     """Variation of the torque by bow and clearance, up to one at which no yoke stops; bold where it stops."""
     cases = load_data(folder / DATA)["cases"]
-    clearances = sorted({case["clearance"] for case in cases})
-    stops = [case["clearance"] for case in cases if "**" in _cell(case)]
-    clearances = clearances[: sum(each <= max(stops, default=0.0) for each in clearances) + 1]
+    clearances = clearances_shown(cases)
     known = {(case["bow"], case["clearance"]): _cell(case) for case in cases}
     bows = sorted({case["bow"] for case in cases})
     rows = [[f"{1e3 * bow:.2f}", *(known[bow, clearance] for clearance in clearances)] for bow in bows]
