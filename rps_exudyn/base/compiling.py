@@ -105,17 +105,15 @@ class _Count:
 
         thread = Thread(target=count, daemon=True)
         thread.start()
-        is_compiled = False
         try:
             yield
-            is_compiled = True
         finally:
             ended.set()
             thread.join()
             if shown:
                 last = step()
                 self._seconds = last.seconds
-                publish(last._replace(done=last.total, left=0.0) if is_compiled else last)
+                publish(last._replace(done=last.total) if kernel.signatures else last)
 
 
 compiling = _Count().running
