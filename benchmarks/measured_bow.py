@@ -11,7 +11,6 @@ from typing import Any, Literal
 import numpy as np
 from matplotlib.figure import Figure
 
-from benchmarks.measure import run_ok
 from benchmarks.topic import Topic, begun, load_data, markdown, save_data
 from rps_exudyn.inference.fitting.bench_tests import measurement_of
 from rps_exudyn.inference.fitting.fit import fit
@@ -19,7 +18,7 @@ from rps_exudyn.inference.fitting.unknowns import CURVED, USUAL
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.judged_row import Verdict
-from verification.made_up_curves import FREE, TRUE, WHITE, measured_curve, with_noise
+from verification.made_up_curves import FREE, TRUE, WHITE, measured_curve, true_curve, with_noise
 
 DATA, PICTURE = "fit_bow.json", "fit_bow.png"
 ANGLE_ERROR, BOW, RUNOUT, OFFSET = np.radians(0.05), 70e-6, 14e-6, np.radians(2.0)  # standard deviations
@@ -54,10 +53,7 @@ def gear_of(random: np.random.Generator) -> SteeringGear:
 
 def curve_of(gear: SteeringGear, turns: float, random: np.random.Generator) -> Any:
     """Its free torque to and fro over these turns about the middle, with noise and an offset of the angle."""
-    test = {"test.path": "there-and-back", "test.start_angle": -turns * np.pi, "test.turns": turns}
-    result = run_ok("free-pinion-torque", gear.replace(test), "quasi-static")
-    curve = {"pinion_angle": result["pinion_angle"], "value": result["pinion_torque"]}
-    curve = with_noise(curve, WHITE, random)
+    curve = with_noise(true_curve(gear.replace({"test.turns": turns}), FREE), WHITE, random)
     curve["pinion_angle"] = curve["pinion_angle"] + OFFSET * random.standard_normal()
     return measured_curve(curve, FREE)
 

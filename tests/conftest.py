@@ -97,6 +97,7 @@ LONG = (  # files, folders or single tests that the everyday set leaves out
     "physics/test_accuracy_methods.py",
     "physics/test_accuracy_promise.py",
     "physics/test_convergence.py",
+    "physics/test_fit.py::test_a_runout_is_found_beside_a_bow",
     "physics/test_plan_reference.py",
     "physics/test_yoke_damping.py::test_impact_with_an_o_ring_is_that_of_a_plane_model",
     "physics/test_yoke_damping.py::test_rattle_with_an_o_ring_is_that_of_a_plane_model",

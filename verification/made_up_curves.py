@@ -58,14 +58,15 @@ REAL = BenchNoise(white=0.01, correlated=0.0173, drift=0.02, repeatability=0.02,
 
 
 def true_curve(gear: SteeringGear, test: BenchTest, law: str | None = None) -> dict[str, np.ndarray]:
-    """Return what the model shows in a test: `pinion_angle` [rad], `value` [N m] or [N], to and fro.
+    """Return what the model shows in a test: `pinion_angle` [rad], `value` [N m] or [N], to and fro over the
+    gear's turns about the middle.
 
     Raises:
         RuntimeError: the simulation fails.
     """
     from rps_exudyn.simulate.run import simulate
 
-    gear = gear.replace({"test.path": "there-and-back", "test.start_angle": -np.pi})
+    gear = gear.replace({"test.path": "there-and-back", "test.start_angle": -gear.test.turns * np.pi})
     if law:
         gear = by_law(gear, law)
     if test.kind in ("yoke-out", "bearing"):

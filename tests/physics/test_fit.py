@@ -275,6 +275,24 @@ def test_an_angle_error_is_found_with_its_sign() -> None:
     assert found.level.value == pytest.approx(true, rel=4 * LEVEL_SD + 1e-3)  # and the formula's slopes
 
 
+def test_a_runout_is_found_beside_a_bow() -> None:
+    """Although the bow moves half the sum of both directions over the travel by more than the runout does."""
+    true = {"pinion.runout": 40e-6, "pinion.runout_angle": -1.0, "rack.bow": 174e-6, "rack.bow_angle": 1.0}
+    gear = true_gear().replace({**true, "test.turns": 3.8})
+    noisy = with_noise(true_curve(gear, FREE), WHITE, np.random.default_rng(8))
+    free = (*USUAL, "rack.bow")
+    found = fit(measurement_of([measured_curve(noisy, FREE)]), free=free, other_law=False)
+    assert found.converged
+    for path, value in true.items():
+        each = found.estimate(path)
+        assert each.verdict is Verdict.NOT_ZERO
+        assert each.interval[0] < value < each.interval[1], path
+    assert found.runout is not None
+    low, high = found.runout.stored_interval
+    stored = gear.yoke.preload * 40e-6
+    assert low < stored < high < 1.1 * stored
+
+
 def test_other_ends_widen_an_interval_and_leave_the_direction_open() -> None:
     size = Estimate.of("rack.bow", 1e-4, (0.9e-4, 1.1e-4), (0.0, 1e-4), 5e-6, 0.0, Verdict.NOT_ZERO)
     angle = Estimate.of("rack.bow_angle", 1.0, (0.9, 1.1), (0.0, np.pi), 0.05, 0.0, Verdict.NOT_ZERO)

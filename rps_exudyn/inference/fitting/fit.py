@@ -211,7 +211,7 @@ def _ended(problem: Problem, gear: SteeringGear, before: Series | None, believed
         u = np.array([each.before for each in unknowns]) if before is None else before.u.copy()
         if before is None:
             u[own] = stepped(model, begin).u[: len(own)]
-            free = _with_runout(problem, gear.replace(settings_of(unknowns, u)), 0.0, believed)
+            free = _with_runout(problem, gear.replace(settings_of(unknowns, u)), 0.0, believed, None)
             u = _runout_in(problem, u, free)
         shape, others = shape_of(problem, gear, u, search=before is None)
         begin[: len(own)] = shape.state.u[own]
@@ -244,7 +244,7 @@ def _levels(
         return found_offset(problem, values)
 
     def with_runout(fitted: SteeringGear, values: np.ndarray | None) -> SteeringGear:
-        return _with_runout(problem, fitted, offset_of(values)[0], believed)
+        return _with_runout(problem, fitted, offset_of(values)[0], believed, shape)
 
     done = fitted_levels(
         model,
@@ -259,9 +259,11 @@ def _levels(
     return done, fitted, offset_of(done.values)
 
 
-def _with_runout(problem: Problem, gear: SteeringGear, offset: float, believed: bool) -> SteeringGear:
-    """The gear with the runout that the half sum of free torques shows with its preload."""
-    runout = runout_in(problem, gear.yoke.preload, 0.0, offset, believed)
+def _with_runout(
+    problem: Problem, gear: SteeringGear, offset: float, believed: bool, shape: Solved | None
+) -> SteeringGear:
+    """The gear with the runout that free torques show with its preload."""
+    runout = runout_in(problem, gear.yoke.preload, 0.0, offset, believed, shape)
     if runout is None:
         return gear
     e_c, e_s = -runout.vector[1], -runout.vector[0]  # of -P (e_c sin + e_s cos) over the measured angle

@@ -36,6 +36,7 @@ from rps_exudyn.inference.fitting.unknowns import (
     VECTORS,
     WITHOUT_YOKE,
     Unknown,
+    settings_of,
 )
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.judged_row import JudgedRow, Verdict
@@ -374,21 +375,47 @@ class Ended:
 
 
 def runout_in(
-    problem: Problem, preload: float, preload_sd: float, offset: float, believed: bool
+    problem: Problem, preload: float, preload_sd: float, offset: float, believed: bool, shape: Solved | None
 ) -> Runout | None:
-    """Return the runout that the half sum of the free torque shows, for a preload [N]; None where it is not
-    fitted or no turn was covered."""
+    """Return the runout that the free torque shows, for a preload [N]; None where it is not fitted or no turn
+    was covered.
+
+    Half the sum of both directions shows it. With a bow, which moves that sum over the travel, it is what the
+    shape's steps found beside the bow, if they explain the curves.
+    """
     own = [each for each in problem.unknowns if each.path == "pinion.runout"]
     free = [each for each in problem.levels if each.test.of_kind.by_angle and each.first is not None]
     if not own or not free:
         return None
+    if shape is not None and not unexplained(problem, shape):
+        return runout_of(replace(free[0], first=_wave_of_shape(problem, shape, preload)), preload, preload_sd)
     prior = None
-    if believed:  # -P (e_c sin + e_s cos) of the model's angle, which is the measured one less the offset
-        e_c, e_s = own[0].before, own[1].before
-        sin, cos = np.sin(offset), np.cos(offset)
-        vector = -preload * np.array([e_s * cos - e_c * sin, e_c * cos + e_s * sin])
+    if believed:
+        vector = _half_sum_of(own[0].before, own[1].before, preload, offset)
         prior = Wave(vector, preload * own[0].sd)
     return runout_of(free[0], preload, preload_sd, prior)
+
+
+def _half_sum_of(e_c: float, e_s: float, preload: float, offset: float) -> np.ndarray:
+    """Cosine and sine over the measured angle of -P (e_c sin + e_s cos) of the model's, which is the measured
+    one less the offset."""
+    sin, cos = np.sin(offset), np.cos(offset)
+    return -preload * np.array([e_s * cos - e_c * sin, e_c * cos + e_s * sin])
+
+
+def _wave_of_shape(problem: Problem, shape: Solved, preload: float) -> Wave:
+    """The half sum's wave of the runout that the shape's steps found, by the larger of its two deviations;
+    `preload` is that of a fit that holds it."""
+    u, paths = shape.state.u, [each.path for each in problem.unknowns]
+    j = paths.index("pinion.runout")
+    of_preload = [k for k, path in enumerate(paths) if path == "yoke.preload"]
+    covariance = np.linalg.inv(shape.equations.information)
+    where = [j, j + 1, *of_preload]
+    by = np.column_stack([np.eye(2), *(u[j : j + 2] for _ in of_preload)])  # of P e by e and ln P, over P
+    spread = by @ covariance[np.ix_(where, where)] @ by.T
+    preload = settings_of(problem.unknowns, u).get("yoke.preload", preload)
+    vector = _half_sum_of(float(u[j]), float(u[j + 1]), preload, shape.state.offset)
+    return Wave(vector, preload * float(np.sqrt(np.linalg.eigvalsh(spread)[-1])))
 
 
 def outcome_of(ended: Ended, gear: SteeringGear, warnings: list[str], began: float) -> Fit:
@@ -400,7 +427,9 @@ def outcome_of(ended: Ended, gear: SteeringGear, warnings: list[str], began: flo
     preload_sd = (
         float(np.sqrt(end.covariance[j, j])) if (j := _at("yoke.preload", paths)) is not None else 0.0
     )
-    runout = runout_in(problem, ended.gear.yoke.preload, preload_sd, ended.offset[0], ended.believed)
+    runout = runout_in(
+        problem, ended.gear.yoke.preload, preload_sd, ended.offset[0], ended.believed, ended.shape
+    )
     estimates = _levels(ended, refused)
     if runout is not None:
         estimates += _runouts(ended, runout)
