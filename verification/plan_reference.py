@@ -155,7 +155,10 @@ def _by_solver(plan: ScenePlan, solver: str) -> tuple[dict[str, tuple[float, flo
 
     The doubt is the last change, or a quarter of that before: two lengths may agree by chance.
     """
-    fidelity, scene = _finer_model(plan.fidelity, solver), scene_named(plan.scene)
+    scene = scene_named(plan.scene)
+    fidelity = _finer_model(plan.fidelity, solver)
+    if scene.needs_inertia:  # under impacts a chain, which friction holds at its end, yields otherwise
+        fidelity = fidelity.replace({"bush": plan.fidelity.bush})
     swings = scene.motion == "to and fro"  # where creep in the friction zone may move it on
     runs = []
     for times in HALVED:
@@ -203,7 +206,8 @@ def reference_forces(plan: ScenePlan, load: float = 0.0) -> GearForces:
 def _turned(plan: ScenePlan) -> Expected:
     test = plan.gear.test
     load = test.direction * GRAVITY * test.load_mass if plan.scene == "load-test" else 0.0
-    forces = reference_forces(plan, load)
+    narrow = {"zone_ratio": min(plan.fidelity.zone_ratio, NARROW_ZONE)}
+    forces = reference_forces(replace(plan, fidelity=plan.fidelity.replace(narrow)), load)
     courses = passes_of(plan)[: None if plan.scene == "rack-push" else 1]  # whose mean is the figure
     found = [_along(plan, forces, course) for course in courses]
     senses = [course.sense if plan.scene == "rack-push" else 1 for course in courses]

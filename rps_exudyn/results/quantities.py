@@ -526,6 +526,8 @@ SPREADS = frozenset(
     if name.endswith(("_peak_to_peak", "_range", "_variation")) or name == "torque_tooth_order"
 )
 """Metrics of how far a signal varies, which vibration and the start of a motion change before its mean."""
+EXTREMES = frozenset(name for name in _SUMMARY if name.endswith(("_min", "_max")))
+"""Metrics that one instant of a signal gives, which vibration changes as it does what varies."""
 MOTIONS = frozenset(
     name for name in _SUMMARY if name.startswith("transmission_error_") or name in RACK_RANGES
 )

@@ -58,6 +58,7 @@ LATE = 0.15  # half a step of the rack's rolling, over its range: of its rate 3 
 FIRST_ORDER = 2  # times what all instants miss of a curve with kinks, half of them miss ...
 SHOWN = 0.8  # ... and the part of it that a curve through them shows
 NARROW_ZONE = 0.002  # of friction, over the smallest sliding speed: it moves no metric of a swing by 3 %
+WIDE_ZONE = 0.2  # the same, above which it may change what a steady motion gives, as teeth near a pitch line
 FIRST_ORDER_SHRUNK, LEAST_SHRUNK = 0.5, 0.75  # a change over that before, by which what comes is guessed
 AGREED = 0.4  # of a metric's tolerance: where curves have kinks, as much again or more is left ...
 KINKED = 0.5  # ... and of one of a motion to and fro, or with impacts, whose steps are not halved once more
@@ -95,7 +96,7 @@ def run_and_confirm(
 
     def made(halvings: int) -> SceneRun:
         model = fidelity
-        if not steady:
+        if not steady or wide:
             model = with_finer_friction(fidelity, halvings - run.halvings)
         elif coarse:
             model = doubled_stations(fidelity, halvings)
@@ -104,13 +105,15 @@ def run_and_confirm(
     run = first or run_maneuver(gear, fidelity, maneuvers, options)
     by_equilibria = fidelity.solver == "equilibrium"  # which confirm their strips themselves
     coarse = steady and not by_equilibria and coarse_strips(run.signals, fidelity, gear)
+    wide = steady and fidelity.solver != "closed-form" and fidelity.zone_ratio > WIDE_ZONE
     if by_equilibria:
         always = always or (steady and bool(run.signals) and bool(rolls_late(run.signals) > LATE))
     else:
         few = bool(run.signals) and len(run.signals["time"]) < FEW_INSTANTS
         always = always or coarse or (steady and (few or gear.test.speed > SLOW))
+    always = always or wide
     most = most_finer(fidelity, options)
-    more = 0 if steady and not coarse else more_for_figure(fidelity, options)
+    more = 0 if steady and not (coarse or wide) else more_for_figure(fidelity, options)
     run = confirmed(run, asked, made, figure, most=most, for_figure=more, always=always, smooth=steady)
     run = with_stations_enough(run, gear, fidelity)
     if not steady:
@@ -119,8 +122,8 @@ def run_and_confirm(
     place = "pinion_angle" if drive.body == "pinion" else "rack_displacement"
     unseen = unresolved_peaks(fidelity, run, drive.signal, place)
     in_part = part_of_pitch(gear, fidelity, run.signals)
-    left_out = (SPREADS if unseen else frozenset()) | (LOSS_SHARES if in_part else frozenset())
-    return run.noting(unseen, in_part).without(left_out)
+    remark, left_out = unseen or (None, frozenset())
+    return run.noting(remark, in_part).without(left_out | (LOSS_SHARES if in_part else frozenset()))
 
 
 def with_stations_enough(run: SceneRun, gear: SteeringGear, fidelity: Fidelity) -> SceneRun:

@@ -12,6 +12,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
+from rps_exudyn.results.quantities import EXTREMES, SPREADS
 from rps_exudyn.scenes.scene_run import SceneRun
 
 LIMITS = frozenset({Code.FLANK_LIFTED, Code.YOKE_STOPPED})
@@ -22,6 +23,8 @@ DIED = 1.0  # power of e by which what began before a way, or with it, should di
 UNRESOLVED_UNDAMPED = 0.015  # ... or else steps may miss no more of the mean than that
 UNSETTLED = 0.05  # of the force's variation, which may depend on where the motion began
 LEFT_OUT = "peak to peak values and ranges are omitted"
+EXTREMES_TOO = "peak to peak values, ranges, largest and smallest values are omitted"
+VIBRATION = "friction excites a vibration"
 STATIONS_FOR_MOTIONS = 4  # on a line; two leave motions up to 28 % off ...
 STATIONS_OF_TEETH = 8  # ... and of teeth that bend six up to 11 %, four up to 30 %
 JUMP = 0.05  # of the mean between equilibria whose steps were halved as often as makes sense
@@ -74,51 +77,55 @@ def _yoke_stopped(gear: SteeringGear, signals: Signals) -> Iterator[Remark]:
         )
 
 
-def unresolved_peaks(fidelity: Fidelity, run: SceneRun, signal: str, place: str) -> Remark | None:
+def unresolved_peaks(
+    fidelity: Fidelity, run: SceneRun, signal: str, place: str
+) -> tuple[Remark, frozenset[str]] | None:
     """Return a remark on a run whose steps or whose start do not show how far its signal varies over a
-    place."""
+    place, and the metrics that it lacks for that."""
     if fidelity.solver == "closed-form" or signal not in run.signals:
         return None
     if fidelity.mesh == "general-contact":  # +23 % of the default gear's ripple, factors of other ranges
-        return Remark(
-            Code.PEAKS_UNRESOLVED,
+        text = (
             f"spheres on a grid show means; {LEFT_OUT}: they would be 20 % and more off; choose "
-            "fidelity.mesh = flank for them",
+            "fidelity.mesh = flank for them"
         )
+        return Remark(Code.PEAKS_UNRESOLVED, text), SPREADS
     ways = [each.signals for each in passes(run.signals)]
     depends = run.outcome.findings.get("start_unsettled", 0.0)
     varies = max((spread(way[signal]) for way in ways), default=0.0) / np.abs(run.signals[signal]).max()
     if depends > UNSETTLED * varies:
-        return Remark(
-            Code.PEAKS_UNRESOLVED,
+        text = (
             f"up to {depends:.2%} of the force over the first tooth pitch depends on where the motion began, "
-            f"beside a ripple of {varies:.2%}, so that peak to peak values and ranges are omitted",
+            f"beside a ripple of {varies:.2%}, so that {LEFT_OUT}"
         )
+        return Remark(Code.PEAKS_UNRESOLVED, text), SPREADS
     size = max((abs(float(np.mean(way[signal]))) for way in ways), default=0.0)
     share = max((unresolved(way[place], way[signal], size) for way in ways), default=0.0)
-    seen = f"{signal} deviates from the curve through its neighbours by up to {share:.1%} of its mean: "
     if fidelity.solver == "equilibrium":
-        seen += "the gear snaps through; equilibria cannot follow that, so "
-        return Remark(Code.PEAKS_UNRESOLVED, seen + LEFT_OUT) if share > JUMP else None
-    return _unresolved_vibration(run.outcome.findings, share, seen)
-
-
-def _unresolved_vibration(found: dict[str, Any], share: float, seen: str) -> Remark | None:
-    """The remark on a dynamic run."""
-    if (grown := found.get("vibration_grows", 0.0)) > GROWN:
-        seen = (
-            f"friction excites a vibration that grows {np.exp(min(grown, 20.0)):.3g} times over a pass and "
-            f"that the steps damp"
-        )
-    elif share > (UNRESOLVED_UNDAMPED if found.get("vibration_dies", np.inf) < DIED else UNRESOLVED):
-        seen += "vibration that the steps do not resolve"
+        why = "the gear snaps through; equilibria cannot follow that" if share > JUMP else ""
+        repair = ""
     else:
+        why = _unresolved_vibration(run.outcome.findings, share)
+        repair = "; lower fidelity.step_angle, or choose the fidelity quasi-static, which has no vibration"
+    if not why:
         return None
-    return Remark(
-        Code.PEAKS_UNRESOLVED,
-        f"{seen}, so that {LEFT_OUT}; lower fidelity.step_angle, or choose the fidelity "
-        "quasi-static, which has no vibration",
-    )
+    if not why.startswith(VIBRATION):
+        why = (
+            f"{signal} deviates from the curve through its neighbours by up to {share:.1%} of its mean: {why}"
+        )
+    text = f"{why}, so that {EXTREMES_TOO}{repair}"
+    return Remark(Code.PEAKS_UNRESOLVED, text), SPREADS | EXTREMES
+
+
+def _unresolved_vibration(found: dict[str, Any], share: float) -> str:
+    """Return what a dynamic run does not show, "" where it shows everything."""
+    if (grown := found.get("vibration_grows", 0.0)) > GROWN:
+        times = np.exp(min(grown, 20.0))
+        return f"{VIBRATION} that grows {times:.3g} times over a pass and that the steps damp"
+    undamped = found.get("vibration_dies", np.inf) < DIED
+    if share > (UNRESOLVED_UNDAMPED if undamped else UNRESOLVED):
+        return "vibration that the steps do not resolve"
+    return ""
 
 
 def part_of_pitch(gear: SteeringGear, fidelity: Fidelity, signals: Signals) -> Remark | None:

@@ -1,15 +1,18 @@
 """Plans that would end in a wrong number are not run, or repaired on request; a repair is reported."""
 
+import numpy as np
 import pytest
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.checks.before_run import breaches, work_in_zone
 from rps_exudyn.scenes.maneuver import StepLimits, maneuvers_of_test
+from rps_exudyn.scenes.remarks import unresolved_peaks
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions
+from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.simulate.run import isolated_run, run
 from rps_exudyn.simulate.run_plan import run_unchecked, run_with_fallback
@@ -44,6 +47,31 @@ def test_plan_beyond_a_limit_is_not_run_and_the_repaired_one_is_within(sentence:
         for name, value in breach.repair.items()
     }
     assert not list(breaches(gear, fidelity.replace(repairs), motion="steady"))
+
+
+def test_half_the_zone_of_friction_confirms_a_steady_motion_of_teeth_near_their_pitch_line() -> None:
+    """Teeth of nearly parallel axes slide slowly: the widest zone takes 0.2 % of their torque."""
+    gear = SteeringGear().replace({"pinion.helix_angle": "4 deg", "rack.tooth_angle": "-4 deg"})
+    right, wide = (run(TORQUE, gear, fidelity=STILL.replace({"zone_ratio": ratio})) for ratio in (0.1, 1.0))
+    assert right.status is wide.status is Status.OK
+    assert wide.summary["torque_mean"] == pytest.approx(right.summary["torque_mean"], rel=4e-4)
+
+
+def test_vibration_that_steps_do_not_show_leaves_no_largest_value() -> None:
+    """What depends on the start alone, keeps them."""
+    fidelity = Fidelity.preset("flank")
+    angle = np.linspace(0, 2 * np.pi, 61)
+    signals = {"time": angle, "pinion_angle": angle, "pinion_torque": 0.6 + 0.1 * (-1.0) ** np.arange(61)}
+    shaken = SceneRun(Outcome(Status.OK), signals)
+    found = unresolved_peaks(fidelity, shaken, "pinion_torque", "pinion_angle")
+    assert found is not None
+    assert {"yoke_force_max", "torque_peak_to_peak"} <= found[1]
+    smooth = SceneRun(Outcome(Status.OK), signals | {"pinion_torque": 0.6 + 0.01 * np.cos(6 * angle)})
+    assert unresolved_peaks(fidelity, smooth, "pinion_torque", "pinion_angle") is None
+    late = SceneRun(Outcome(Status.OK, findings={"start_unsettled": 0.01}), smooth.signals)
+    unsettled = unresolved_peaks(fidelity, late, "pinion_torque", "pinion_angle")
+    assert unsettled is not None
+    assert "yoke_force_max" not in unsettled[1]
 
 
 def test_a_zone_of_friction_takes_the_work_that_is_predicted_of_a_swing() -> None:
