@@ -50,8 +50,8 @@ Freed = Annotated[
         name="--free",
         negative=(),
         show_default=False,
-        help="PATH of a parameter that is fitted, instead of the usual ones, such as --free bush.drag; may "
-        "be repeated.",
+        help="PATH of a parameter that is fitted, instead of the usual ones, such as --free bush.drag; "
+        "bow and angle error beside them; may be repeated.",
     ),
 ]
 

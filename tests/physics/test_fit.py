@@ -18,6 +18,7 @@ from rps_exudyn.inference.fitting.fit import fit
 from rps_exudyn.inference.fitting.fitted import Estimate, Fit, shape_claims, with_others
 from rps_exudyn.inference.fitting.identifiability import LevelData, advice_of, more_runs
 from rps_exudyn.inference.fitting.nonlinear import OtherEnd
+from rps_exudyn.inference.fitting.posterior import SAMPLES
 from rps_exudyn.inference.fitting.series import read_series, write_series
 from rps_exudyn.inference.fitting.unknowns import LEVEL, NUISANCES, USUAL
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
@@ -275,14 +276,20 @@ def test_an_angle_error_is_found_with_its_sign() -> None:
     assert found.level.value == pytest.approx(true, rel=4 * LEVEL_SD + 1e-3)  # and the formula's slopes
 
 
+def test_a_runout_alone_is_fitted_with_samples_for_bands() -> None:
+    found = fit(measurement_of([measured(FREE, WHITE, np.random.default_rng(5))]), free=("pinion.runout",))
+    assert [each.path for each in found.estimates][:1] == ["pinion.runout"]
+    assert found.posterior["pinion.runout"].shape == (SAMPLES,)
+
+
 def test_a_runout_is_found_beside_a_bow() -> None:
     """Although the bow moves half the sum of both directions over the travel by more than the runout does."""
     true = {"pinion.runout": 40e-6, "pinion.runout_angle": -1.0, "rack.bow": 174e-6, "rack.bow_angle": 1.0}
     gear = true_gear().replace({**true, "test.turns": 3.8})
     noisy = with_noise(true_curve(gear, FREE), WHITE, np.random.default_rng(8))
-    free = (*USUAL, "rack.bow")
-    found = fit(measurement_of([measured_curve(noisy, FREE)]), free=free, other_law=False)
+    found = fit(measurement_of([measured_curve(noisy, FREE)]), free=("rack.bow",), other_law=False)
     assert found.converged
+    assert {*USUAL, *true} <= {each.path for each in found.estimates}  # the usual ones are never held beside
     for path, value in true.items():
         each = found.estimate(path)
         assert each.verdict is Verdict.NOT_ZERO

@@ -74,7 +74,8 @@ def fit(
     Args:
         files: measured files, "FILE" or "TEST=FILE" (`bench_tests.KINDS`); or a `Measurement`.
         gear: what is known of it; the expected values of all priors unless `priors` has others.
-        free: parameters that are fitted, of `unknowns.FREEABLE`.
+        free: parameters that are fitted, of `unknowns.FREEABLE`; bow and angle error, whose ripple preload
+            and friction scale, alone are fitted beside the usual ones.
         priors: path -> (expected value, standard deviation), SI.
         columns: quantity -> "TITLE [unit]" of files whose header does not state it.
         other_law: fit by another contact law as well, whose difference is added to the intervals.
@@ -98,6 +99,7 @@ def fit(
     began, gear = process_time(), gear or SteeringGear()
     measurement = files if isinstance(files, Measurement) else read_measurement(files, columns, gear)
     check_sizes(measurement, gear)
+    free = (*USUAL, *free) if free and {*free} <= {*CURVED} else free
     free, warnings = _tellable(measurement, gear, list(free))
     warnings += beyond_the_teeth(measurement, gear)
     problem = _problem(measurement, gear, free, priors or {})

@@ -77,7 +77,9 @@ def runout_samples(
 
 
 def _drawn(mean: np.ndarray, covariance: np.ndarray, seed: int) -> np.ndarray:
-    """Normal samples (SAMPLES, n) whose mean and covariance are exactly these."""
+    """Normal samples (SAMPLES, n) whose mean and covariance are exactly these; n may be 0."""
+    if not mean.size:
+        return np.zeros((SAMPLES, 0))
     normal = np.random.default_rng(seed).standard_normal((SAMPLES, mean.size))
     normal -= normal.mean(axis=0)
     normal = normal @ np.linalg.inv(np.linalg.cholesky(np.cov(normal.T, bias=True).reshape(mean.size, -1)).T)
