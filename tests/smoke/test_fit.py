@@ -2,11 +2,15 @@
 
 import re
 import signal
+import subprocess
+import sys
 from pathlib import Path
+from time import process_time
 
 import pytest
 
 import rps_exudyn as rps
+from rps_exudyn.simulate.cases.run_cases import cpu_time
 from shell import Command
 
 MADE_UP = Path(__file__).parents[2] / "studies" / "examples" / "measured"
@@ -112,3 +116,10 @@ def test_a_simulation_beyond_its_time_limit_is_named(command: Command, files: li
     answer = command(["fit", files[0], "--single-law", "--jobs", "1", "--time-limit", "0.1 ms"])
     assert answer.status == 2
     assert "no equilibrium at its initial guess: a run did not end" in answer.err
+
+
+def test_cpu_time_holds_that_of_processes_that_have_ended() -> None:
+    before = cpu_time(), process_time()
+    subprocess.run([sys.executable, "-c", "sum(range(20_000_000))"], check=True)
+    spent = cpu_time() - before[0]
+    assert spent > process_time() - before[1] + 0.05

@@ -143,8 +143,8 @@ def _rig(level: LevelEstimate, gear: SteeringGear) -> Iterator[str]:
         yield "the residual keeps its sign over some degrees: the noise is correlated"
     if level.drift_sd > NAMED * value:
         yield (
-            f"half the sum of both directions drifts: {100 * level.drift_sd / value:.2g} % of the level, by "
-            "warming or by the sensor"
+            f"half the sum of both directions drifts: {100 * level.drift_sd / value:.2g} % of the level, "
+            "by a bow, by warming or by the sensor"
         )
     for order, name in ((1, "a coupling or a wheel out of true"), (2, "a cardan joint or a bent coupling")):
         wave = level.own.get(order)

@@ -11,7 +11,6 @@ contact law shows what that choice changes, which is added to the intervals.
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from time import process_time
 
 import numpy as np
 
@@ -50,7 +49,7 @@ from rps_exudyn.inference.fitting.unknowns import (
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.scenes.checks.before_run import largest_angle
-from rps_exudyn.simulate.cases.run_cases import CaseRunner
+from rps_exudyn.simulate.cases.run_cases import CaseRunner, cpu_time
 
 LEAST_TURN = 0.8  # of a turn, that a curve must cover to show the runout
 LEAST_SWING = np.radians(10.0)  # of a reversal beyond its turns
@@ -96,7 +95,7 @@ def fit(
         >>> round(found.estimate("yoke.preload").value, -1)
         300.0
     """
-    began, gear = process_time(), gear or SteeringGear()
+    began, gear = cpu_time(), gear or SteeringGear()
     measurement = files if isinstance(files, Measurement) else read_measurement(files, columns, gear)
     check_sizes(measurement, gear)
     free = (*USUAL, *free) if free and {*free} <= {*CURVED} else free

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from time import process_time
 
 import numpy as np
 
@@ -40,6 +39,7 @@ from rps_exudyn.inference.fitting.unknowns import (
 )
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.judged_row import JudgedRow, Verdict
+from rps_exudyn.simulate.cases.run_cases import cpu_time
 
 UNMOVED = 0.97  # of the prior's deviation: what is left of it where the data determine nothing
 
@@ -141,7 +141,7 @@ class Fit:
         warnings: what makes the estimates doubtful.
         converged: whether the iteration reached its minimum.
         simulations: how many gears were simulated.
-        cpu_s: CPU time [s].
+        cpu_s: CPU time, of all processes [s].
         ended: where the steps ended: unknowns, measurement, priors, covariance.
         series: what the fit of the next gear may begin with.
         refusals: why nothing counts as found although its interval is narrow.
@@ -474,7 +474,7 @@ def outcome_of(ended: Ended, gear: SteeringGear, warnings: list[str], began: flo
         warnings=(*said, *([doubt] if doubt else [])),
         converged=converged,
         simulations=problem.prediction.simulations,
-        cpu_s=process_time() - began,
+        cpu_s=cpu_time() - began,
         ended=ended,
         series=Series(
             gear.mesh.contact_law,

@@ -103,6 +103,11 @@ def checked_jobs(jobs: int | None) -> int:
     return jobs
 
 
+def cpu_time() -> float:
+    """Return the CPU time of this process and of all that it has started and seen ending [s]."""
+    return sum(os.times()[:4])
+
+
 def available_processors() -> int:
     """Return the number of processors that this process may use."""
     try:
