@@ -10,12 +10,14 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
+from numbers import Integral
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import (
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     GetCoreSchemaHandler,
@@ -147,7 +149,12 @@ def accuracy_class(text: str) -> tuple[int, int] | None:
     return int(found[1]), int(found[2])
 
 
-Count = Annotated[int, Field(strict=True)]
+def _plain_integer(value: object) -> object:
+    """Return the whole number of a numpy integer, and anything else as it is."""
+    return int(value) if isinstance(value, Integral) and not isinstance(value, bool) else value
+
+
+Count = Annotated[int, BeforeValidator(_plain_integer), Field(strict=True)]
 Number = Annotated[float, Unit("", "")]
 Length = Annotated[float, Unit("m", "mm")]
 Angle = Annotated[float, Unit("rad", "deg")]

@@ -18,7 +18,7 @@ from rps_exudyn.base.errors import InputError, raise_wrapped
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status, joined_text
-from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.law_by_scene import with_law
@@ -121,7 +121,12 @@ class Batch:
         Returns:
             Values (n, m), between instants on straight lines; nan beyond what was recorded, and for gears
             that did not end ok.
+
+        Raises:
+            InputError: no signal has this name.
         """
+        if name not in SIGNALS:
+            raise InputError(f"{name!r} is no signal; `quantities` lists them, such as pinion_torque.")
         found = np.full((len(self.results), len(angle)), np.nan)
         for i, (row, result) in enumerate(zip(found, self.results, strict=True)):
             if result is None:
@@ -246,6 +251,8 @@ def rows_of(values: Mapping[str, Sequence[Any] | np.ndarray]) -> list[dict[str, 
     if len(set(lengths.values())) > 1:
         shown = ", ".join(f"{path} has {length}" for path, length in lengths.items())
         raise InputError(f"the columns of a batch differ in length: {shown}; each must have one value a row.")
+    if 0 in lengths.values():
+        raise InputError(f"{next(iter(lengths))} has no value; a batch needs at least one row.")
     columns = [np.asarray(column).tolist() for column in values.values()]
     return [dict(zip(values, row, strict=True)) for row in zip(*columns, strict=True)]
 

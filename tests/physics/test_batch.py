@@ -58,10 +58,20 @@ def test_curves_end_where_the_record_does(found: rps.Batch) -> None:
     assert np.isnan(found.curves("pinion_torque", ANGLES)[0]).tolist() == [False, False, False, True]
 
 
+def test_a_curve_of_no_signal_is_refused(found: rps.Batch) -> None:
+    with pytest.raises(InputError, match="'nonsense' is no signal"):
+        found.curves("nonsense", np.radians([0.0, 90.0]))
+
+
+def test_whole_numbers_of_numpy_are_whole_numbers() -> None:
+    assert rps.SteeringGear().replace({"pinion.teeth": np.int64(7)}).pinion.teeth == 7
+
+
 @pytest.mark.parametrize(
     ("values", "sentence"),
     [
         ({}, "no column"),
+        ({"yoke.preload": []}, "yoke.preload has no value"),
         ({"pinion.runouts": [0.0]}, "pinion.runouts is no parameter"),
         ({"pinion": [0.0]}, "pinion is a table of parameters"),
         ({"pinion.runout": [0.0, 1e-6], "yoke.preload": [300.0]}, "pinion.runout has 2, yoke.preload has 1"),

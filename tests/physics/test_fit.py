@@ -20,7 +20,7 @@ from rps_exudyn.inference.fitting.identifiability import LevelData, advice_of, m
 from rps_exudyn.inference.fitting.nonlinear import OtherEnd
 from rps_exudyn.inference.fitting.posterior import SAMPLES
 from rps_exudyn.inference.fitting.series import read_series, write_series
-from rps_exudyn.inference.fitting.unknowns import LEVEL, NUISANCES, USUAL
+from rps_exudyn.inference.fitting.unknowns import LEVEL, NUISANCES, USUAL, settings_of, unknowns_of
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.inference.uncertainty.quick_band import formula_torques
 from rps_exudyn.inference.uncertainty.samples import Samples
@@ -274,6 +274,30 @@ def test_an_angle_error_is_found_with_its_sign() -> None:
     true = (curve["value"][:half].mean() - curve["value"][half:].mean()) / 2
     assert found.level is not None
     assert found.level.value == pytest.approx(true, rel=4 * LEVEL_SD + 1e-3)  # and the formula's slopes
+
+
+def test_a_prior_of_the_runout_leaves_its_direction_to_the_curve() -> None:
+    curve = measurement_of([measured(FREE, WHITE, np.random.default_rng(5))])
+    free, held = (
+        fit(curve, free=("pinion.runout",), priors=priors, other_law=False)
+        for priors in ({}, {"pinion.runout": (40e-6, 1e-6)})
+    )
+    one, other = (each.estimate("pinion.runout_angle") for each in (free, held))
+    assert other.value == pytest.approx(one.value, abs=0.01)
+    assert held.estimate("pinion.runout").value > free.estimate("pinion.runout").value
+
+
+def test_a_prior_of_what_is_not_fitted_is_named() -> None:
+    curve = measurement_of([measured(FREE, WHITE, np.random.default_rng(5))])
+    found = fit(curve, free=("yoke.preload",), priors={"mesh.friction": (0.05, 0.001)}, other_law=False)
+    assert any("the prior of mesh.friction is not used" in each for each in found.warnings)
+
+
+def test_steps_of_contradicting_tests_end_within_what_a_gear_may_have() -> None:
+    path = "bush.drag"
+    unknowns = unknowns_of(SteeringGear(), [path], {})
+    for value in (-500.0, 500.0):
+        SteeringGear().replace(settings_of(unknowns, np.array([value])))
 
 
 def test_a_runout_alone_is_fitted_with_samples_for_bands() -> None:

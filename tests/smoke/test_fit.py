@@ -123,3 +123,9 @@ def test_cpu_time_holds_that_of_processes_that_have_ended() -> None:
     subprocess.run([sys.executable, "-c", "sum(range(20_000_000))"], check=True)
     spent = cpu_time() - before[0]
     assert spent > process_time() - before[1] + 0.05
+
+
+def test_a_file_that_is_given_twice_is_no_repeat(command: Command, files: list[str]) -> None:
+    answer = command(["fit", files[0], files[0], "--single-law"])
+    assert answer.status == 2
+    assert "is given twice for the same test" in answer.err

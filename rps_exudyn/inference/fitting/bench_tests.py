@@ -183,11 +183,15 @@ def read_measurement(
     Raises:
         InputError: files that cannot be read, all of them at once.
     """
-    curves, problems = [], []
+    curves, problems, read = [], list[str](), set[tuple[BenchTest, Path]]()
     gain = float(GearPair.of(gear or SteeringGear()).gain)
     for text in files:
         try:
             test, path = named_test(str(text))
+            if (test, Path(path).resolve()) in read:
+                problems.append(f"{path} is given twice for the same test; a repeat is a file of its own.")
+                continue
+            read.add((test, Path(path).resolve()))
             curves.append((test, read_curve(path, test.of_kind.quantities, columns, gain)))
         except InputError as error:
             problems += error.problems

@@ -101,6 +101,11 @@ def fit(
     free = (*USUAL, *free) if free and {*free} <= {*CURVED} else free
     free, warnings = _tellable(measurement, gear, list(free))
     warnings += beyond_the_teeth(measurement, gear)
+    warnings += [
+        f"the prior of {path} is not used, because it is not fitted: name it by --free, or set its value"
+        for path in priors or {}
+        if path not in free
+    ]
     problem = _problem(measurement, gear, free, priors or {})
     before = like.series if isinstance(like, Fit) else like
     if before is not None and (why := before.misfit(problem, gear.mesh.contact_law)):
@@ -264,7 +269,7 @@ def _with_runout(
     problem: Problem, gear: SteeringGear, offset: float, believed: bool, shape: Solved | None
 ) -> SteeringGear:
     """The gear with the runout that free torques show with its preload."""
-    runout = runout_in(problem, gear.yoke.preload, 0.0, offset, believed, shape)
+    runout = runout_in(problem, gear.yoke.preload, 0.0, believed, shape)
     if runout is None:
         return gear
     e_c, e_s = -runout.vector[1], -runout.vector[0]  # of -P (e_c sin + e_s cos) over the measured angle

@@ -375,7 +375,7 @@ class Ended:
 
 
 def runout_in(
-    problem: Problem, preload: float, preload_sd: float, offset: float, believed: bool, shape: Solved | None
+    problem: Problem, preload: float, preload_sd: float, believed: bool, shape: Solved | None
 ) -> Runout | None:
     """Return the runout that the free torque shows, for a preload [N]; None where it is not fitted or no turn
     was covered.
@@ -389,11 +389,14 @@ def runout_in(
         return None
     if shape is not None and not unexplained(problem, shape):
         return runout_of(replace(free[0], first=_wave_of_shape(problem, shape, preload)), preload, preload_sd)
-    prior = None
-    if believed:
-        vector = _half_sum_of(own[0].before, own[1].before, preload, offset)
-        prior = Wave(vector, preload * own[0].sd)
-    return runout_of(free[0], preload, preload_sd, prior)
+    seen = free[0].first
+    assert seen is not None
+    if not believed or not seen.size:
+        return runout_of(free[0], preload, preload_sd)
+    size = float(np.hypot(own[0].before, own[1].before))  # believed in whatever direction the curve shows
+    prior = Wave(preload * size * seen.vector / seen.size, preload * own[0].sd)
+    found = runout_of(free[0], preload, preload_sd, prior)
+    return found and replace(found, angle_sd=seen.sd / seen.size)
 
 
 def _half_sum_of(e_c: float, e_s: float, preload: float, offset: float) -> np.ndarray:
@@ -427,9 +430,7 @@ def outcome_of(ended: Ended, gear: SteeringGear, warnings: list[str], began: flo
     preload_sd = (
         float(np.sqrt(end.covariance[j, j])) if (j := _at("yoke.preload", paths)) is not None else 0.0
     )
-    runout = runout_in(
-        problem, ended.gear.yoke.preload, preload_sd, ended.offset[0], ended.believed, ended.shape
-    )
+    runout = runout_in(problem, ended.gear.yoke.preload, preload_sd, ended.believed, ended.shape)
     estimates = _levels(ended, refused)
     if runout is not None:
         estimates += _runouts(ended, runout)

@@ -17,7 +17,7 @@ from rps_exudyn.analysis.torque import mean
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.inference.fitting.bench_tests import BenchTest
-from rps_exudyn.inference.fitting.unknowns import BY_LOAD, LOAD_OF_NUISANCE, WITHOUT_YOKE
+from rps_exudyn.inference.fitting.unknowns import BY_LOAD, LARGEST, LOAD_OF_NUISANCE, WITHOUT_YOKE
 from rps_exudyn.parameters.fidelity import FOR_MEANS, MEAN_STEP, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.checks.before_run import largest_angle
@@ -154,12 +154,13 @@ def gear_in(test: BenchTest, gear: SteeringGear, nuisances: Mapping[str, float] 
     yoke."""
     changed = {}
     if nuisances and test.of_kind.weighted and (change := nuisances.get(BY_LOAD, 0.0)):
-        factor = np.exp(change * abs(test.load) / (LOAD_OF_NUISANCE * GRAVITY))
+        power = change * abs(test.load) / (LOAD_OF_NUISANCE * GRAVITY)
+        factor = np.exp(np.clip(power, -LARGEST, LARGEST))
         changed = {
             path: min(1.0, gear.value_at(path) * factor) for path in ("mesh.friction", "yoke.friction")
         }
     if nuisances and test.kind == "yoke-out" and (change := nuisances.get(WITHOUT_YOKE, 0.0)):
-        changed = {"bush.drag": gear.bush.drag * float(np.exp(change))}
+        changed = {"bush.drag": gear.bush.drag * float(np.exp(np.clip(change, -LARGEST, LARGEST)))}
     return gear.replace(changed) if changed else gear
 
 

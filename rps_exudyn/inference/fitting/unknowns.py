@@ -37,6 +37,7 @@ LEVEL = {
 tables of friction coefficients, docs/measured-curves.md."""
 
 MOST = 1.0  # of a coefficient of friction
+LARGEST = 27.0  # logarithm to which steps may lead: 1e12 [SI], or its inverse, of what curves contradict
 
 VECTORS = {"pinion.runout": Believed(20e-6, 2e-6), "rack.bow": Believed(100e-6, 5e-6)}
 """Sizes of vectors, each with the direction at `<path>_angle`; deviations of either component [m]."""
@@ -141,9 +142,8 @@ def settings_of(unknowns: list[Unknown], u: np.ndarray) -> dict[str, float]:
         if unknown.is_nuisance:
             continue
         if unknown.is_level:
-            settings[unknown.path] = min(
-                float(np.exp(value)), 1.0 if "friction" in unknown.path[-9:] else np.inf
-            )
+            most = MOST if "friction" in unknown.path[-9:] else np.inf
+            settings[unknown.path] = min(float(np.exp(np.clip(value, -LARGEST, LARGEST))), most)
         elif unknown.component == "cos" or not unknown.component:
             settings[unknown.path] = value
         elif unknown.component == "sin":
