@@ -11,6 +11,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import EXTREMES
 from rps_exudyn.results.result import Result
 from rps_exudyn.solvers import equilibrium
 from rps_exudyn.solvers.closed_form import closed_form
@@ -140,6 +141,21 @@ def test_static_friction_of_all_parts_is_overcome(ratio: float) -> None:
     laws = {f"{part}.{name}": value for part in parts for name, value in law.items()}
     found = grown(WHOLE | laws, rack="guided").summary["breakaway_torque"]
     assert found == pytest.approx(ratio * closed_form(SteeringGear()).free_torque, rel=0.01)
+
+
+def test_a_wide_zone_of_friction_leaves_no_largest_force_where_friction_lets_go() -> None:
+    gear = SteeringGear().replace({"test.steer_shape": "ramp", "test.tyre_stiffness": TYRES})
+    still = Fidelity.preset("quasi-static")
+    narrow, wide = (
+        rps.run(
+            "steering-torque", gear, fidelity=Fidelity.preset("quasi-static").replace({"zone_ratio": ratio})
+        )
+        for ratio in (0.005, 0.1)
+    )
+    assert narrow.status is wide.status is Status.OK
+    assert "yoke_force_max" in narrow.summary
+    assert not EXTREMES & wide.summary.keys()
+    assert "largest and smallest force are omitted" in wide.message
 
 
 def test_a_torque_below_friction_moves_nothing_off() -> None:
