@@ -147,9 +147,7 @@ def test_a_wide_zone_of_friction_leaves_no_largest_force_where_friction_lets_go(
     gear = SteeringGear().replace({"test.steer_shape": "ramp", "test.tyre_stiffness": TYRES})
     still = Fidelity.preset("quasi-static")
     narrow, wide = (
-        rps.run(
-            "steering-torque", gear, fidelity=Fidelity.preset("quasi-static").replace({"zone_ratio": ratio})
-        )
+        rps.run("steering-torque", gear, fidelity=still.replace({"zone_ratio": ratio}))
         for ratio in (0.005, 0.1)
     )
     assert narrow.status is wide.status is Status.OK
