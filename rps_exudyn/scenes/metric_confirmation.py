@@ -56,7 +56,8 @@ MOST_FINER = {"equilibrium": 3, "generalized-alpha": 1}
 LEAST_ROLL = 1e-6  # range of a rack that does not roll [rad]
 LATE = 0.15  # half a step of the rack's rolling, over its range: of its rate 3 % are missed
 FIRST_ORDER = 2  # times what all instants miss of a curve with kinks, half of them miss ...
-SHOWN = 0.6  # ... and the least part of it that a curve through them shows, of spikes 0.7
+SHOWN = {"equilibrium": 0.6, "generalized-alpha": 0.8}
+"""Solver -> ... and the least part of it that a curve through them shows: 0.7 of spikes of equilibria."""
 NARROW_ZONE = 0.002  # of friction, over the smallest sliding speed: it moves no metric of a swing by 3 %
 WIDE_ZONE = 0.2  # the same, above which it may change what a steady motion gives, as teeth near a pitch line
 FIRST_ORDER_SHRUNK, LEAST_SHRUNK = 0.5, 0.75  # a change over that before, by which what comes is guessed
@@ -262,11 +263,13 @@ def unresolved(metrics: Metrics, signals: Signals, values: Mapping[str, Any]) ->
     return changes(values, {name: more[name] for name in values if name in more}, signals)
 
 
-def doubts(halves: Mapping[str, Any], between: Mapping[str, Any]) -> dict[str, Any]:
+def doubts(
+    halves: Mapping[str, Any], between: Mapping[str, Any], solver: str = "equilibrium"
+) -> dict[str, Any]:
     """Return by how much a record's instants may miss metrics of a steady motion, over their tolerances: by
     what half of them change and what lies between them."""
     missed = {name: each / FIRST_ORDER for name, each in halves.items()}
-    return larger(missed, {name: each / SHOWN for name, each in between.items()})
+    return larger(missed, {name: each / SHOWN[solver] for name, each in between.items()})
 
 
 def confirmed(
@@ -308,7 +311,11 @@ def confirmed(
     @cache
     def missed(each: SceneRun) -> dict[str, float]:
         halves = doubted(metrics, each.signals, each.summary)
-        return doubts(halves, between(each)) if smooth else halves
+        return (
+            doubts(halves, between(each), each.outcome.settings.get("name", "equilibrium"))
+            if smooth
+            else halves
+        )
 
     def changed(coarse: SceneRun, fine: SceneRun) -> dict[str, float]:
         return changes(coarse.summary, fine.summary, fine.signals)
