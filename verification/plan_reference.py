@@ -155,10 +155,7 @@ def _by_solver(plan: ScenePlan, solver: str) -> tuple[dict[str, tuple[float, flo
 
     The doubt is the last change, or a quarter of that before: two lengths may agree by chance.
     """
-    scene = scene_named(plan.scene)
-    fidelity = _finer_model(plan.fidelity, solver)
-    if scene.needs_inertia:  # under impacts a chain, which friction holds at its end, yields otherwise
-        fidelity = fidelity.replace({"bush": plan.fidelity.bush})
+    fidelity, scene = _finer_model(plan, solver), scene_named(plan.scene)
     swings = scene.motion == "to and fro"  # where creep in the friction zone may move it on
     runs = []
     for times in HALVED:
@@ -175,19 +172,22 @@ def _by_solver(plan: ScenePlan, solver: str) -> tuple[dict[str, tuple[float, flo
     return {name: (fine[name], doubt(name)) for name in fine.keys() & coarse.keys()}, ""
 
 
-def _finer_model(model: Fidelity, solver: str) -> Fidelity:
+def _finer_model(plan: ScenePlan, solver: str) -> Fidelity:
+    """The plan's model, finer; a chain of segments is condensed but under impacts, where friction holds its
+    end and it yields otherwise."""
+    model = plan.fidelity
+    as_given = model.bush == "rigid" or scene_named(plan.scene).needs_inertia
     finer = {
         "mesh": "flank",
-        "zone_ratio": min(model.zone_ratio, NARROW_ZONE),
         "strip_stations": int(np.clip(2 * model.strip_stations, *STATIONS_OF_FINER)),
         "strip_points": min(model.strip_points + 2, STATIONS["strip_points"]),
         "step_angle": float(np.clip(model.step_angle, *STEPS_OF_FINER[solver])),
         "tolerance": min(model.tolerance, LARGEST_TOLERANCE),
         "torque_tolerance": 0.0,
-        "bush": "rigid" if model.bush == "rigid" else "condensed",
+        "bush": model.bush if as_given else "condensed",
         "solver": solver,
     }
-    return model.replace(finer)
+    return _with_narrow_zone(model.replace(finer))
 
 
 def _has_state(plan: ScenePlan) -> bool:
@@ -206,8 +206,7 @@ def reference_forces(plan: ScenePlan, load: float = 0.0) -> GearForces:
 def _turned(plan: ScenePlan) -> Expected:
     test = plan.gear.test
     load = test.direction * GRAVITY * test.load_mass if plan.scene == "load-test" else 0.0
-    narrow = {"zone_ratio": min(plan.fidelity.zone_ratio, NARROW_ZONE)}
-    forces = reference_forces(replace(plan, fidelity=plan.fidelity.replace(narrow)), load)
+    forces = reference_forces(replace(plan, fidelity=_with_narrow_zone(plan.fidelity)), load)
     courses = passes_of(plan)[: None if plan.scene == "rack-push" else 1]  # whose mean is the figure
     found = [_along(plan, forces, course) for course in courses]
     senses = [course.sense if plan.scene == "rack-push" else 1 for course in courses]

@@ -106,7 +106,7 @@ def run_and_confirm(
     run = first or run_maneuver(gear, fidelity, maneuvers, options)
     by_equilibria = fidelity.solver == "equilibrium"  # which confirm their strips themselves
     coarse = steady and not by_equilibria and coarse_strips(run.signals, fidelity, gear)
-    wide = steady and fidelity.solver != "closed-form" and fidelity.zone_ratio > WIDE_ZONE
+    wide = steady and fidelity.zone_ratio > WIDE_ZONE
     if by_equilibria:
         always = always or (steady and bool(run.signals) and bool(rolls_late(run.signals) > LATE))
     else:
@@ -311,11 +311,9 @@ def confirmed(
     @cache
     def missed(each: SceneRun) -> dict[str, float]:
         halves = doubted(metrics, each.signals, each.summary)
-        return (
-            doubts(halves, between(each), each.outcome.settings.get("name", "equilibrium"))
-            if smooth
-            else halves
-        )
+        if not smooth:
+            return halves
+        return doubts(halves, between(each), each.outcome.settings.get("name", "equilibrium"))
 
     def changed(coarse: SceneRun, fine: SceneRun) -> dict[str, float]:
         return changes(coarse.summary, fine.summary, fine.signals)

@@ -24,7 +24,6 @@ UNRESOLVED_UNDAMPED = 0.015  # ... or else steps may miss no more of the mean th
 UNSETTLED = 0.05  # of the force's variation, which may depend on where the motion began
 LEFT_OUT = "peak to peak values and ranges are omitted"
 EXTREMES_TOO = "peak to peak values, ranges, largest and smallest values are omitted"
-VIBRATION = "friction excites a vibration"
 STATIONS_FOR_MOTIONS = 4  # on a line; two leave motions up to 28 % off ...
 STATIONS_OF_TEETH = 8  # ... and of teeth that bend six up to 11 %, four up to 30 %
 JUMP = 0.05  # of the mean between equilibria whose steps were halved as often as makes sense
@@ -101,30 +100,28 @@ def unresolved_peaks(
         return Remark(Code.PEAKS_UNRESOLVED, text), SPREADS
     size = max((abs(float(np.mean(way[signal]))) for way in ways), default=0.0)
     share = max((unresolved(way[place], way[signal], size) for way in ways), default=0.0)
+    seen = f"{signal} deviates from the curve through its neighbours by up to {share:.1%} of its mean: "
     if fidelity.solver == "equilibrium":
-        why = "the gear snaps through; equilibria cannot follow that" if share > JUMP else ""
+        why = f"{seen}the gear snaps through; equilibria cannot follow that" if share > JUMP else ""
         repair = ""
     else:
-        why = _unresolved_vibration(run.outcome.findings, share)
+        why = _unresolved_vibration(run.outcome.findings, share, seen)
         repair = "; lower fidelity.step_angle, or choose the fidelity quasi-static, which has no vibration"
     if not why:
         return None
-    if not why.startswith(VIBRATION):
-        why = (
-            f"{signal} deviates from the curve through its neighbours by up to {share:.1%} of its mean: {why}"
-        )
-    text = f"{why}, so that {EXTREMES_TOO}{repair}"
-    return Remark(Code.PEAKS_UNRESOLVED, text), SPREADS | EXTREMES
+    return Remark(Code.PEAKS_UNRESOLVED, f"{why}, so that {EXTREMES_TOO}{repair}"), SPREADS | EXTREMES
 
 
-def _unresolved_vibration(found: dict[str, Any], share: float) -> str:
+def _unresolved_vibration(found: dict[str, Any], share: float, seen: str) -> str:
     """Return what a dynamic run does not show, "" where it shows everything."""
     if (grown := found.get("vibration_grows", 0.0)) > GROWN:
         times = np.exp(min(grown, 20.0))
-        return f"{VIBRATION} that grows {times:.3g} times over a pass and that the steps damp"
+        return (
+            f"friction excites a vibration that grows {times:.3g} times over a pass and that the steps damp"
+        )
     undamped = found.get("vibration_dies", np.inf) < DIED
     if share > (UNRESOLVED_UNDAMPED if undamped else UNRESOLVED):
-        return "vibration that the steps do not resolve"
+        return f"{seen}vibration that the steps do not resolve"
     return ""
 
 

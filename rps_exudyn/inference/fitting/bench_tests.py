@@ -188,10 +188,10 @@ def read_measurement(
     for text in files:
         try:
             test, path = named_test(str(text))
-            if (test, Path(path).resolve()) in read:
+            if (given := (test, path.resolve())) in read:
                 problems.append(f"{path} is given twice for the same test; a repeat is a file of its own.")
                 continue
-            read.add((test, Path(path).resolve()))
+            read.add(given)
             curves.append((test, read_curve(path, test.of_kind.quantities, columns, gain)))
         except InputError as error:
             problems += error.problems
