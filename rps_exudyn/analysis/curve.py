@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -19,8 +20,7 @@ class Curve:
     @property
     def pieces(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         """Time and values of each piece."""
-        joints = np.flatnonzero(np.diff(self.time) <= 0) + 1
-        return zip(np.split(self.time, joints), np.split(self.values, joints), strict=True)
+        return ((self.time[part], self.values[part]) for part in pieces_of(self.time))
 
     def over(self, grids: Sequence[np.ndarray], smooth: bool = True) -> np.ndarray:
         """Values at given times [s], a grid for each piece, one after the other.
@@ -34,6 +34,12 @@ class Curve:
             else:
                 found.append(np.interp(grid, time, values))
         return np.concatenate(found)
+
+
+def pieces_of(time: np.ndarray) -> Iterator[slice]:
+    """Yield the instants of each piece of a record, over which time (n,) rises: of each maneuver."""
+    begins = np.concatenate([[0], np.flatnonzero(np.diff(time) <= 0) + 1, [time.size]])
+    return (slice(i, j) for i, j in pairwise(begins.tolist()))
 
 
 def durations(time: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ friction, a swing from another cycle before. What still changes, or is not resol
 left out, and a run whose own figure changes, or whose finer run fails, is invalid.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
@@ -16,19 +16,23 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.analysis.curve import midpoints_added
+from rps_exudyn.analysis.curve import midpoints_added, pieces_of
 from rps_exudyn.analysis.passes import at_instants
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Remark, Status
 from rps_exudyn.results.quantities import (
     ANOTHER_CYCLE,
+    EXTREMES,
+    LEAST_SHARE,
     LOSS_SHARES,
     NEEDS_STATIONS,
     OF_ONE_WHOLE,
     OTHER,
+    RACK_RANGES,
     SCATTERED,
     SCATTERS,
+    SIGNALS,
     SPREADS,
     SUMMARY,
     WANDERING,
@@ -36,6 +40,12 @@ from rps_exudyn.results.quantities import (
     Quantity,
 )
 from rps_exudyn.scenes.checks.needs_finer import coarse_strips, doubled_stations
+from rps_exudyn.scenes.checks.neglected_inertia import (
+    FREE_OF_RANGES,
+    MovedMasses,
+    beside_travel,
+    with_inertia,
+)
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.remarks import few_stations, part_of_pitch, unresolved_peaks
@@ -51,6 +61,12 @@ Metrics = Callable[[Signals], dict[str, Any]]
 TORQUES = "torque_mean", "feel_running_torque", "torque_forward", "torque_jump", "breakaway_torque"
 """Metrics, the first of which that a run has is the size of its torque, unless rubbing teeth take more."""
 RUBBING = 0.1  # coefficient of friction by which the force on the teeth gives a run its sizes
+DRIVES = {
+    "pinion_torque": {name for name in SPREADS | EXTREMES if name.startswith("torque_")}
+    - {"torque_tooth_order"},
+    "rack_force": {"push_force_peak_to_peak"},
+}
+"""Signal of a drive -> metrics of how it varies."""
 MOST_FINER = {"equilibrium": 3, "generalized-alpha": 1}
 """Solver -> times that the steps of a motion are halved for its metrics; formulas have none."""
 LEAST_ROLL = 1e-6  # range of a rack that does not roll [rad]
@@ -119,6 +135,8 @@ def run_and_confirm(
     run = with_stations_enough(run, gear, fidelity)
     if not steady:
         return run
+    if by_equilibria and run.ok:
+        run = without_neglected(run, asked, figure, MovedMasses.of(gear))
     drive = maneuvers[0].drive
     place = "pinion_angle" if drive.body == "pinion" else "rack_displacement"
     unseen = unresolved_peaks(fidelity, run, drive.signal, place)
@@ -131,6 +149,27 @@ def with_stations_enough(run: SceneRun, gear: SteeringGear, fidelity: Fidelity) 
     """Return a run without the small metrics for which its stations on a line of contact are too few."""
     remark = few_stations(gear, fidelity) if NEEDS_STATIONS & run.summary.keys() else None
     return run.noting(remark).without(NEEDS_STATIONS) if remark else run
+
+
+def without_neglected(run: SceneRun, metrics: Metrics, figure: str, masses: MovedMasses) -> SceneRun:
+    """Return equilibria of steady motion without the metrics that inertia would change, which they leave out;
+    invalid if their figure is one of them."""
+    change = _beyond(by_inertia(metrics, run.signals, run.summary, masses), KINKED)
+    if not change:
+        return run
+    if figure in change:
+        text = f"the motion is too fast for equilibria: inertia changes {_all_shown(change)}"
+        return run.invalid(Code.TURN_TOO_FAST, f"{text}; choose generalized-alpha")
+    return run.without(with_wholes(change)).noting(inertia_matters(change))
+
+
+def inertia_matters(change: Mapping[str, float]) -> Remark:
+    """Return the remark on metrics that need inertia, metric -> what that may change over its tolerance."""
+    return Remark(
+        Code.METRIC_NOT_CONFIRMED,
+        f"omitted metrics that inertia, which equilibria leave out, may change: {_all_shown(change)}; choose "
+        "the solver generalized-alpha for them",
+    )
 
 
 def with_finer_friction(fidelity: Fidelity, halvings: int) -> Fidelity:
@@ -209,16 +248,12 @@ def figure_changes(metrics: Metrics, figure: str, run: SceneRun, later: SceneRun
     return float(change.get(figure, 0.0))
 
 
-def _parts(time: np.ndarray) -> Iterator[slice]:
-    """Yield the instants of each maneuver of a record."""
-    begins = np.concatenate([[0], np.flatnonzero(np.diff(time) <= 0) + 1, [time.size]])
-    return (slice(i, j) for i, j in pairwise(begins.tolist()))
-
-
 def every_second(signals: Signals, stride: int = 2) -> Signals:
     """Return a record of every second instant (..., n) of each of its maneuvers, their ends kept; or of one
     in `stride`."""
-    parts = [np.append(np.arange(i.start, i.stop - 1, stride), i.stop - 1) for i in _parts(signals["time"])]
+    parts = [
+        np.append(np.arange(i.start, i.stop - 1, stride), i.stop - 1) for i in pieces_of(signals["time"])
+    ]
     kept = np.concatenate(parts)
     return {name: at_instants(values, kept) for name, values in signals.items()}
 
@@ -226,7 +261,7 @@ def every_second(signals: Signals, stride: int = 2) -> Signals:
 def with_midpoints(signals: Signals) -> Signals:
     """Return a record (..., n) with an instant more between any two of a maneuver, on the curve through those
     around it."""
-    parts = list(_parts(signals["time"]))
+    parts = list(pieces_of(signals["time"]))
     return {
         name: np.concatenate([midpoints_added(values[..., part]) for part in parts], axis=-1)
         for name, values in signals.items()
@@ -240,7 +275,7 @@ def rolls_late(signals: Signals) -> Any:
     if "rack_roll" not in signals:
         return late
     roll = signals["rack_roll"]
-    for part in _parts(signals["time"]):
+    for part in pieces_of(signals["time"]):
         steps = np.ptp(np.diff(roll[..., part]), axis=-1)
         late = np.maximum(late, steps / 2 / np.maximum(np.ptp(roll[..., part], axis=-1), LEAST_ROLL))
     return late
@@ -261,6 +296,32 @@ def unresolved(metrics: Metrics, signals: Signals, values: Mapping[str, Any]) ->
     tolerances: extremes may lie there, and vibration from instant to instant swings on."""
     more = metrics(with_midpoints(signals))
     return changes(values, {name: more[name] for name in values if name in more}, signals)
+
+
+def by_inertia(
+    metrics: Metrics, signals: Signals, values: Mapping[str, Any], masses: MovedMasses
+) -> dict[str, Any]:
+    """Return by how much inertia, which equilibria leave out, changes metrics of a steady motion, over their
+    tolerances; {} where it is too small to change any.
+
+    Means and orders change as the drive does that overcomes the inertia along the travel. What varies changes
+    by so much at most, and by the share of the drive by which inertia beside the travel changes the yoke's
+    force.
+    """
+    drive = next((name for name in DRIVES if name in signals), "")
+    if not drive or "mesh_normal_force" not in signals:
+        return {}
+    beside, _ = beside_travel(signals, masses)
+    added = with_inertia(signals, masses)
+    most = np.ptp(added[drive] - signals[drive], axis=-1) + beside * np.abs(signals[drive]).mean(axis=-1)
+    unnoticed = KINKED * OTHER * LEAST_SHARE * sizes(signals)[SIGNALS[drive].unit]
+    if not np.any((most > unnoticed) | (beside > KINKED * FREE_OF_RANGES)):
+        return {}
+    varying = [name for name in values if name in DRIVES[drive]]
+    at_most = changes(values, {name: values[name] + most for name in varying}, signals)
+    found = changes(values, metrics(added), signals)
+    found |= {name: KINKED * at_most[name] for name in varying}
+    return found | {name: beside / FREE_OF_RANGES for name in RACK_RANGES if name in values}
 
 
 def doubts(

@@ -20,15 +20,19 @@ from rps_exudyn.results.outcome import Remark
 from rps_exudyn.results.quantities import NEEDS_STATIONS
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.before_run import refused
+from rps_exudyn.scenes.checks.neglected_inertia import FREE_OF_YOKE, MovedMasses, beside_travel, of_many
 from rps_exudyn.scenes.maneuver import StepLimits
 from rps_exudyn.scenes.metric_confirmation import (
     AGREED,
+    KINKED,
     LATE,
     MOST_FINER,
+    by_inertia,
     changes,
     doubted,
     doubts,
     every_second,
+    inertia_matters,
     larger,
     not_confirmed,
     rolls_late,
@@ -38,15 +42,17 @@ from rps_exudyn.scenes.metric_confirmation import (
 from rps_exudyn.scenes.remarks import few_stations, remarks
 from rps_exudyn.scenes.scene import SteadyTest, Turned
 from rps_exudyn.scenes.scene_run import Signals, one_after_another
-from rps_exudyn.simulate.family import Family, FamilyRecord, is_alike
+from rps_exudyn.simulate.family import SAFE, Family, FamilyRecord, is_alike
 from rps_exudyn.solvers.many_gears import RUNOUT, RUNOUT_ANGLE, Table, packed, packed_table
 from rps_exudyn.solvers.record import WHERE_DAMPED
 from rps_exudyn.solvers.temperature_and_wear import is_new
 
 FEWEST = 2  # gears for each that is followed to learn from: with fewer single runs are quicker
 AT_ONCE = 100_000  # instants of gears whose signals are held at once
+UNCLEAR = 0.2  # of what inertia may change: where the gear in the middle has more, each has its own masses
 WEIGHT = "test.load_mass"
 TABLES = ("basic_rack", "pinion", "rack", "installation", "yoke", "bush", "bearing", "mesh")
+WITH_MASS = ("basic_rack", "pinion", "rack", "bush")
 NOT_NUMBERS = (
     *("rack.bow", "rack.side_force", "rack.side_angle", "rack.travel"),
     *("installation.gravity", "installation.gravity_angle", "installation.gravity_slope"),
@@ -159,6 +165,7 @@ class Common:
         rows: of the table, of gears that can exist, (n,).
         records: their constants, (n,).
         figure: the metric without which a gear is left to a single run.
+        alike: whether all have the same masses.
         halved: how often steps are halved -> the same in those; None if the gear in the middle is not found.
         halvings: how often they are halved here.
     """
@@ -169,6 +176,7 @@ class Common:
     rows: np.ndarray
     records: np.ndarray
     figure: str
+    alike: bool
     halved: Callable[[int], "Common | None"]
     halvings: int = 0
 
@@ -200,8 +208,8 @@ class Common:
                 if family is None:
                     return None
                 families.append(family)
-            figure = scene_named(scene).figure
-            return cls(test, families, len(maneuvers), rows, records, figure, halved, times)
+            figure, alike = scene_named(scene).figure, not any(path.startswith(WITH_MASS) for path in table)
+            return cls(test, families, len(maneuvers), rows, records, figure, alike, halved, times)
 
         return halved(0)
 
@@ -358,6 +366,28 @@ class _Followed:
         halves = doubted(self.metrics, self.signals, self.summary)
         return self.is_off(doubts(halves, self.unresolved()))
 
+    def by_inertia(self) -> tuple[dict[str, np.ndarray], np.ndarray]:
+        """Return by how much inertia changes metrics, over their tolerances, and which share of the yoke's
+        force it is most of the time, beside the travel, (n,) each."""
+
+        def judged(these: _Followed, masses: MovedMasses) -> tuple[dict[str, np.ndarray], np.ndarray]:
+            changed = by_inertia(these.metrics, these.signals, these.summary, masses)
+            _, usual = beside_travel(these.signals, masses)
+            return {name: np.broadcast_to(each, usual.shape) for name, each in changed.items()}, usual
+
+        preload = np.array([gear.yoke.preload for gear in self.gears])[:, None]
+        middle = MovedMasses.of(self.common.families[0].gear)
+        found, usual = judged(self, replace(middle, gain=self.gain[:, None], preload=preload))
+        unclear = (self._worst(found) > UNCLEAR) | (usual > UNCLEAR * FREE_OF_YOKE)
+        if self.common.alike or not unclear.any():
+            return found, usual
+        some = self.some(unclear)
+        own, usual[unclear] = judged(some, of_many([MovedMasses.of(gear) for gear in some.gears]))
+        of_all = {name: np.zeros(len(self.gears)) for name in own}
+        for name, each in own.items():
+            of_all[name][unclear] = each
+        return of_all, usual
+
     def change(self, finer: "_Followed") -> dict[str, np.ndarray]:
         """Return by how much metrics change from here to a finer run, over their tolerances."""
         return changes(self.summary, finer.summary, finer.signals)
@@ -379,11 +409,14 @@ class _Followed:
         if not self.gears:
             return NO_GEARS
         beyond = {name: np.broadcast_to(each, len(self.gears)) for name, each in change.items()}
-        stands = beyond.get(self.common.figure, np.zeros(len(self.gears))) <= 1
+        neglected, usual = self.by_inertia()
+        changed = larger(beyond, {name: each / KINKED for name, each in neglected.items()})
+        figure = changed.get(self.common.figure, np.zeros(len(self.gears)))
+        stands = (figure <= 1) & (usual < SAFE * FREE_OF_YOKE)
         if not stands.all():
             return self.some(stands).described({name: each[stands] for name, each in beyond.items()})
         summary = dict(self.summary)
-        wholes = with_wholes(beyond)
+        wholes = with_wholes(changed)
         for name in summary.keys() & wholes.keys():
             summary[name] = np.where(wholes[name] > 1, np.nan, summary[name])
         few = few_stations(self.common.families[0].gear, self.common.families[0].fidelity)
@@ -393,7 +426,9 @@ class _Followed:
         of_limits, of_test = _remarks(self.gears, self.signals), self.common.test.remarks
         for i, (limits, own) in enumerate(zip(of_limits, of_test(self.turned(self.signals)), strict=True)):
             left = {name: float(each[i]) for name, each in beyond.items() if each[i] > 1}
-            noted.append([*([not_confirmed(left)] if left else []), *([few] if few else []), *limits, *own])
+            shaken = {name: float(each[i]) for name, each in neglected.items() if each[i] > KINKED}
+            first = [*([not_confirmed(left)] if left else []), *([few] if few else [])]
+            noted.append([*first, *([inertia_matters(shaken)] if shaken else []), *limits, *own])
         if self.common.test.formulas is not None:
             figures = [self.common.test.formulas(each) for each in self.gears]
             for name in dict.fromkeys(name for own in figures for name in own):

@@ -24,7 +24,9 @@ from numpy.polynomial.legendre import leggauss
 from rps_exudyn.analysis.efficiency import LoadTest
 from rps_exudyn.forces.bush import bush_chain, housing_station, lateral_stiffness
 from rps_exudyn.forces.yoke import seat_under
+from rps_exudyn.gears.bar_section import mass_and_moments
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
 
 GRAVITY = 9.80665  # [m/s^2]
@@ -181,15 +183,18 @@ def runout_harmonics(gear: SteeringGear) -> tuple[float, float]:
 
     The eccentric gear lifts the rack by e cos(phi), against the yoke's spring k and what holds the rack
     straight (`tilting_stiffness` k_t, which loads the teeth alone), and shifts it by
-    e sin(phi) cos(beta_p) / cos(beta_r), which takes work of the drag D:
-    T = T_0 + (dT_0/dP k e + dT_mesh/dP k_t e + D e cos(beta_p) / cos(beta_r)) cos(phi) - P e sin(phi).
+    x = e sin(phi) cos(beta_p) / cos(beta_r), which takes work of the drag D and, at the speed w of the test,
+    accelerates the mass m of the rack:
+    T = T_0 + (dT_0/dP k e + dT_mesh/dP k_t e) cos(phi) + D dx/dphi - P e sin(phi) - s' m w^2 x.
     """
     pair, yoke, e = GearPair.of(gear), gear.yoke, gear.pinion.runout
     drag = bush_drag(gear) + seat_under(gear).wedge * yoke.friction * yoke.preload
     by_lift = torque_per_preload(gear) * yoke.spring_rate * e
     by_tilt = mesh_torque_per_force(gear) * tilting_stiffness(gear) * e if e else 0.0
-    by_shift = drag * e * np.cos(pair.beta_p) / np.cos(pair.beta_r)
-    return float(by_lift + by_tilt + by_shift), -yoke.preload * e
+    shift = e * np.cos(pair.beta_p) / np.cos(pair.beta_r)
+    mass = mass_and_moments(RackBar.of(gear), gear.rack.density)[0] if e else 0.0
+    by_inertia = pair.gain * mass * gear.test.speed**2 * shift
+    return float(by_lift + by_tilt + drag * shift), float(-yoke.preload * e - by_inertia)
 
 
 def tilting_stiffness(gear: SteeringGear) -> float:

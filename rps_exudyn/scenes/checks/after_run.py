@@ -13,13 +13,12 @@ from rps_exudyn.analysis.curve import every_second, lag
 from rps_exudyn.analysis.passes import first_angle
 from rps_exudyn.analysis.work_balance import largest_work, missing_work
 from rps_exudyn.forces.force_element import ENERGY_TERMS, Part
-from rps_exudyn.gears.bar_section import mass_and_moments
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_limits import largest_lift
-from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Outcome, Status
 from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.scenes.checks.neglected_inertia import turn_slow
 from rps_exudyn.solvers.equilibrium import Start
 from rps_exudyn.solvers.record import Record, contact_disagreement
 from rps_exudyn.tooth_contact.mean_depth import mean_depth, rack_approach
@@ -90,7 +89,7 @@ def _of_a_whole_record(
         *([] if friction_zone is None or record.settled else [settled(signals, gear)]),
         start_settled(record.start, signals, gear),
         *([] if friction_zone is None or not equilibria else [rolling_followed(signals, gear)]),
-        *([turn_slow(record, signals, gear)] if equilibria and friction_zone is not None else []),
+        *([turn_slow(signals, gear)] if equilibria and friction_zone is not None else []),
         contact_agreed(contact_disagreement(record)),
         spheres_enough(record, _on_an_edge(gear, signals)),
         spheres_in_place(record, gear, signals),
@@ -375,46 +374,3 @@ def _is_small(work: float, bound: float, signals: dict[str, np.ndarray]) -> bool
 def least_work(signals: dict[str, np.ndarray]) -> float:
     """Return the work below which none counts [J]."""
     return MISSED_TORQUE * float(np.abs(np.diff(signals["pinion_angle"])).sum()) + ROUNDING
-
-
-# --- The inertia that equilibria leave out in steady motion: of how the rack moves besides its travel
-#
-# Runout and errors move a rack all the time; what its inertia presses on the yoke works like preload.
-
-FREE_OF_YOKE = 0.02
-"""Of the yoke's force in steady motion, most of the time, for jumps of a rack that turns over are short.
-
-Of some hundred random plans it is above in two, whose mean or least force on the yoke is 3 to 10 % off, and
-in none that is right.
-"""
-
-YOKE_OF_TEETH = 0.1
-"""Of the teeth's mean normal force, that a yoke without preload is taken to carry."""
-
-
-def free_inertia(record: Record, gear: SteeringGear) -> np.ndarray:
-    """Return the inertia forces on the rack besides those along its travel, moments over the distance of what
-    holds the rack against them, at even instants of a record [N], shape (t, 5)."""
-    mass, moments = mass_and_moments(RackBar.of(gear), gear.rack.density)
-    levers = np.array([gear.rack.bar_diameter / 2, gear.bush.distance, gear.bush.distance])
-    masses = np.concatenate([[mass, mass], moments / levers])
-    # at even instants: over shorter steps the rack turns over with a larger acceleration
-    steps = int(np.ceil(2 * np.ptp(record.time) / np.diff(record.time).max()))
-    even = np.linspace(record.time[0], record.time[-1], steps + 1)
-    rates = np.column_stack([np.interp(even, record.time, each) for each in record.of_rates("rack")[:, 1:].T])
-    return np.asarray(masses * np.gradient(rates, even, axis=0))
-
-
-def turn_slow(record: Record, signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
-    """Check that equilibria along steady motion miss little of the inertia of how the rack moves besides."""
-    if "mesh_normal_force" not in signals:
-        return
-    usual = float(np.median(np.abs(free_inertia(record, gear)), axis=0).max())
-    yoke = max(gear.yoke.preload, YOKE_OF_TEETH * float(np.mean(signals["mesh_normal_force"])))
-    if usual > FREE_OF_YOKE * yoke:
-        yield (
-            Status.INVALID,
-            Code.TURN_TOO_FAST,
-            f"the motion is too fast for equilibria: the inertia of the rack's motions beside its travel is "
-            f"{usual / yoke:.1%} of the yoke's force (limit {FREE_OF_YOKE:.0%}); choose generalized-alpha",
-        )
