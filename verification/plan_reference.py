@@ -138,11 +138,7 @@ def finer_metrics(plan: ScenePlan) -> dict[str, tuple[float, float]]:
         found, cause = _by_solver(plan, solver)
         causes.append(cause)
         if still and solver == "generalized-alpha":
-            found = {
-                name: each
-                for name, each in found.items()
-                if name not in SPREADS and not (scene.steady and name.endswith(EXTREMES))
-            }
+            found = {name: each for name, each in found.items() if scene.steady or name not in SPREADS}
         right = found | right
     if not right:
         raise NotFoundError("; ".join(causes))

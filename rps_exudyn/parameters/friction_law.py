@@ -74,6 +74,11 @@ class FrictionLaw(Table):
         """Static over kinetic friction, less 1."""
         return self.static_ratio - 1.0 if self.facts.falls else 0.0
 
+    @property
+    def varies_with_load(self) -> bool:
+        """Whether it is not proportional to the normal force."""
+        return False
+
 
 def check_friction_laws(parts: Mapping[str, FrictionLaw], mesh: str) -> None:
     """Check that a model of the mesh has the laws of a gear's parts.
@@ -106,6 +111,11 @@ class LoadedFrictionLaw(FrictionLaw):
         ge=0.5,
         le=1.5,
     )
+
+    @property
+    def varies_with_load(self) -> bool:
+        """Whether it is not proportional to the normal force."""
+        return self.facts.falls and self.load_exponent != 1.0
 
 
 # --- files of earlier versions

@@ -21,6 +21,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import begin_part
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS, FrictionLaw
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import law_of_formulas
 from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Remark, Status
@@ -55,6 +56,7 @@ from rps_exudyn.solvers.record import (
     under_torque,
 )
 from rps_exudyn.solvers.settled_start import joined_instants, settled_behind, settled_start
+from rps_exudyn.solvers.sliding_stability import presliding_angle
 from rps_exudyn.solvers.steering_column import (
     BehindColumn,
     ColumnModel,
@@ -74,6 +76,7 @@ RETURNED = 3e-3  # ... if each motion of the rack beside its travel returns, but
 LEAST_RANGE = 1e-7  # of such a motion, below which it is none [m]
 UNDER_TORQUE = 0.1  # of the tolerance where a torque is given, for what is left over would hold the gear
 UNEVEN = Swing, SetOff, WheelTorque  # drives under which friction turns about
+TURNING_ABOUT = 0.005  # of the way between reversals: bristles take five times that of the work
 NOT_CURED_BY_STEPS = {
     Code.TURN_TOO_FAST,
     Code.BEYOND_LAW,
@@ -459,9 +462,7 @@ def by_formula(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, optio
     if maneuver.pulse is not None:
         raise InputError("fidelity.solver is closed-form, which has no pulses; use generalized-alpha.")
     start = process_time()
-    beyond = beyond_formulas(gear)
-    if gear.bush.viscous_drag and np.ptp(np.abs(maneuver.drive.rate(maneuver.time))) > 0:
-        beyond = beyond or "the formulas take bush.viscous_drag at a constant speed"
+    beyond = beyond_formulas(gear) or beyond_formulas_in(gear, maneuver)
     signals = _turned(gear, maneuver) if maneuver.drive.body == "pinion" else _pushed(gear, maneuver)
     outcome = Outcome(
         Status.INVALID if beyond else Status.OK,
@@ -472,6 +473,22 @@ def by_formula(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, optio
         settings={"name": "closed-form"},
     )
     return SceneRun(outcome, signals).noting(_other_law(gear))
+
+
+def beyond_formulas_in(gear: SteeringGear, maneuver: Maneuver) -> str:
+    """Return why the formulas, which hold for this gear, do not in this maneuver; "" where they do."""
+    if gear.bush.viscous_drag and np.ptp(np.abs(maneuver.drive.rate(maneuver.time))) > 0:
+        return "the formulas take bush.viscous_drag at a constant speed"
+    laws: dict[str, FrictionLaw] = {part: getattr(gear, part) for part in RUBBING_PARTS}
+    turning = presliding_angle(gear) / np.ptp(maneuver.drive.place(maneuver.time))
+    if turning > TURNING_ABOUT and not maneuver.is_steady:
+        return (
+            f"the formulas have no bristles, which turn about over {turning:.1%} of the way between reversals"
+        )
+    by_load = [f"{part}.load_exponent" for part, law in laws.items() if law.varies_with_load]
+    if by_load and (maneuver.rack_load or maneuver.drive.body == "rack"):
+        return f"the formulas take friction under the yoke's preload alone, without {', '.join(by_load)}"
+    return ""
 
 
 def _other_law(gear: SteeringGear) -> Remark | None:

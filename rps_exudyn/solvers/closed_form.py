@@ -27,11 +27,14 @@ from rps_exudyn.forces.yoke import seat_under
 from rps_exudyn.gears.bar_section import mass_and_moments
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS, FrictionLaw
 from rps_exudyn.parameters.gear import SteeringGear
 
 GRAVITY = 9.80665  # [m/s^2]
 _RULE = leggauss(24)  # over each side of the pitch point
 Y = np.array([0.0, 1.0, 0.0])
+LEVERS = 5  # Gauss points along the path of contact, of its friction's levers
+LEAST_SURPLUS = 0.01  # of the torque, that friction which is larger at rest adds
 
 
 @dataclass(frozen=True)
@@ -132,8 +135,14 @@ def beyond_formulas(gear: SteeringGear) -> str:
         "pinion.profile_slope": pinion.profile_slope,
         "pinion.lead_error": pinion.lead_error,
     }
-    given = [path for path, value in unknown.items() if value]
-    return f"the formulas leave out {', '.join(given)}" if given else ""
+    if given := [path for path, value in unknown.items() if value]:
+        return f"the formulas leave out {', '.join(given)}"
+    if (surplus := static_surplus(gear)) > LEAST_SURPLUS:
+        return (
+            f"the formulas leave out that friction is larger at rest: at the sliding speeds of the test that "
+            f"adds {surplus:.1%} to the torque"
+        )
+    return ""
 
 
 # --- parts ---------------------------------------------------------------------------------------
@@ -218,6 +227,53 @@ def unloading_force(gear: SteeringGear, direction: int = +1) -> float:
     drive = _mean_force(gear, -1, direction).force
     plunger = seat_under(gear).wedge * gear.yoke.friction * gear.yoke.preload
     return float(gear.yoke.preload * drive[0] / drive[1] - direction * (bush_drag(gear) + plunger))
+
+
+# --- what slides ---------------------------------------------------------------------------------
+# Each part slides with its lever times the pinion's speed: the teeth with the levers of their friction along
+# the path of contact, evenly loaded, plunger and bush with the rack, the bearing with the shaft.
+
+
+def sliding_parts(gear: SteeringGear) -> list[tuple[FrictionLaw, float, float]]:
+    """Return law, torque [N m] and lever [m] of what rubs, free of load towards the test's direction."""
+    pair = GearPair.of(gear)
+    mean, gain = mean_state(gear, gear.test.direction, 0.0), float(pair.gain)
+    node, weight = leggauss(LEVERS)
+    first, last = pair.active_path
+    levers = friction_levers(pair, first + (last - first) * (1 + node) / 2)
+    shares = weight * levers / (weight @ levers)
+    return [
+        *(
+            (gear.mesh, mean.mesh_loss * float(f), float(lever))
+            for f, lever in zip(shares, levers, strict=True)
+        ),
+        (gear.yoke, mean.plunger_loss, gain),
+        (gear.bush, mean.bush_loss, gain),
+        (gear.bearing, mean.bearing_loss, gear.pinion.shaft_diameter / 2),
+    ]
+
+
+def friction_levers(pair: GearPair, place: np.ndarray) -> np.ndarray:
+    """Return sliding speed over pinion speed at places on the path of contact, from the pitch point (n,) [m]:
+    l^2 = l_s^2 + q^2 + 2 q l_s sin(alpha_t) sin(beta_p), as in `mean_lever`."""
+    along = -pair.reference_radius * np.sin(pair.delta) / np.cos(pair.beta_r)
+    turned = np.sin(pair.alpha_t) * np.sin(pair.beta_p)
+    return np.asarray(np.sqrt(along**2 + place**2 + 2 * place * along * turned))
+
+
+def static_surplus(gear: SteeringGear) -> float:
+    """Return what friction that falls from rest on adds to the torque at the test's speed, as a share."""
+    if not any(getattr(gear, part).surplus for part in RUBBING_PARTS):
+        return 0.0
+    parts = sliding_parts(gear)
+    whole = sum(torque for _, torque, _ in parts)
+    added = sum(
+        torque
+        * law.surplus
+        * np.exp(-((gear.test.speed * lever / law.stribeck_speed) ** law.stribeck_exponent))
+        for law, torque, lever in parts
+    )
+    return float(added / whole) if whole else 0.0
 
 
 # --- balance of the rack -------------------------------------------------------------------------

@@ -13,12 +13,15 @@ import pytest
 from rps_exudyn.forces.yoke import seat_wedge_factor
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.simulate.run import run
 from rps_exudyn.solvers.closed_form import (
+    beyond_formulas,
     closed_form,
     load_test,
     mean_lever,
     mean_state,
     runout_harmonics,
+    static_surplus,
     torque_per_preload,
 )
 from verification.law_area import by_law
@@ -145,3 +148,38 @@ def test_seat_wedge_factor() -> None:
 def test_results_are_plain_numbers() -> None:
     for value in dataclasses.asdict(closed_form(PAPER).forward).values():
         assert type(value) is float
+
+
+STATIC = {f"{part}.{name}": value for part in ("mesh", "yoke") for name, value in
+          (("friction_law", "stribeck"), ("static_ratio", 1.5))}  # fmt: skip
+
+
+@pytest.mark.parametrize(("speed", "added"), [("0.5 rpm", 0.40), ("15 rpm", 0.086)])
+def test_friction_larger_at_rest_is_beyond_the_formulas(speed: str, added: float) -> None:
+    """What they say that it adds is what equilibria have more by Stribeck's law."""
+    gear = SteeringGear().replace({**STATIC, "test.speed": speed})
+    plain = SteeringGear().replace({"test.speed": speed})
+    more, usual = (run("free-pinion-torque", gear=each, fidelity="quasi-static") for each in (gear, plain))
+    assert more.summary["torque_mean"] / usual.summary["torque_mean"] - 1 == pytest.approx(added, rel=0.1)
+    assert static_surplus(gear) == pytest.approx(added, rel=0.1)
+    assert "larger at rest" in beyond_formulas(gear)
+    assert not beyond_formulas(gear.replace({"test.speed": "200 rpm"}))
+
+
+@pytest.mark.parametrize(
+    ("scene", "settings", "named"),
+    [
+        ("reversal", {"mesh.friction_law": "bristle", "test.amplitude": "1 deg"}, "bristles"),
+        ("load-test", {**STATIC, "mesh.load_exponent": 0.8, "test.speed": "200 rpm"}, "mesh.load_exponent"),
+        ("rack-push", {**STATIC, "yoke.load_exponent": 0.8, "test.speed": "200 rpm"}, "yoke.load_exponent"),
+    ],
+)
+def test_formulas_say_in_which_motion_they_do_not_hold(
+    scene: str, settings: dict[str, object], named: str
+) -> None:
+    result = run(scene, gear=SteeringGear().replace(settings), fidelity="closed-form")
+    assert result.status == "invalid"
+    assert named in result.message
+    wide = {"reversal": {"test.amplitude": "90 deg"}, "load-test": {"mesh.load_exponent": 1.0}}
+    mended = settings | wide.get(scene, {"yoke.load_exponent": 1.0})
+    assert run(scene, gear=SteeringGear().replace(mended), fidelity="closed-form").status == "ok"
