@@ -62,7 +62,7 @@ def check(
     from rps_exudyn.pages.report.write_report import write_pages
     from rps_exudyn.simulate.cases.run_cases import checked_jobs
 
-    own, chosen, asked = gear.carried(), gear.load(), read_limits(limits)
+    own, chosen, asked = gear.drawn(), gear.load(), read_limits(limits)
     if out is not None:
         check_writable(out, (".json", ".html"))
     try:

@@ -81,6 +81,22 @@ class GearOptions:
 
         return carried(self.tables(), parse_settings(self.settings)[0])
 
+    def drawn(self) -> "JointInputs":
+        """The same for a band; on standard error, which settings part samples of a fit that vary together.
+
+        Raises:
+            InputError: distributions that cannot be.
+        """
+        from rps_exudyn.cli.output import note
+
+        own = self.carried()
+        if own.parted:
+            note(
+                f"{', '.join(own.parted)}: the setting replaces samples of the fit, which vary together with "
+                f"those of {', '.join(own.posterior)}; apart from each other they make the band wider."
+            )
+        return own
+
     def say_medians(self) -> None:
         """Name on standard error the parameters that carry a distribution, of which the median is taken."""
         from rps_exudyn.cli.output import note

@@ -71,7 +71,7 @@ def do_band(
     from rps_exudyn.pages.charts.inference import band_figure
     from rps_exudyn.pages.charts.style import save
 
-    own, processes = options.carried(), checked_jobs(jobs)
+    own, processes = options.drawn(), checked_jobs(jobs)
     setup = _with_cheap_model(options)
     gear = setup.steering_gear
     chosen = uncertain_inputs(gear, inputs, own)

@@ -406,7 +406,9 @@ def test_samples_of_a_fit_are_its_intervals(tmp_path: Path) -> None:
     assert np.quantile(stored, 0.975) == pytest.approx(found.runout.stored_interval[1], rel=0.03)
 
 
-def test_samples_of_a_gear_that_was_changed_are_refused(tmp_path: Path) -> None:
+def test_samples_of_a_gear_that_was_changed_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """A value given by --set replaces its samples."""
     found = free_fit()
     file = tmp_path / "fitted.toml"
@@ -416,4 +418,7 @@ def test_samples_of_a_gear_that_was_changed_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"yoke\.preload is 400 N, but .* in the table posterior"):
         uncertain_inputs(options.load(), None, options.carried())
     options = GearOptions(gear=file, settings=("yoke.preload=410 N",))
-    assert "yoke.preload" not in uncertain_inputs(options.load(), None, options.carried())
+    assert "yoke.preload" not in uncertain_inputs(options.load(), None, options.drawn())
+    told = capsys.readouterr().err
+    assert "yoke.preload: the setting replaces samples" in told
+    assert "mesh.friction" in told

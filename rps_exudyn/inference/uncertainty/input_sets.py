@@ -181,7 +181,9 @@ def carried(tables: Mapping[str, Any], settings: Mapping[str, Any]) -> JointInpu
         problems += outside(item, found[item.path])
     if problems:
         raise InputError(problems)
-    return JointInputs(found, pairs)
+    rest = [path for path in samples if path not in settings]
+    parted = tuple(path for path in samples if path in settings) if rest else ()
+    return JointInputs(found, pairs, parted)
 
 
 def outside(item: Declared, distribution: Distribution) -> list[str]:

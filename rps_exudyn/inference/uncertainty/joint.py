@@ -59,6 +59,7 @@ class JointInputs(Mapping[str, Distribution]):
 
     each: Mapping[str, Distribution]
     pairs: Mapping[Pair, float] = field(default_factory=dict)  # both paths -> correlation
+    parted: tuple[str, ...] = ()  # inputs of a posterior that are given instead, without what they share
 
     def __getitem__(self, path: str) -> Distribution:
         return self.each[path]
