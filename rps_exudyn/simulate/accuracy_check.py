@@ -126,7 +126,7 @@ def kept_by(run: Run, wanted: Wanted, gear: SteeringGear, first: Fidelity) -> Re
         return _finding(refined.finest[0], f"NOT reached: {found} from this run", Code.ACCURACY_NOT_REACHED)
     result, fidelity = refined.runs[-2]
     text, *codes = vibrating(run, wanted, gear, fidelity)
-    return _finding(result, found + text, *codes)
+    return _finding(result, found + text, *codes, doubt=text.removeprefix("; "))
 
 
 def vibrating(
@@ -193,6 +193,9 @@ def _rms(wanted: Wanted) -> str:
     return " RMS" if is_signal(wanted.scene, wanted.quantity) else ""
 
 
-def _finding(result: Result, text: str, *codes: Code) -> Result:
+def _finding(result: Result, text: str, *codes: Code, doubt: str = "") -> Result:
+    """Return a run with what was found, which is the first of its remarks where the accuracy is in doubt."""
     findings = {**result.findings, "accuracy_checked": text}
-    return replace(result, findings=findings, codes=each_once([*result.codes, *codes]))
+    remark = [f"the accuracy asked for is in doubt: {doubt or text}"] if codes else []
+    message = "; ".join(filter(None, [*remark, result.message]))
+    return replace(result, findings=findings, message=message, codes=each_once([*result.codes, *codes]))

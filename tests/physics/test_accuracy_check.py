@@ -103,6 +103,7 @@ def test_a_choice_whose_finer_run_fails_says_that_it_is_not_confirmed() -> None:
     result = kept_by(run, Wanted(SCENE, SIGNAL, 1.0), GEAR, first)
     assert result.status == "ok"
     assert result.findings["accuracy_checked"].startswith("not confirmed: in finer steps it ends invalid")
+    assert "the accuracy asked for is in doubt: not confirmed: in finer steps" in result.message
 
 
 @pytest.mark.parametrize(
