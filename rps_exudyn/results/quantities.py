@@ -660,6 +660,7 @@ LABELS = {
     "impact_speed": "largest speed of an impact",
     "rattle_force_rms": "force on the yokenut, root mean square",
     "rattle_impacts_per_cycle": "impacts in a cycle",
+    "rattle_threshold_force": "force of the road at the first impact",
     "rack_lift": "lift of the rack",
     "rack_lift_end": "rise of the rack's end",
     "radial_play_y": "radial play along Y",
