@@ -62,7 +62,6 @@ STEPS_OF_FINER = {"generalized-alpha": np.deg2rad((0.4, 2.0)), "equilibrium": np
 # ... which are the plan's within these bounds [rad], equilibria shorter for extremes at kinks, ...
 STATIONS_OF_FINER = 6, 12  # ... twice the plan's stations of a strip within these ...
 LARGEST_TOLERANCE = 1e-5  # ... and whose tolerance is at most this
-EXTREMES = "_max", "_min"  # of signals, by their names
 NARROW_ZONE = 0.002  # of friction where motion stops: reversal_angle is then within 3 %
 MOST_REFINED = 12000  # ... and parts of them
 SLOW = 0.02  # of the preload: inertia most of the time, above which equilibria do not stand for a swing
@@ -120,8 +119,8 @@ def finer_metrics(plan: ScenePlan) -> dict[str, tuple[float, float]]:
     """Return each metric of the scene by finer quadrature and steps, and how far that can be doubted.
 
     They are those of dynamics where these end well, which equilibria do not judge themselves; else those of
-    equilibria. Equilibria have no vibration, of which their user reads: how far their signals vary, and in
-    steady motion their extremes, are judged by finer equilibria.
+    equilibria. In swings equilibria have no vibration, of which their user reads: how far their signals vary
+    is judged by finer equilibria.
 
     Raises:
         NotFoundError: neither ends well in both lengths of its steps.

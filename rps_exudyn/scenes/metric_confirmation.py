@@ -67,6 +67,8 @@ DRIVES = {
     "rack_force": {"push_force_peak_to_peak"},
 }
 """Signal of a drive -> metrics of how it varies."""
+ERROR = "transmission_error_peak_to_peak"
+RINGS = 5  # times the share of inertia, by which the teeth's depth changes: 2 to 13 are found
 MOST_FINER = {"equilibrium": 3, "generalized-alpha": 1}
 """Solver -> times that the steps of a motion are halved for its metrics; formulas have none."""
 LEAST_ROLL = 1e-6  # range of a rack that does not roll [rad]
@@ -306,7 +308,7 @@ def by_inertia(
 
     Means and orders change as the drive does that overcomes the inertia along the travel. What varies changes
     by so much at most, and by the share of the drive by which inertia beside the travel changes the yoke's
-    force.
+    force; the teeth's depth changes by some times that share.
     """
     drive = next((name for name in DRIVES if name in signals), "")
     if not drive or "mesh_normal_force" not in signals:
@@ -317,8 +319,10 @@ def by_inertia(
     unnoticed = KINKED * OTHER * LEAST_SHARE * sizes(signals)[SIGNALS[drive].unit]
     if not np.any((most > unnoticed) | (beside > KINKED * FREE_OF_RANGES)):
         return {}
-    varying = [name for name in values if name in DRIVES[drive]]
-    at_most = changes(values, {name: values[name] + most for name in varying}, signals)
+    varying = {name: values[name] + most for name in values if name in DRIVES[drive]}
+    depth = np.mean(signals["mesh_penetration"], axis=-1)
+    varying |= {name: values[name] + RINGS * beside * depth for name in values if name == ERROR}
+    at_most = changes(values, varying, signals)
     found = changes(values, metrics(added), signals)
     found |= {name: KINKED * at_most[name] for name in varying}
     return found | {name: beside / FREE_OF_RANGES for name in RACK_RANGES if name in values}
