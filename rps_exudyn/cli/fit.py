@@ -1,7 +1,7 @@
 """The command `fit`: a gear estimated from measured curves."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -110,15 +110,21 @@ def fit(
     from rps_exudyn.simulate.cases.run_cases import checked_jobs
     from rps_exudyn.simulate.cases.time_limit import TimeLimit
 
+    of_fit = {"--prior": prior, "--free": free, "--column": column, "--single-law": single_law}
+    of_fit |= {"--report": report, "--series": series, "--like": like, "--time-limit": time_limit}
+    of_fit |= {"--all": every, "--quiet": quiet}
     if plan is not None:
         if files:
             raise InputError("--plan plans tests before anything is measured; leave out the measured files.")
+        of_fit |= {"--out": out, "--plot": plot, "--jobs": jobs, "--batch": batch, "--tolerance": tolerance}
+        _refuse_beside("--plan prints a plan alone", of_fit)
         return print_plan(plan, gear, minutes, json)
     if minutes is not None:
         raise InputError("--minutes gives the times of a plan; add --plan.")
     if batch is not None:
         if files:
             raise InputError("--batch reads all files of its folder; leave out the measured files.")
+        _refuse_beside("--batch fits no gear", of_fit)
         return judge_batch(batch, tolerance, gear, (out, plot), checked_jobs(jobs), json)
     if tolerance is not None:
         raise InputError("--tolerance applies to a production batch; add --batch FOLDER.")
@@ -156,6 +162,16 @@ def fit(
 
         print_sheet(fit_head(found).sheet, written, "intervals, verdicts, budget, notes")
     return DONE if found.converged else FAILED
+
+
+def _refuse_beside(does: str, others: Mapping[str, object]) -> None:
+    """Refuse options that say nothing beside one that makes no fit.
+
+    Raises:
+        InputError: some of them are given.
+    """
+    if given := [option for option, value in others.items() if value]:
+        raise InputError(f"{does}; leave out {', '.join(given)}.")
 
 
 def parse_priors(texts: Iterable[str]) -> dict[str, tuple[float, float]]:

@@ -108,6 +108,8 @@ def test_the_command_judges_a_folder_and_names_what_it_cannot_read(command: Comm
         (["fit", "--batch", "absent"], "is no folder"),
         (["fit", "a.csv", "--batch", "line"], "leave out the measured files"),
         (["fit", "--batch", "line", "--tolerance", "wide"], "write for instance"),
+        (["fit", "--batch", "line", "--report", "a.html", "--quiet"], "leave out --report, --quiet"),
+        (["fit", "--plan", "bush.drag=20%", "--out", "a.toml"], "prints a plan alone; leave out --out"),
         (["fit", "--tolerance", "0.5 N*m to 0.8 N*m"], "add --batch"),
     ):
         refused = command(wrong)
