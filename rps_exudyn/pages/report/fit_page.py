@@ -103,6 +103,9 @@ def _rows(fit: Fit) -> Iterable[Row]:
     known += [f"{named(each.words)} to {100 * WIDE * each.sd:.2g} %" for each in fit.combinations]
     if known:
         yield Row("known", listed(known))
+    with_help = [each for each in fit.estimates if each.verdict is Verdict.BY_PRIOR]
+    if with_help:
+        yield Row("with priors", listed([f"{named(each.path)} {_range(each)}" for each in with_help]))
     if left := [named(each.path) for each in fit.estimates if each.verdict is Verdict.OPEN]:
         yield Row("not separable", listed(left))
     if fit.advice and fit.advice.tests:
