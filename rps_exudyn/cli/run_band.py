@@ -83,7 +83,8 @@ def do_band(
 
         made = partial(quick_band, gear, setup.fidelity, chosen)
         if not quick:
-            made = partial(band_of_runs, scene, gear, setup.fidelity, chosen, count or QUICK_OTHERWISE)
+            runs = QUICK_OTHERWISE if count is None else count
+            made = partial(band_of_runs, scene, gear, setup.fidelity, chosen, runs)
         band = made(on_progress=report, jobs=processes, time_limit=time_limit)
     band = replace(band, nominal=replace(band.nominal, measured=measured))
     compared = compared_with_own(band.nominal)

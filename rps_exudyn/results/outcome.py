@@ -163,7 +163,7 @@ _REMEDIES = {
     Status.CONTACT_LOST: "The rack left the mesh: raise yoke.preload, or check yoke.clearance and the load.",
     Status.TIMEOUT: "Allow more time, or use a cheaper fidelity or fewer turns.",
     Status.CRASHED: "The solver's process ended: run this case by itself to see the cause.",
-    Status.INVALID: "The run ended but failed the check that the message names: refine step or contact.",
+    Status.INVALID: "The run ended but failed the check that the message names.",
 }
 
 

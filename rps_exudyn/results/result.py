@@ -143,8 +143,16 @@ class Result:
             raise ValueError("signals must be one-dimensional, of one length, and hold the time")
 
     def __getitem__(self, signal: str) -> np.ndarray:
-        """Return the signal of that name, shape (time,)."""
-        return self.signals[signal]
+        """Return the signal of that name, shape (time,).
+
+        Raises:
+            KeyError: the result has no signal of that name.
+        """
+        try:
+            return self.signals[signal]
+        except KeyError:
+            has = ", ".join(self.signals) or "none"
+            raise KeyError(f"{signal} is no signal of this result; it has {has}") from None
 
     def __repr__(self) -> str:
         lines = [f"<Result: {self._heading()}", *(f"  {line}" for line in self._facts())]

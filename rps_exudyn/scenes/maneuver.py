@@ -216,7 +216,8 @@ def swing_maneuver(
     drive = Swing(body, test.start_angle, test.amplitude, test.direction * test.speed)
     per_cycle = 4 * int(np.ceil(max(drive.period * test.speed / step_angle, LEAST_PER_CYCLE) / 4))
     time_step = drive.period / per_cycle
-    lead, steps = int(np.ceil(RUN_IN / test.speed / time_step)), per_cycle * test.cycles
+    lead = min(int(np.ceil(RUN_IN / test.speed / time_step)), per_cycle)
+    steps = per_cycle * test.cycles
     divided = _divided_after_turns(drive, per_cycle, lead + steps, yielding + bristle_reversal_angle(gear))
     swept = 2 * test.amplitude * gear.pinion.teeth / (2 * np.pi)  # tooth pitches in half a cycle
     before = int(np.ceil(max(LEAST_BEFORE, PER_PITCH_BEFORE * swept)))

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import Locator, MaxNLocator, StrMethodFormatter
 from PIL import Image
 
-from rps_exudyn.base.files import replacing
+from rps_exudyn.base.files import PICTURES, check_writable, replacing
 from rps_exudyn.base.units import mm
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
@@ -408,8 +408,9 @@ def save(figure: Figure, path: str | Path) -> None:
     """Write the picture in the format of the path's suffix.
 
     Raises:
-        InputError: the file cannot be written.
+        InputError: the file cannot be written, or has another suffix.
     """
+    check_writable(path, PICTURES)
     with replacing(path) as partial:
         if partial.suffix == ".png":
             _save_pixels(figure, partial)
