@@ -25,9 +25,10 @@ from rps_exudyn.forces.pinion_support import with_float
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.quantities import SPREADS
+from rps_exudyn.results.quantities import LOST_MOTIONS, SPREADS
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.law_by_scene import with_law
+from rps_exudyn.scenes.run_maneuver import left_open
 from rps_exudyn.scenes.yoke_impact import shaken
 from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.balance import eigenvalues
@@ -62,6 +63,7 @@ STEPS_OF_FINER = {"generalized-alpha": np.deg2rad((0.4, 2.0)), "equilibrium": np
 # ... which are the plan's within these bounds [rad], equilibria shorter for extremes at kinks, ...
 STATIONS_OF_FINER = 6, 12  # ... twice the plan's stations of a strip within these ...
 LARGEST_TOLERANCE = 1e-5  # ... and whose tolerance is at most this
+SETTLED = 1e-3  # of its range, by which a motion beside the travel may end a cycle elsewhere than it began
 NARROW_ZONE = 0.002  # of friction where motion stops: reversal_angle is then within 3 %
 MOST_REFINED = 12000  # ... and parts of them
 SLOW = 0.02  # of the preload: inertia most of the time, above which equilibria do not stand for a swing
@@ -159,6 +161,10 @@ def _by_solver(plan: ScenePlan, solver: str) -> tuple[dict[str, tuple[float, flo
         if times and runs[-1].status is not Status.OK:
             return {}, runs[-1].message
     first, coarse, fine = (run.summary for run in runs)
+    if (
+        swings and left_open(dict(runs[-1].signals), plan.gear) > SETTLED
+    ):  # its own first cycle is the only one
+        fine = {name: value for name, value in fine.items() if name not in LOST_MOTIONS}
 
     def doubt(name: str) -> float:
         before = abs(coarse[name] - first.get(name, coarse[name])) / 4  # of second order
@@ -168,10 +174,9 @@ def _by_solver(plan: ScenePlan, solver: str) -> tuple[dict[str, tuple[float, flo
 
 
 def _finer_model(plan: ScenePlan, solver: str) -> Fidelity:
-    """The plan's model, finer; a chain of segments is condensed but under impacts, where friction holds its
-    end and it yields otherwise."""
+    """The plan's model, finer; a chain of segments is condensed for equilibria, which have none."""
     model = plan.fidelity
-    as_given = model.bush == "rigid" or scene_named(plan.scene).needs_inertia
+    as_given = model.bush == "rigid" or solver == "generalized-alpha"
     finer = {
         "mesh": "flank",
         "strip_stations": int(np.clip(2 * model.strip_stations, *STATIONS_OF_FINER)),

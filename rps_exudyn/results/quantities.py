@@ -532,7 +532,9 @@ MOTIONS = frozenset(
     name for name in _SUMMARY if name.startswith("transmission_error_") or name in RACK_RANGES
 )
 """Metrics of motions beside the travel, of micrometres."""
-WANDERING = MOTIONS | {"lost_motion", "lost_motion_angle", "reversal_angle"}
+LOST_MOTIONS = frozenset({"lost_motion", "lost_motion_angle"})
+"""Metrics of how far the rack stays behind between both directions."""
+WANDERING = MOTIONS | LOST_MOTIONS | {"reversal_angle"}
 """Metrics of a swing that small motions make, which may go on to change when its torque has settled."""
 NEEDS_STATIONS = MOTIONS | {"torque_tooth_order", "torque_direction_difference"}
 """Metrics that few stations on a line of contact miss: they are small beside forces that are right to 1 %."""

@@ -26,6 +26,7 @@ from rps_exudyn.results.quantities import (
     EXTREMES,
     LEAST_SHARE,
     LOSS_SHARES,
+    LOST_MOTIONS,
     NEEDS_STATIONS,
     OF_ONE_WHOLE,
     OTHER,
@@ -525,7 +526,8 @@ CYCLES_BEFORE = {"equilibrium": (1, 4, 16, 48), "generalized-alpha": (1, 4)}
 CYCLES_UNDER_TORQUE = (2, 6, 14, 30, 62)  # ... and one that a torque drives ...
 TRIES_OF_INVALID = 1  # ... of which so many more are tried where a check fails
 SEEN_TO_DRIFT = 4  # tries that show how fast a swing settles
-OPEN = 0.05  # of its range, by which a motion beside the travel may end a cycle elsewhere than it began
+OPEN = 0.05  # of its range, by which a motion beside the travel may end a cycle elsewhere than it began ...
+OPEN_OF_LOST_MOTION = 0.006  # ... and where the lost motion is to be right to 5 %
 CLOSED = 0.01  # of the largest torque, by which a cycle may end elsewhere than it began ...
 IN_PLACE = 0.002  # ... and of the rack's travel: a drift this slow goes on for ten cycles and more
 VIBRATES = 50  # times its range that a torque goes up and down in a record: smoothly it goes 2 to 6 times
@@ -563,13 +565,17 @@ def with_cycle_closed(run: SceneRun, gear: SteeringGear, maneuver: Maneuver) -> 
     """Return a swing of the rig without the metrics of motions that wander on from cycle to cycle."""
     if not (run.ok and isinstance(maneuver.drive, Swing)):
         return run
-    if (share := left_open(run.signals, gear)) <= OPEN:
+    share, wander, limit = left_open(run.signals, gear), WANDERING, OPEN
+    omitted = "the rack's motions beside its travel, the transmission error and the lost motion are"
+    if share <= OPEN:
+        wander, limit, omitted = LOST_MOTIONS & run.summary.keys(), OPEN_OF_LOST_MOTION, "the lost motion is"
+    if not wander or share <= limit:
         return run
     text = (
-        "the rack's motions beside its travel, the transmission error and the lost motion are omitted: such "
-        f"a motion ends the cycle {share:.0%} of its range from where it began (limit {OPEN:.0%})"
+        f"{omitted} omitted: a motion beside the travel ends the cycle {share:.1%} of its range from where "
+        f"it began (limit {limit:.1%})"
     )
-    return run.noting(Remark(Code.METRIC_NOT_CONFIRMED, text)).without(WANDERING)
+    return run.noting(Remark(Code.METRIC_NOT_CONFIRMED, text)).without(wander)
 
 
 def _with_cause(run: SceneRun, fidelity: Fidelity, signal: str) -> SceneRun:

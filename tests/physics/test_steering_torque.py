@@ -148,12 +148,15 @@ def test_a_wide_zone_of_friction_leaves_no_largest_force_where_friction_lets_go(
     still = Fidelity.preset("quasi-static")
     narrow, wide = (
         rps.run("steering-torque", gear, fidelity=still.replace({"zone_ratio": ratio}))
-        for ratio in (0.005, 0.1)
+        for ratio in (0.005, 0.03)
     )
     assert narrow.status is wide.status is Status.OK
+    widest = rps.run("steering-torque", gear, fidelity=still.replace({"zone_ratio": 0.1}))
+    assert widest.status is Status.INVALID
+    assert "creeps before it breaks away: fidelity.zone_ratio is 0.1 (limit 0.05)" in widest.message
     assert "yoke_force_max" in narrow.summary
     assert not EXTREMES & wide.summary.keys()
-    assert "largest and smallest force are omitted" in wide.message
+    assert "largest and smallest force and shares of losses are omitted" in wide.message
 
 
 def test_a_torque_below_friction_moves_nothing_off() -> None:

@@ -144,7 +144,14 @@ def test_gear_on_bristles_sticks_as_without(elements: int) -> None:
 
 def test_remarks_on_what_cannot_stick_and_what_hides_it() -> None:
     assert "larger at rest than in motion" in run(1.5, law="coulomb").message
-    assert "a part at rest creeps" in run(1.5, (("zone_ratio", 0.2),)).message
+    assert "a part at rest creeps" in run(1.5, (("zone_ratio", 0.02),)).message
+
+
+def test_a_zone_so_wide_that_half_of_it_changes_the_amplitude_is_refused() -> None:
+    """Near the sticking speed too, where the steps are halved before."""
+    wide = run(1.5, (("zone_ratio", 0.2),))
+    assert wide.status is Status.INVALID
+    assert "half the steps change stick_slip_amplitude" in wide.message
 
 
 def test_equilibria_cannot_slip() -> None:
