@@ -72,6 +72,7 @@ ERROR = "transmission_error_peak_to_peak"
 RINGS = 5  # times the share of inertia, by which the teeth's depth changes: 2 to 13 are found
 MOST_FINER = {"equilibrium": 3, "generalized-alpha": 1}
 """Solver -> times that the steps of a motion are halved for its metrics; formulas have none."""
+MOST_OF_UNEVEN = 2  # the same of equilibria to and fro, once more for their figure
 LEAST_ROLL = 1e-6  # range of a rack that does not roll [rad]
 LATE = 0.15  # half a step of the rack's rolling, over its range: of its rate 3 % are missed
 FIRST_ORDER = 2  # times what all instants miss of a curve with kinks, half of them miss ...
@@ -132,8 +133,7 @@ def run_and_confirm(
         few = bool(run.signals) and len(run.signals["time"]) < FEW_INSTANTS
         always = always or coarse or (steady and (few or gear.test.speed > SLOW))
     always = always or wide
-    most = most_finer(fidelity, options)
-    more = 0 if steady and not (coarse or wide) else more_for_figure(fidelity, options)
+    most, more = most_finer(fidelity, options, smooth=steady and (by_equilibria or not (coarse or wide)))
     run = confirmed(run, asked, made, figure, most=most, for_figure=more, always=always, smooth=steady)
     run = with_stations_enough(run, gear, fidelity)
     if not steady:
@@ -183,14 +183,15 @@ def with_finer_friction(fidelity: Fidelity, halvings: int) -> Fidelity:
     return doubled_stations(fidelity, halvings).replace({"zone_ratio": zone})
 
 
-def most_finer(fidelity: Fidelity, options: RunOptions) -> int:
-    """Return how often the steps of a run are halved for its metrics at most."""
-    return min(MOST_FINER.get(fidelity.solver, 0), options.least_steps.halvings)
-
-
-def more_for_figure(fidelity: Fidelity, options: RunOptions) -> int:
-    """Return how often more the steps of a motion to and fro, or with impacts, are halved for its figure."""
-    return int(fidelity.solver == "generalized-alpha" and options.least_steps.halvings > 1)
+def most_finer(fidelity: Fidelity, options: RunOptions, smooth: bool) -> tuple[int, int]:
+    """Return how often the steps of a run are halved at most for its metrics, and once more, where its curves
+    are not smooth, for its figure alone, because each time costs two to four times as much."""
+    finest = min(MOST_FINER.get(fidelity.solver, 0), options.least_steps.halvings)
+    if smooth:
+        return finest, 0
+    if fidelity.solver == "equilibrium":
+        return min(finest, MOST_OF_UNEVEN), max(finest - MOST_OF_UNEVEN, 0)
+    return finest, int(fidelity.solver == "generalized-alpha" and options.least_steps.halvings > 1)
 
 
 def sizes(signals: Signals) -> dict[str, Any]:
@@ -368,7 +369,7 @@ def confirmed(
     described = run.described(metrics)
     if not (run.ok and run.signals and most):
         return described
-    begun = run.halvings
+    begun, figure_moved, finer_runs = run.halvings, 0.0, 0
 
     @cache
     def between(each: SceneRun) -> dict[str, float]:
@@ -389,14 +390,14 @@ def confirmed(
         return fine.ok or exceeds
 
     def made(coarse: SceneRun, times: int) -> SceneRun:
+        nonlocal finer_runs
         assert finer is not None
+        finer_runs = times
         try:
             run = finer(begun + times)
         except Interrupted:
             raise Interrupted(coarse) from None
         return run.described(metrics) if confirms(run) else run  # one that failed lacks motions
-
-    figure_moved = 0.0
 
     def not_standing(change: Mapping[str, float]) -> dict[str, float]:
         return _beyond(change, 1.0 if smooth else KINKED)
@@ -415,7 +416,7 @@ def confirmed(
     def asks(each: SceneRun) -> bool:
         if each is described:
             return always or bool(_beyond(first, 1.0))
-        return each.ok and (not for_figure or figure_moved > AGREED)
+        return each.ok and (finer_runs < most or figure_moved > AGREED)
 
     refined = refine(
         described,
@@ -555,7 +556,7 @@ def run_swing(
         model = with_finer_friction(taken, halvings - run.halvings)
         return run_maneuver(gear, model, earlier, options.halved(halvings))
 
-    most, more = most_finer(fidelity, options), more_for_figure(fidelity, options)
+    most, more = most_finer(fidelity, options, smooth=False)
     run = confirmed(run, metrics, made, figure, most=most, for_figure=more, always=True)
     run = with_cycle_closed(with_stations_enough(run, gear, fidelity), gear, maneuver)
     return _with_cause(run, fidelity, maneuver.drive.signal)

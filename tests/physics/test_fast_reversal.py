@@ -74,14 +74,15 @@ def test_the_racks_inertia_loads_the_teeth() -> None:
 
 @pytest.mark.parametrize("rpm", [150, 600])
 def test_equilibria_follow_a_swing_that_shakes_the_rack(rpm: float) -> None:
-    """All metrics are those of dynamics within 1 %. Without the inertia of rolling and tilting the torque of
-    the slower swing is 7 % off, RMS."""
+    """All metrics are those of dynamics within 1 %, the torque's jump, which is confirmed to 5 %, within 3 %.
+    Without the inertia of rolling and tilting the torque of the slower swing is 7 % off, RMS."""
     still, moving = (reversal(model, rpm, 5) for model in ("quasi-static", "flank"))
     assert still.status is moving.status is Status.OK, still.message
     compared = (still.summary.keys() & moving.summary.keys()) - {"energy_residual"}
     assert {"hysteresis_area", "rack_gain", "yoke_force_max"} <= compared
     for name in compared:
-        assert still.summary[name] == pytest.approx(moving.summary[name], rel=0.01), name
+        within = 0.03 if name == "torque_jump" else 0.01
+        assert still.summary[name] == pytest.approx(moving.summary[name], rel=within), name
 
 
 def test_a_turn_that_shakes_the_rack_is_refused() -> None:
