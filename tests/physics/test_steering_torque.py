@@ -13,9 +13,11 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import EXTREMES
 from rps_exudyn.results.result import Result
+from rps_exudyn.scenes.scene import DEFAULT_OPTIONS
 from rps_exudyn.solvers import equilibrium
 from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.solvers.steering_column import ColumnModel
+from verification.runs import STEPS_AS_GIVEN, run_scene
 from verification.sampler import random_gear
 from verification.two_masses import settled_work
 
@@ -151,12 +153,25 @@ def test_a_wide_zone_of_friction_leaves_no_largest_force_where_friction_lets_go(
         for ratio in (0.005, 0.03)
     )
     assert narrow.status is wide.status is Status.OK
-    widest = rps.run("steering-torque", gear, fidelity=still.replace({"zone_ratio": 0.1}))
-    assert widest.status is Status.INVALID
-    assert "creeps before it breaks away: fidelity.zone_ratio is 0.1 (limit 0.05)" in widest.message
     assert "yoke_force_max" in narrow.summary
     assert not EXTREMES & wide.summary.keys()
     assert "largest and smallest force and shares of losses are omitted" in wide.message
+
+
+def test_the_breakaway_in_a_wide_zone_is_that_of_a_narrow_one() -> None:
+    """What confirms it has a zone of 0.025 at most, and is printed; in its own zone it is 16 % below, because
+    the gear creeps out of its static friction."""
+    parts = ("mesh", "yoke", "bush", "bearing")
+    law = {"friction_law": "stribeck", "static_ratio": 1.5}
+    laws = {f"{part}.{name}": value for part in parts for name, value in law.items()}
+    gear = SteeringGear().replace({"test.steer_shape": "ramp", "test.tyre_stiffness": 30e3, **laws})
+    own, wide, narrow = (
+        run_scene("steering-torque", gear, Fidelity.preset("flank").replace({"zone_ratio": ratio}), options)
+        for ratio, options in ((0.5, STEPS_AS_GIVEN), (0.5, DEFAULT_OPTIONS), (0.002, DEFAULT_OPTIONS))
+    )
+    of_narrow = narrow.summary["breakaway_torque"]
+    assert wide.summary["breakaway_torque"] == pytest.approx(of_narrow, rel=0.02)
+    assert own.summary["breakaway_torque"] < 0.9 * of_narrow
 
 
 def test_a_torque_below_friction_moves_nothing_off() -> None:
