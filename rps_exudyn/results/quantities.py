@@ -36,7 +36,8 @@ FACE = 0.01  # face width of a small gear [m], beside which a place on the face 
 PART = 0.02  # of all work lost, or of a record's time, beside which a share of it changes
 IMPACTS = 30  # beside which their number changes: fewer stand only if their number is the same
 SEEN = 5e-7  # smallest motion of the rack that is of interest [m], at the bar's surface and half a seat ...
-LEVERS = {"rack_roll_range": 0.01, "rack_yaw_range": 0.1}  # ... of turns about X and Y [m]
+LEVERS = {"rack_roll_range": 0.01, "rack_yaw_range": 0.1, "lost_motion_angle": 0.01}
+"""... of turns about X and Y, and of the pinion's [m]."""
 
 
 @dataclass(frozen=True)
@@ -576,7 +577,7 @@ def _confirmation(name: str) -> Confirmation | None:
 
 def _least(name: str) -> float:
     """Return the size below which a metric changes as if it had that size [SI]."""
-    if name in MOTIONS:
+    if name in MOTIONS | LOST_MOTIONS:
         return SEEN / LEVERS.get(name, 1.0)
     if name == "load_centre":
         return FACE

@@ -359,6 +359,7 @@ class _Following:
         """Look further for the next instant; return whether there is something to go on from."""
         rows, k = self.rows, self.found
         most = max(MAX_RESCUES, int(rows.asked.sum())) * (4 if self.column[0] else 1)
+        most += self.approach_path.rescues if self.approach_path is not None else 0
         if self.rescues == most or (k == 0 and self.rescues > 0):
             return False
         self.rescues += 1
