@@ -79,7 +79,7 @@ FIRST_ORDER = 2  # times what all instants miss of a curve with kinks, half of t
 SHOWN = {"equilibrium": 0.6, "generalized-alpha": 0.8}
 """Solver -> ... and the least part of it that a curve through them shows: 0.7 of spikes of equilibria."""
 NARROW_ZONE = 0.002  # of friction, over the smallest sliding speed: it moves no metric of a swing by 3 %
-WIDEST_AT_REST = 0.05  # the same, half of which confirms a motion from rest whose own zone is wider
+WIDEST_FINER = 0.05  # the same, half of which confirms a run whose own zone is wider
 WIDE_ZONE = 0.2  # the same, above which it may change what a steady motion gives, as teeth near a pitch line
 FIRST_ORDER_SHRUNK, LEAST_SHRUNK = 0.5, 0.75  # a change over that before, by which what comes is guessed
 AGREED = 0.4  # of a metric's tolerance: where curves have kinks, as much again or more is left ...
@@ -118,10 +118,7 @@ def run_and_confirm(
 
     def made(halvings: int) -> SceneRun:
         model = fidelity
-        if not steady:
-            resting = fidelity.replace({"zone_ratio": min(fidelity.zone_ratio, WIDEST_AT_REST)})
-            model = with_finer_friction(resting, halvings - run.halvings)
-        elif wide:
+        if not steady or wide:
             model = with_finer_friction(fidelity, halvings - run.halvings)
         elif coarse:
             model = doubled_stations(fidelity, halvings)
@@ -183,7 +180,7 @@ def with_finer_friction(fidelity: Fidelity, halvings: int) -> Fidelity:
     """Return the model of a motion that stops in finer steps: a zone of friction in which what should rest
     creeps is halved with them, and the stations of a line, which turn about one after the other, are
     doubled."""
-    zone = max(fidelity.zone_ratio / 2**halvings, min(fidelity.zone_ratio, NARROW_ZONE))
+    zone = max(min(fidelity.zone_ratio, WIDEST_FINER) / 2**halvings, min(fidelity.zone_ratio, NARROW_ZONE))
     return doubled_stations(fidelity, halvings).replace({"zone_ratio": zone})
 
 
