@@ -161,9 +161,8 @@ def _by_solver(plan: ScenePlan, solver: str) -> tuple[dict[str, tuple[float, flo
         if times and runs[-1].status is not Status.OK:
             return {}, runs[-1].message
     first, coarse, fine = (run.summary for run in runs)
-    if (
-        swings and left_open(dict(runs[-1].signals), plan.gear) > SETTLED
-    ):  # its own first cycle is the only one
+    # steps as given record a first cycle, from which a lost motion may go on to wander
+    if swings and left_open(dict(runs[-1].signals), plan.gear) > SETTLED:
         fine = {name: value for name, value in fine.items() if name not in LOST_MOTIONS}
 
     def doubt(name: str) -> float:

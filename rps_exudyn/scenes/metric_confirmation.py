@@ -4,8 +4,9 @@ Every second instant of a record shows what its steps miss of means, a curve thr
 kinks, what its extremes miss between them, at the cost of reading the record again; a steady motion is made
 again only where these doubt a metric, or where equilibria take the rack's rolling late. A motion to and fro,
 or with impacts, is made again in half the steps with twice the stations of a line and half the zone of
-friction, a swing from another cycle before. What still changes, or is not resolved by the finest steps, is
-left out, and a run whose own figure changes, or whose finer run fails, is invalid.
+friction, of one that is not wide, a swing from another cycle before. Inertia is added to the record of steady
+equilibria, which leave it out. What still changes, or is not resolved by the finest steps, is left out, and a
+run whose own figure changes, or whose finer run fails, is invalid.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -178,8 +179,8 @@ def inertia_matters(change: Mapping[str, float]) -> Remark:
 
 def with_finer_friction(fidelity: Fidelity, halvings: int) -> Fidelity:
     """Return the model of a motion that stops in finer steps: a zone of friction in which what should rest
-    creeps is halved with them, and the stations of a line, which turn about one after the other, are
-    doubled."""
+    creeps, of `WIDEST_FINER` at most, is halved with them, and the stations of a line, which turn about one
+    after the other, are doubled."""
     zone = max(min(fidelity.zone_ratio, WIDEST_FINER) / 2**halvings, min(fidelity.zone_ratio, NARROW_ZONE))
     return doubled_stations(fidelity, halvings).replace({"zone_ratio": zone})
 

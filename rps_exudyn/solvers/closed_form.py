@@ -22,6 +22,7 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 
 from rps_exudyn.analysis.efficiency import LoadTest
+from rps_exudyn.analysis.friction_oscillator import Rubbing
 from rps_exudyn.forces.bush import bush_chain, housing_station, lateral_stiffness
 from rps_exudyn.forces.yoke import seat_under
 from rps_exudyn.gears.bar_section import mass_and_moments
@@ -261,19 +262,19 @@ def friction_levers(pair: GearPair, place: np.ndarray) -> np.ndarray:
     return np.asarray(np.sqrt(along**2 + place**2 + 2 * place * along * turned))
 
 
+def friction_over_speed(law: FrictionLaw, torque: float, lever: float) -> Rubbing:
+    """Return the friction of a sliding part over the pinion's speed."""
+    ratio = law.static_ratio if law.facts.falls else 1.0
+    return Rubbing(max(torque, 0.0), ratio, law.stribeck_speed / max(lever, 1e-9), law.stribeck_exponent)
+
+
 def static_surplus(gear: SteeringGear) -> float:
     """Return what friction that falls from rest on adds to the torque at the test's speed, as a share."""
     if not any(getattr(gear, part).surplus for part in RUBBING_PARTS):
         return 0.0
-    parts = sliding_parts(gear)
-    whole = sum(torque for _, torque, _ in parts)
-    added = sum(
-        torque
-        * law.surplus
-        * np.exp(-((gear.test.speed * lever / law.stribeck_speed) ** law.stribeck_exponent))
-        for law, torque, lever in parts
-    )
-    return float(added / whole) if whole else 0.0
+    parts = [friction_over_speed(*part) for part in sliding_parts(gear)]
+    whole = sum(part.torque for part in parts)
+    return float(sum(part.at(gear.test.speed) for part in parts) / whole - 1) if whole else 0.0
 
 
 # --- balance of the rack -------------------------------------------------------------------------

@@ -11,16 +11,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rps_exudyn.analysis.friction_oscillator import Oscillator, Rubbing
+from rps_exudyn.analysis.friction_oscillator import Oscillator
 from rps_exudyn.forces.friction import ELEMENT_TRAVELS
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import pinion_inertia, rack_masses
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.friction_law import RUBBING_PARTS, FrictionLaw
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.balance import slopes, state_matrix
-from rps_exudyn.solvers.closed_form import sliding_parts
+from rps_exudyn.solvers.closed_form import friction_over_speed, sliding_parts
 from rps_exudyn.solvers.gear_forces import gear_forces, mass_matrix
 from rps_exudyn.solvers.prescribed_motion import Steady
 from rps_exudyn.solvers.settled_start import SteadyApproach, settled_path
@@ -163,7 +163,7 @@ def _condensed(fidelity: Fidelity) -> Fidelity:
 def reduced_gear(gear: SteeringGear) -> Oscillator:
     """Return the reduced model of a gear and its column; parts by law coulomb are no larger at rest."""
     gain, pinion, rack = float(GearPair.of(gear).gain), pinion_inertia(gear), rack_masses(gear).mass
-    parts = tuple(_part(law, torque, lever) for law, torque, lever in sliding_parts(gear))
+    parts = tuple(friction_over_speed(*part) for part in sliding_parts(gear))
     column = ColumnModel.of(gear)
     return Oscillator(pinion + rack * gain**2, column.stiffness, column.damping, parts)
 
@@ -183,8 +183,3 @@ def presliding_angle(gear: SteeringGear) -> float:
     yielding = [torque * law.bristle_travel / lever for law, torque, lever in parts if law.facts.has_state]
     whole = sum(torque for _, torque, _ in parts)
     return float(np.sum(yielding) / whole) if whole else 0.0
-
-
-def _part(law: FrictionLaw, torque: float, lever: float) -> Rubbing:
-    ratio = law.static_ratio if law.facts.falls else 1.0
-    return Rubbing(max(torque, 0.0), ratio, law.stribeck_speed / max(lever, 1e-9), law.stribeck_exponent)
