@@ -57,6 +57,7 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "geometry/test_shaping.py",
     "geometry/test_solids.py",
     "geometry/test_tooth_stiffness.py::test_line_rests_as_teeth_that_bend",
+    "physics/test_closed_form.py::test_friction_larger_at_rest_is_beyond_the_formulas",
     "smoke/test_animation.py",
     "smoke/test_animation_in_browser.py",
     "smoke/test_band_command.py::test_band_and_measured_points_are_one_picture",
