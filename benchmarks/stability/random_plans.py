@@ -174,9 +174,9 @@ def behind_column(plan: ScenePlan) -> tuple[str, Values]:
 
 def errors(plan: ScenePlan, summary: Mapping[str, float], right: Sequence[Values]) -> dict[str, Any]:
     """Error of the scene's figure, and that of the metric that is most wrong, its name, and how many are
-    judged; whether the figure is right by one reference and wrong by another, both sure of themselves.
+    judged; whether one is right by a reference and wrong by another, both sure of themselves.
 
-    A metric is judged by the first reference that is sure of it, the figure by the one that it is nearest to.
+    A metric is judged by the reference that it is nearest to, of those that are sure of it.
     """
     figure = scene_named(plan.scene).figure
     found: dict[str, list[float]] = {}
@@ -187,15 +187,17 @@ def errors(plan: ScenePlan, summary: Mapping[str, float], right: Sequence[Values
             size = max(size_of(name, values), scatter / tolerance(name))
             if size > 0 and doubt <= SURE * tolerance(name) * size:
                 found.setdefault(name, []).append((summary[name] - value) / size)
-    others = {name: each[0] for name, each in found.items() if name != figure}
+    nearest = {name: min(each, key=abs) for name, each in found.items()}
+    others = {name: error for name, error in nearest.items() if name != figure}
     worst = max(others, key=lambda name: abs(others[name]) / tolerance(name), default="")
-    of_figure = sorted(found.get(figure, [nan]), key=abs)
     return {
-        "error": of_figure[0],
+        "error": nearest.get(figure, nan),
         "metric": worst,
         "metric_error": others.get(worst, nan),
         "judged": len(found),
-        "disputed": abs(of_figure[0]) <= tolerance(figure) < abs(of_figure[-1]),
+        "disputed": any(
+            abs(nearest[name]) <= tolerance(name) < max(map(abs, each)) for name, each in found.items()
+        ),
     }
 
 

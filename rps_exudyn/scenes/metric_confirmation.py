@@ -147,7 +147,8 @@ def run_and_confirm(
     unseen = unresolved_peaks(fidelity, run, drive.signal, place)
     in_part = part_of_pitch(gear, fidelity, run.signals)
     remark, left_out = unseen or (None, frozenset())
-    return run.noting(remark, in_part).without(left_out | (LOSS_SHARES if in_part else frozenset()))
+    of_pitches = LOSS_SHARES | EXTREMES if in_part else frozenset()
+    return run.noting(remark, in_part).without(left_out | of_pitches)
 
 
 def with_stations_enough(run: SceneRun, gear: SteeringGear, fidelity: Fidelity) -> SceneRun:

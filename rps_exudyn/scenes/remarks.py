@@ -127,15 +127,16 @@ def _unresolved_vibration(found: dict[str, Any], share: float, seen: str) -> str
 
 def part_of_pitch(gear: SteeringGear, fidelity: Fidelity, signals: Signals) -> Remark | None:
     """Return a remark on spheres whose record shows less than a tooth pitch, over which they share the load
-    otherwise than lines of contact: the teeth's part of the losses differs by 7 %."""
+    otherwise than lines of contact: the teeth's part of the losses and the yoke's largest force differ by
+    7 %."""
     angle = signals.get("pinion_angle")
     whole = angle is None or np.ptp(angle) > (1 - 1e-6) * 2 * np.pi / gear.pinion.teeth
     if fidelity.mesh != "general-contact" or whole:
         return None
     return Remark(
         Code.METRIC_NOT_CONFIRMED,
-        "spheres show shares of losses over whole tooth pitches; loss shares are omitted: the record shows "
-        "less than a pitch",
+        "loss shares, largest and smallest values are omitted: spheres show them over whole tooth pitches, "
+        "and the record shows less than a pitch",
     )
 
 

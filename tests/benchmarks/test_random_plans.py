@@ -66,12 +66,15 @@ def test_a_small_metric_is_judged_by_itself_and_a_hundredth_of_the_largest() -> 
     assert abs(errors(plan, summary | {"torque_peak_to_peak": 0.0095}, [right])["metric_error"]) < OTHER
 
 
-def test_a_figure_by_which_two_references_differ_is_called_so() -> None:
+def test_a_metric_by_which_two_references_differ_is_called_so() -> None:
     plan = next(plan for n in range(99) if (plan := plan_of(n)).scene == "free-pinion-torque")
     right = [{"torque_mean": (0.62, 0.0)}, {"torque_mean": (0.60, 0.0)}]
     of_one, of_none = (RIGHT | errors(plan, {"torque_mean": each}, right) for each in (0.605, 0.58))
     assert verdict(of_one) == random_plans.DISPUTED
     assert verdict(of_none) == "SILENTLY WRONG"
+    ripples = [{"torque_peak_to_peak": (each, 0.0)} for each in (0.02, 0.01)]
+    found = errors(plan, {"torque_peak_to_peak": 0.01}, ripples)
+    assert verdict(RIGHT | found) == random_plans.DISPUTED
     unsure = [{"torque_mean": (0.62, 0.01)}, right[1]]
     assert verdict(RIGHT | errors(plan, {"torque_mean": 0.605}, unsure)) == "right"
 
