@@ -44,8 +44,10 @@ from rps_exudyn.results.quantities import (
 from rps_exudyn.scenes.checks.needs_finer import coarse_strips, doubled_stations
 from rps_exudyn.scenes.checks.neglected_inertia import (
     FREE_OF_RANGES,
+    FREE_OF_SHARES,
     MovedMasses,
     beside_travel,
+    ringing,
     with_inertia,
 )
 from rps_exudyn.scenes.maneuver import Maneuver
@@ -70,7 +72,8 @@ DRIVES = {
 }
 """Signal of a drive -> metrics of how it varies."""
 ERROR = "transmission_error_peak_to_peak"
-RINGS = 5  # times the share of inertia, by which the teeth's depth changes: 2 to 13 are found
+RINGS = 2  # times what one change of a rate excites, by which the transmission error changes: 0.2 to 2 ...
+PRESSED = 5  # ... and times the share of inertia, by which the teeth's depth does: 2 to 13 are found
 MOST_FINER = {"equilibrium": 3, "generalized-alpha": 1}
 """Solver -> times that the steps of a motion are halved for its metrics; formulas have none."""
 MOST_OF_UNEVEN = 2  # the same of equilibria to and fro, once more for their figure
@@ -313,7 +316,7 @@ def by_inertia(
 
     Means and orders change as the drive does that overcomes the inertia along the travel. What varies changes
     by so much at most, and by the share of the drive by which inertia beside the travel changes the yoke's
-    force; the teeth's depth changes by some times that share.
+    force; the teeth's depth changes by some times that share, and where the gear rings on it.
     """
     drive = next((name for name in DRIVES if name in signals), "")
     if not drive or "mesh_normal_force" not in signals:
@@ -325,11 +328,13 @@ def by_inertia(
     if not np.any((most > unnoticed) | (beside > KINKED * FREE_OF_RANGES)):
         return {}
     varying = {name: values[name] + most for name in values if name in DRIVES[drive]}
-    depth = np.mean(signals["mesh_penetration"], axis=-1)
-    varying |= {name: values[name] + RINGS * beside * depth for name in values if name == ERROR}
+    depth = PRESSED * beside * np.mean(signals["mesh_penetration"], axis=-1)
+    depth = np.maximum(depth, RINGS * ringing(signals, masses))
+    varying |= {name: values[name] + depth for name in values if name == ERROR}
     at_most = changes(values, varying, signals)
     found = changes(values, metrics(added), signals)
     found |= {name: KINKED * at_most[name] for name in varying}
+    found |= dict.fromkeys(LOSS_SHARES & values.keys(), beside / FREE_OF_SHARES)
     return found | {name: beside / FREE_OF_RANGES for name in RACK_RANGES if name in values}
 
 

@@ -54,10 +54,11 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
         run = run_swing(turned, fidelity, maneuver, options, metrics, SCENE.figure)
     figure = "breakaway_torque" if gear.test.steer_shape == "ramp" else "angle_dead_band"
     depend = (
-        f"the yoke's largest and smallest force and shares of losses are omitted: they and {figure} depend"
+        "the rack's gain, the yoke's largest and smallest force and shares of losses are omitted: they and "
+        f"{figure} depend"
     )
     if remark := wide_zone(gear, fidelity, depend, WIDEST_ZONE):
-        run = run.without(EXTREMES | LOSS_SHARES)  # where friction lets go in one jerk
+        run = run.without(EXTREMES | LOSS_SHARES | {"rack_gain"})  # where friction lets go in one jerk
     if branched := _branches(gear, fidelity):
         run = run.without(SPREADS | EXTREMES | LOSS_SHARES)
     return run.noting(*remarks(gear, run.signals), _held(gear), remark, branched)

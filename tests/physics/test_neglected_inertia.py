@@ -6,7 +6,13 @@ import pytest
 from rps_exudyn.analysis.harmonics import order_amplitude
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses, acceleration, beside_travel, with_inertia
+from rps_exudyn.scenes.checks.neglected_inertia import (
+    MovedMasses,
+    acceleration,
+    beside_travel,
+    ringing,
+    with_inertia,
+)
 from rps_exudyn.simulate.run import run
 from rps_exudyn.simulate.together import together
 from rps_exudyn.solvers.closed_form import runout_harmonics
@@ -49,6 +55,20 @@ def test_metrics_that_need_inertia_are_left_out_at_speed() -> None:
     assert not SHAKEN & fast.summary.keys()
     assert {"torque_mean", "loss_share_mesh", "transmission_error_peak_to_peak"} <= fast.summary.keys()
     assert "inertia" in fast.message
+
+
+def test_a_rack_whose_rate_jumps_rings_on_its_teeth() -> None:
+    """The amplitude of a mass on a spring after a jump of its rate; of a slow acceleration its static
+    deflection."""
+    masses = MovedMasses.of(SteeringGear())
+    stiffness, time = 1e8, np.linspace(0, 1, 101)
+    frequency = np.sqrt(stiffness / masses.rack)
+    still = {"time": time, "pinion_torque": np.ones(101), "mesh_normal_force": np.full(101, 100.0)}
+    still |= {"mesh_penetration": np.full(101, 100.0 / stiffness), "rack_y": np.zeros(101)}
+    jump = still | {"rack_displacement": 1e-3 * np.maximum(time - 0.5, 0)}
+    assert ringing(jump, masses) == pytest.approx(1e-3 / frequency, rel=1e-6)
+    quick = {**still, "time": time * 1e-4, "rack_displacement": 0.5 * 3 * (time * 1e-4) ** 2}
+    assert ringing(quick, masses) == pytest.approx(3 / frequency**2, rel=1e-6)
 
 
 def test_inertia_grows_with_the_square_of_the_speed() -> None:

@@ -154,7 +154,7 @@ def test_a_wide_zone_of_friction_leaves_no_largest_force_where_friction_lets_go(
     )
     assert narrow.status is wide.status is Status.OK
     assert "yoke_force_max" in narrow.summary
-    assert not EXTREMES & wide.summary.keys()
+    assert not (EXTREMES | {"rack_gain"}) & wide.summary.keys()
     assert "largest and smallest force and shares of losses are omitted" in wide.message
 
 
