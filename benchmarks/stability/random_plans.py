@@ -176,7 +176,8 @@ def errors(plan: ScenePlan, summary: Mapping[str, float], right: Sequence[Values
     """Error of the scene's figure, and that of the metric that is most wrong, its name, and how many are
     judged; whether one is right by a reference and wrong by another, both sure of themselves.
 
-    A metric is judged by the reference that it is nearest to, of those that are sure of it.
+    The figure is judged by the reference that it is nearest to, of those that are sure of it; another metric
+    by the first of these, unless that one alone calls it wrong.
     """
     figure = scene_named(plan.scene).figure
     found: dict[str, list[float]] = {}
@@ -187,17 +188,26 @@ def errors(plan: ScenePlan, summary: Mapping[str, float], right: Sequence[Values
             size = max(size_of(name, values), scatter / tolerance(name))
             if size > 0 and doubt <= SURE * tolerance(name) * size:
                 found.setdefault(name, []).append((summary[name] - value) / size)
-    nearest = {name: min(each, key=abs) for name, each in found.items()}
-    others = {name: error for name, error in nearest.items() if name != figure}
-    worst = max(others, key=lambda name: abs(others[name]) / tolerance(name), default="")
+
+    def is_wrong(name: str, error: float) -> bool:
+        return abs(error) > tolerance(name)
+
+    def taken(name: str) -> float:
+        first, nearest = found[name][0], min(found[name], key=abs)
+        return nearest if name == figure or is_wrong(name, first) else first
+
+    def is_disputed(name: str) -> bool:
+        against = found[name] if name == figure else found[name][:1]
+        return not is_wrong(name, taken(name)) and any(is_wrong(name, each) for each in against)
+
+    others = found.keys() - {figure}
+    worst = max(sorted(others), key=lambda name: abs(taken(name)) / tolerance(name), default="")
     return {
-        "error": nearest.get(figure, nan),
+        "error": taken(figure) if figure in found else nan,
         "metric": worst,
-        "metric_error": others.get(worst, nan),
+        "metric_error": taken(worst) if worst else nan,
         "judged": len(found),
-        "disputed": any(
-            abs(nearest[name]) <= tolerance(name) < max(map(abs, each)) for name, each in found.items()
-        ),
+        "disputed": any(map(is_disputed, found)),
     }
 
 

@@ -4,6 +4,7 @@ The curves come from whole scenes in steps of one degree, the fit's from its own
 the estimator, not the model. Standard deviations that bound errors are those of the noise put in.
 """
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -13,7 +14,7 @@ import pytest
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.options import GearOptions
 from rps_exudyn.inference.fitting.bench_tests import BenchTest, measurement_of
-from rps_exudyn.inference.fitting.findings import fit_as_dict, gear_text, open_sentences
+from rps_exudyn.inference.fitting.findings import fit_as_dict, gear_text, open_sentences, rows
 from rps_exudyn.inference.fitting.fit import fit
 from rps_exudyn.inference.fitting.fitted import Estimate, Fit, shape_claims, with_others
 from rps_exudyn.inference.fitting.identifiability import LevelData, advice_of, more_runs
@@ -24,6 +25,7 @@ from rps_exudyn.inference.fitting.unknowns import LEVEL, NUISANCES, USUAL, setti
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.inference.uncertainty.quick_band import formula_torques
 from rps_exudyn.inference.uncertainty.samples import Samples
+from rps_exudyn.pages.report.fit_page import fit_head
 from rps_exudyn.parameters.gear import SteeringGear, gear_file
 from rps_exudyn.results.judged_row import Verdict
 from rps_exudyn.solvers.closed_form import GRAVITY
@@ -247,6 +249,15 @@ def test_signs_of_a_bench_are_turned_and_said() -> None:
         for a, b in zip(given.passes, turned.passes, strict=True):
             np.testing.assert_allclose(a.value[3:-3], b.value[3:-3])
         assert len(turned.assumed) == len(given.assumed) + 1
+
+
+def test_a_fit_that_did_not_converge_calls_nothing_known() -> None:
+    lost = replace(free_fit(), converged=False)
+    names = [row.value for row in fit_head(lost).rows]
+    assert "known" in [row.value for row in fit_head(free_fit()).rows]
+    assert "no estimate" in names
+    assert not {"known", "with priors", "not separable"} & {*names}
+    assert {(row[2], row[4]) for row in rows(lost)} == {("", "last iteration, no estimate")}
 
 
 def test_a_fit_is_written_without_its_curves() -> None:

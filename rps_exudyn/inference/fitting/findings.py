@@ -177,10 +177,11 @@ KNOWN = (Verdict.FOUND, Verdict.NOT_ZERO, Verdict.BY_PRIOR, Verdict.BY_RATIO)
 
 
 def rows(fit: Fit) -> list[tuple[str, str, str, str, str]]:
-    """Parameter, value, 95 % interval, what was expected, verdict; no interval of what was not found."""
+    """Parameter, value, 95 % interval, what was expected, verdict; no interval of what was not found, and
+    none at all, nor a verdict, of a fit that did not converge."""
     table = []
     for each in fit.estimates:
-        known = each.verdict in KNOWN
+        known = fit.converged and each.verdict in KNOWN
         interval = interval_shown(each) if known else ""
         if each.path.partition(" ")[0] in LEVEL:
             expected = f"{shown(each.path, each.prior)} +- {100 * each.prior_sd:.2g} %"
@@ -189,7 +190,8 @@ def rows(fit: Fit) -> list[tuple[str, str, str, str, str]]:
         else:
             expected = f"{shown(each.path, each.prior)} +- {shown(each.path, each.prior_sd)}"
         value = shown(each.path, each.value)
-        table.append((each.path, value, interval, expected, verdict_sentence(each)))
+        verdict = verdict_sentence(each) if fit.converged else "last iteration, no estimate"
+        table.append((each.path, value, interval, expected, verdict))
     return table
 
 

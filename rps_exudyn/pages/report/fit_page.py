@@ -98,6 +98,18 @@ def _rows(fit: Fit) -> Iterable[Row]:
         half = fit.level.interval[1] - fit.level.value
         value = rounded(SUMMARY["torque_mean"], fit.level.value, half)
         yield Row(value, "mean free torque (\u00b1: 95 % of the gear)")
+    if fit.converged:
+        yield from _verdicts(fit)
+    else:
+        yield Row("no estimate", "the fit did not converge: these values are its last iteration")
+    if fit.advice and fit.advice.tests:
+        yield Row("next test", listed([findings.test_words(test) for test in fit.advice.tests]))
+    if doubts := list(_doubts(fit)):
+        yield Row("check", doubts[0] + (f"; and {len(doubts) - 1} more" if len(doubts) > 1 else ""))
+
+
+def _verdicts(fit: Fit) -> Iterable[Row]:
+    """What is known, by the tests or with priors, and what is not separable."""
     known = [f"{named(each.path)} {_range(each)}" for each in fit.estimates
              if each.verdict in (Verdict.FOUND, Verdict.NOT_ZERO)]  # fmt: skip
     known += [f"{named(each.words)} to {100 * WIDE * each.sd:.2g} %" for each in fit.combinations]
@@ -108,12 +120,6 @@ def _rows(fit: Fit) -> Iterable[Row]:
         yield Row("with priors", listed([f"{named(each.path)} {_range(each)}" for each in with_help]))
     if left := [named(each.path) for each in fit.estimates if each.verdict is Verdict.OPEN]:
         yield Row("not separable", listed(left))
-    if fit.advice and fit.advice.tests:
-        yield Row("next test", listed([findings.test_words(test) for test in fit.advice.tests]))
-    if not fit.converged:
-        yield Row("no estimate", "the fit did not converge: these values are its last iteration")
-    if doubts := list(_doubts(fit)):
-        yield Row("check", doubts[0] + (f"; and {len(doubts) - 1} more" if len(doubts) > 1 else ""))
 
 
 def _doubts(fit: Fit) -> Iterable[str]:
