@@ -9,7 +9,7 @@ equilibria, which leave it out. What still changes, or is not resolved by the fi
 run whose own figure changes, or whose finer run fails, is invalid.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
@@ -169,15 +169,17 @@ def without_neglected(run: SceneRun, metrics: Metrics, figure: str, masses: Move
     if figure in change:
         text = f"the motion is too fast for equilibria: inertia changes {_all_shown(change)}"
         return run.invalid(Code.TURN_TOO_FAST, f"{text}; choose generalized-alpha")
-    return run.without(with_wholes(change)).noting(inertia_matters(change))
+    return run.without(with_wholes(change)).noting(inertia_matters(change, run.summary))
 
 
-def inertia_matters(change: Mapping[str, float]) -> Remark:
-    """Return the remark on metrics that need inertia, metric -> what that may change over its tolerance."""
+def inertia_matters(change: Mapping[str, float], printed: Container[str]) -> Remark:
+    """Return the remark on metrics that need inertia, metric -> what that may change over its tolerance; of
+    its whole only those that would be printed are named."""
+    shown = _all_shown(change, printed)
     return Remark(
         Code.METRIC_NOT_CONFIRMED,
-        f"omitted metrics that inertia, which equilibria leave out, may change: {_all_shown(change)}; choose "
-        "the solver generalized-alpha for them",
+        f"omitted metrics that inertia, which equilibria leave out, may change: {shown}; choose the solver "
+        "generalized-alpha for them",
     )
 
 
@@ -497,12 +499,13 @@ def _left_out(run: SceneRun, change: Mapping[str, float], figure: str) -> SceneR
     if figure in change:
         shown = f"{figure} is not confirmed: {_by(change)} change {_all_shown(change)}"
         return run.invalid(Code.STEPS_TOO_COARSE, shown)
-    return run.without(with_wholes(change)).noting(not_confirmed(change))
+    return run.without(with_wholes(change)).noting(not_confirmed(change, run.summary))
 
 
-def not_confirmed(change: Mapping[str, float]) -> Remark:
-    """Return the remark on metrics that are left out, metric -> its change over its tolerance."""
-    text = f"omitted metrics that {_by(change)} change: {_all_shown(change)}"
+def not_confirmed(change: Mapping[str, float], printed: Container[str]) -> Remark:
+    """Return the remark on metrics that are left out, metric -> its change over its tolerance; of its whole
+    only those that would be printed are named."""
+    text = f"omitted metrics that {_by(change)} change: {_all_shown(change, printed)}"
     return Remark(Code.METRIC_NOT_CONFIRMED, text)
 
 
@@ -510,8 +513,10 @@ def _by(change: Mapping[str, float]) -> str:
     return ANOTHER_CYCLE if any(_how(name) == ANOTHER_CYCLE for name in change) else _how(next(iter(change)))
 
 
-def _all_shown(change: Mapping[str, float]) -> str:
-    return ", ".join(_shown(name, value) for name, value in change.items())
+def _all_shown(change: Mapping[str, float], printed: Container[str] = ()) -> str:
+    shown = ", ".join(_shown(name, value) for name, value in change.items())
+    with_them = sorted(name for name in with_wholes(change).keys() - change.keys() if name in printed)
+    return f"{shown}, and with them {', '.join(with_them)}" if with_them else shown
 
 
 def _how(name: str) -> str:

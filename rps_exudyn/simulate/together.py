@@ -427,8 +427,10 @@ class _Followed:
         for i, (limits, own) in enumerate(zip(of_limits, of_test(self.turned(self.signals)), strict=True)):
             left = {name: float(each[i]) for name, each in beyond.items() if each[i] > 1}
             shaken = {name: float(each[i]) for name, each in neglected.items() if each[i] > KINKED}
-            first = [*([not_confirmed(left)] if left else []), *([few] if few else [])]
-            noted.append([*first, *([inertia_matters(shaken)] if shaken else []), *limits, *own])
+            first = [not_confirmed(left, summary)] if left else []
+            first += [few] if few else []
+            first += [inertia_matters(shaken, summary)] if shaken else []
+            noted.append([*first, *limits, *own])
         if self.common.test.formulas is not None:
             figures = [self.common.test.formulas(each) for each in self.gears]
             for name in dict.fromkeys(name for own in figures for name in own):

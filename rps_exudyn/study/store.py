@@ -24,7 +24,13 @@ from rps_exudyn.results.result import Result, read_result
 from rps_exudyn.study.case_blocks import Blocks
 from rps_exudyn.study.definition import Case, Description
 
-BEGUN = {".lock", "cases", "blocks", "study.toml"}  # what a runner that was stopped at its start may leave
+BEGUN = {
+    ".lock",
+    "cases",
+    "blocks",
+    "study.toml",
+}  # what a runner that was stopped at its start may leave ...
+HALF_WRITTEN = "cases/.*.h5", "blocks/.*.h5", ".study.*.json", ".study.*.toml"  # ... and one that was killed
 
 
 @dataclass(frozen=True)
@@ -229,7 +235,7 @@ class Store:
 
     def _remove_partial_files(self) -> None:
         """Remove what a killed runner left half written."""
-        for name in ("cases/.*.h5", "blocks/.*.h5", ".study.*.json"):
+        for name in HALF_WRITTEN:
             for partial in self.path.glob(name):
                 with suppress(OSError):
                     partial.unlink()
@@ -265,7 +271,7 @@ def _check_folder(folder: Path, description: Description) -> None:
     if not folder.is_dir():
         return
     if not (folder / "study.json").exists():
-        if {item.name for item in folder.iterdir()} <= BEGUN:
+        if all(item.name in BEGUN or any(map(item.match, HALF_WRITTEN)) for item in folder.iterdir()):
             return
         raise InputError(f"{folder} is no study's folder, and not empty; choose another one by --out.")
     existing = Description.read(folder / "study.json")

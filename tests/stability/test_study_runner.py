@@ -127,6 +127,18 @@ def test_ctrl_c_stops_at_once_and_keeps_what_is_done(tmp_path: Path, monkeypatch
     assert list(rows(tmp_path / "s")) == [100]
 
 
+@pytest.mark.parametrize("name", [".study.4711.json", ".study.4711.toml"])
+def test_a_study_killed_while_its_first_file_was_written_begins_again(
+    command: Command, tmp_path: Path, name: str
+) -> None:
+    file = write_grid(tmp_path / "s.toml", 100, 200)
+    (tmp_path / "s" / "blocks").mkdir(parents=True)
+    (tmp_path / "s" / name).write_text("{", encoding="utf-8")
+    assert command(["study", str(file)]).status == 0
+    assert len(rows(tmp_path / "s")) == 2
+    assert not (tmp_path / "s" / name).exists()
+
+
 def test_killed_at_random_moments_it_ends_as_if_undisturbed(
     command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
