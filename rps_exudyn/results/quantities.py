@@ -529,6 +529,8 @@ SPREADS = frozenset(
 """Metrics of how far a signal varies, which vibration and the start of a motion change before its mean."""
 EXTREMES = frozenset(name for name in _SUMMARY if name.endswith(("_min", "_max")))
 """Metrics that one instant of a signal gives, which vibration changes as it does what varies."""
+FIRST_ORDERS = frozenset(name for name in _SUMMARY if name.endswith("_first_order"))
+"""Metrics of what repeats with the turn, which may be small beside what is left of the start."""
 MOTIONS = frozenset(
     name for name in _SUMMARY if name.startswith("transmission_error_") or name in RACK_RANGES
 )

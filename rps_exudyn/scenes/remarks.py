@@ -12,7 +12,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
-from rps_exudyn.results.quantities import EXTREMES, SPREADS
+from rps_exudyn.results.quantities import EXTREMES, FIRST_ORDERS, SPREADS
 from rps_exudyn.scenes.scene_run import SceneRun
 
 LIMITS = frozenset({Code.FLANK_LIFTED, Code.YOKE_STOPPED})
@@ -23,6 +23,7 @@ DIED = 1.0  # power of e by which what began before a way, or with it, should di
 UNRESOLVED_UNDAMPED = 0.015  # ... or else steps may miss no more of the mean than that
 UNSETTLED = 0.05  # of the force's variation, which may depend on where the motion began
 LEFT_OUT = "peak to peak values and ranges are omitted"
+ORDERS_TOO = "peak to peak values, ranges and orders are omitted"
 EXTREMES_TOO = "peak to peak values, ranges, largest and smallest values are omitted"
 STATIONS_FOR_MOTIONS = 4  # on a line; two leave motions up to 28 % off ...
 STATIONS_OF_TEETH = 8  # ... and of teeth that bend six up to 11 %, four up to 30 %
@@ -95,9 +96,9 @@ def unresolved_peaks(
     if depends > UNSETTLED * varies:
         text = (
             f"up to {depends:.2%} of the force over the first tooth pitch depends on where the motion began, "
-            f"beside a ripple of {varies:.2%}, so that {LEFT_OUT}"
+            f"beside a ripple of {varies:.2%}, so that {ORDERS_TOO}"
         )
-        return Remark(Code.PEAKS_UNRESOLVED, text), SPREADS
+        return Remark(Code.PEAKS_UNRESOLVED, text), SPREADS | FIRST_ORDERS
     size = max((abs(float(np.mean(way[signal]))) for way in ways), default=0.0)
     share = max((unresolved(way[place], way[signal], size) for way in ways), default=0.0)
     seen = f"{signal} deviates from the curve through its neighbours by up to {share:.1%} of its mean: "

@@ -83,6 +83,8 @@ NOT_CURED_BY_STEPS = {
     Code.START_MATTERS,
     Code.EDGES_LOADED,
 }
+CAUSE_MAY_BE_RECORDED = {Code.NO_EQUILIBRIUM, Code.GEAR_JUMPS, Code.NO_STEP, Code.STEPS_USED_UP}
+"""Ends of a run whose record may show that the gear had left its contact's law, or its mesh, before."""
 SHAKEN = 0.15  # contractivity: between impacts an old Jacobian takes twice the iterations
 FOLLOWS = "only generalized-alpha follows a jump"
 JUMPS = (
@@ -436,7 +438,7 @@ def _finished(
     settled = -start.begun * gear.test.speed >= pitch * (1 - 1e-9)
     record = replace(record, settled=settled, start=start.start)
     signals = signals_of(record)
-    if outcome.status is Status.OK or set(outcome.codes) & {Code.NO_EQUILIBRIUM, Code.GEAR_JUMPS}:
+    if outcome.status is Status.OK or CAUSE_MAY_BE_RECORDED & {*outcome.codes}:
         outcome = options.check(outcome, gear, record, signals, zone if maneuver.is_steady else None)
     if (depends := start.start.unsettled_behind) > 0:
         outcome = replace(outcome, findings={**outcome.findings, "start_unsettled": depends})

@@ -24,13 +24,9 @@ from rps_exudyn.results.result import Result, read_result
 from rps_exudyn.study.case_blocks import Blocks
 from rps_exudyn.study.definition import Case, Description
 
-BEGUN = {
-    ".lock",
-    "cases",
-    "blocks",
-    "study.toml",
-}  # what a runner that was stopped at its start may leave ...
-HALF_WRITTEN = "cases/.*.h5", "blocks/.*.h5", ".study.*.json", ".study.*.toml"  # ... and one that was killed
+# What a runner that was stopped at its start may leave, and one that was killed
+BEGUN = {".lock", "cases", "blocks", "study.toml"}
+HALF_WRITTEN = "cases/.*.h5", "blocks/.*.h5", ".study.*.json", ".study.*.toml"
 
 
 @dataclass(frozen=True)

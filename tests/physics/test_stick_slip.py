@@ -143,7 +143,10 @@ def test_gear_on_bristles_sticks_as_without(elements: int) -> None:
 
 
 def test_remarks_on_what_cannot_stick_and_what_hides_it() -> None:
-    assert "larger at rest than in motion" in run(1.5, law="coulomb").message
+    plain = run(1.5, law="coulomb")
+    assert "larger at rest than in motion" in plain.message
+    assert "stick_slip_amplitude" not in plain.summary  # what is left of the start
+    assert "stick_slip_torque" in plain.summary
     assert "a part at rest creeps" in run(1.5, (("zone_ratio", 0.02),)).message
 
 

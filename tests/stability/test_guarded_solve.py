@@ -129,6 +129,19 @@ def test_a_run_that_would_hardly_end_ends(monkeypatch: pytest.MonkeyPatch) -> No
     assert result["pinion_angle"].size
 
 
+def test_a_run_that_would_hardly_end_shows_that_it_left_its_contact_law(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Then its steps are not what to change."""
+    monkeypatch.setattr(recorder, "MOST_STEPS", 0)
+    monkeypatch.setattr(recorder, "SPARE", 5)
+    gear = {"mesh.law": "line", "mesh.stiffness": "1e12 N/m^3", "yoke.preload": "20000 N"}
+    result = rps.run("free-pinion-torque", rps.SteeringGear().replace(gear), fidelity="flank")
+    assert result.status is Status.INVALID
+    assert result.codes == (Code.BEYOND_LAW,)
+    assert len(result["pinion_angle"]) <= 6
+
+
 def refusing(monkeypatch: pytest.MonkeyPatch, times: int, after: int = 40) -> None:
     """Let the rack seem out of mesh in a step, so many times."""
     left = [times]
