@@ -14,6 +14,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import SCENE_NAMES, scene_named
 from rps_exudyn.scenes.run_maneuver import run_maneuver
+from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.scenes.yoke_impact import WIDEST_ZONE, shaken
 from rps_exudyn.solvers.gear_forces import GearForces, exchanged
@@ -62,11 +63,11 @@ def moving(step: str, tolerance: float) -> Fidelity:
 
 
 # --- methods -----------------------------------------------------------------------------------------
-def as_run(fidelity: Fidelity) -> Method:
+def as_run(fidelity: Fidelity, options: RunOptions = DEFAULT_OPTIONS) -> Method:
     """Method: a run of the package."""
 
     def method(scene: str, gear: SteeringGear) -> tuple[Signals, Fidelity]:
-        return _sound(run_scene(scene, gear, fidelity)).signals, fidelity
+        return _sound(run_scene(scene, gear, fidelity, options)).signals, fidelity
 
     return method
 
