@@ -5,6 +5,7 @@ mesh, the parts around it. `report.check_gear` puts the sentences before the use
 """
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 from functools import lru_cache, partial
@@ -25,6 +26,7 @@ mm = partial(units.mm, digits=4)  # computed lengths, of which a reader needs no
 LEAST_CREST = 0.05  # narrowest crest, in modules; below it a tooth counts as pointed
 # ISO 53 rounds rho_fP: its flank ends 0.00003 m_n before the rack's tips do
 STANDARD_ROUNDING = 1e-4  # in modules
+HELICES = np.arange(1, 451) / 10  # of which the smallest is named where teeth need one [deg]
 ROUNDING = 1e-9  # a limit met to a nanometre is met [m]
 
 
@@ -192,11 +194,13 @@ def _contact(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
     elif total < 1:
         helix = abs(np.sin(pair.beta_p))
         width = (1 - transverse) * np.pi * pair.module / helix if helix > 0 else np.inf
+        wide = width < 10 * pair.tip_radius  # else the helix is what the overlap lacks
+        path = "pinion.face_width" if wide else "pinion.helix_angle"
         yield Violation(
             f"The teeth lose contact between one pair and the next: the total contact ratio is {total:.4g} "
             f"(transverse {transverse:.4g}, overlap {pair.overlap_ratio:.4g}); it must be at least 1",
-            "pinion.face_width",
-            _inward(gear, "pinion.face_width", width, +1) if width < 10 * pair.tip_radius else None,
+            path,
+            _inward(gear, path, width, +1) if wide else _least_helix(gear),
         )
     elif gear.pinion.tip_relief > 0 and gear.pinion.tip_relief_length > qa - q0 + ROUNDING:
         yield Violation(
@@ -244,6 +248,18 @@ def _largest_tip_radius(pair: GearPair) -> float:
         else:
             inside = middle
     return inside
+
+
+def _least_helix(gear: SteeringGear) -> float | None:
+    """Return the smallest helix angle, of the hand it has, with which one pair of teeth takes over from the
+    other [rad]; None if there is none."""
+    hand = -1.0 if gear.pinion.helix_angle < 0 else 1.0
+    for angle in hand * np.deg2rad(HELICES):
+        with suppress(ValueError):
+            pair = GearPair.of(gear.replace({"pinion.helix_angle": float(angle)}))
+            if transverse_contact_ratio(pair) + pair.overlap_ratio >= 1:
+                return float(angle)
+    return None
 
 
 def _inward(gear: SteeringGear, path: str, value: float, sense: int) -> float | None:

@@ -48,6 +48,7 @@ WRONG: dict[str, tuple[dict[str, Any], str, str]] = {
         "pinion.face_width",
         "total contact ratio is 0.9792 (transverse 0.8322, overlap 0.147); it must be at least 1",
     ),
+    "straight teeth": ({"pinion.helix_angle": 0.0}, "pinion.helix_angle", "overlap 0); it must be at least"),
     "teeth apart": (
         {"basic_rack.addendum": 0.5, "pinion.tip_diameter": "12.4 mm"},
         "pinion.tip_diameter",
@@ -98,8 +99,9 @@ def test_default_gear_is_admissible() -> None:
 
 
 def test_remedy_that_does_not_exist_is_not_invented() -> None:
-    """A spur gear has no overlap, whatever its width."""
-    gear = GEAR.replace({"pinion.helix_angle": 0.0, "pinion.tip_diameter": "16.5 mm", **SLIM_SHAFT})
+    """A spur gear has no overlap, whatever its width, and a slim one too little, whatever its helix."""
+    slim = {"pinion.tip_diameter": "16.5 mm", "pinion.face_width": "0.5 mm", **SLIM_SHAFT}
+    gear = GEAR.replace({"pinion.helix_angle": 0.0, **slim})
     with pytest.raises(InputError, match=r"contact ratio is 0.8441.*changing this parameter does not help"):
         check_gear(gear)
 
