@@ -189,9 +189,6 @@ def errors(plan: ScenePlan, summary: Mapping[str, float], right: Sequence[Values
             if size > 0 and doubt <= SURE * tolerance(name) * size:
                 found.setdefault(name, []).append((summary[name] - value) / size)
 
-    def is_wrong(name: str, error: float) -> bool:
-        return abs(error) > tolerance(name)
-
     def taken(name: str) -> float:
         first, nearest = found[name][0], min(found[name], key=abs)
         return nearest if name == figure or is_wrong(name, first) else first
@@ -214,6 +211,11 @@ def errors(plan: ScenePlan, summary: Mapping[str, float], right: Sequence[Values
 def tolerance(name: str) -> float:
     """Return the error of a metric that must not be called ok: 2 % of means, 5 % of others."""
     return how.tolerance if name in SUMMARY and (how := SUMMARY[name].confirmed) else OTHER
+
+
+def is_wrong(name: str, error: float) -> bool:
+    """Return whether a metric is off by more than its tolerance."""
+    return abs(error) > tolerance(name)
 
 
 def size_of(name: str, right: Mapping[str, tuple[float, float]]) -> float:
@@ -326,8 +328,8 @@ def verdict(row: dict[str, Any]) -> str:
         return "by formula" if row["status"] == Status.OK else row["status"]
     error, other = row.get("error", nan), row.get("metric_error", nan)
     judged = isfinite(error) or isfinite(other)
-    wrong = abs(error) > tolerance(scene_named(row["scene"]).figure)
-    right, sound = not (wrong or abs(other) > tolerance(row.get("metric", ""))), row["status"] == Status.OK
+    wrong = is_wrong(scene_named(row["scene"]).figure, error)
+    right, sound = not (wrong or is_wrong(row.get("metric", ""), other)), row["status"] == Status.OK
     if row.get("refused"):
         return "refused, was right" if sound and judged and right else "refused"
     if not sound:

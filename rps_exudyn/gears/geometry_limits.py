@@ -26,7 +26,7 @@ mm = partial(units.mm, digits=4)  # computed lengths, of which a reader needs no
 LEAST_CREST = 0.05  # narrowest crest, in modules; below it a tooth counts as pointed
 # ISO 53 rounds rho_fP: its flank ends 0.00003 m_n before the rack's tips do
 STANDARD_ROUNDING = 1e-4  # in modules
-HELICES = np.arange(1, 451) / 10  # of which the smallest is named where teeth need one [deg]
+LARGEST_HELIX = np.deg2rad(45)  # that is named where teeth need one [rad]
 ROUNDING = 1e-9  # a limit met to a nanometre is met [m]
 
 
@@ -252,13 +252,19 @@ def _largest_tip_radius(pair: GearPair) -> float:
 
 def _least_helix(gear: SteeringGear) -> float | None:
     """Return the smallest helix angle, of the hand it has, with which one pair of teeth takes over from the
-    other [rad]; None if there is none."""
-    hand = -1.0 if gear.pinion.helix_angle < 0 else 1.0
-    for angle in hand * np.deg2rad(HELICES):
-        with suppress(ValueError):
-            pair = GearPair.of(gear.replace({"pinion.helix_angle": float(angle)}))
-            if transverse_contact_ratio(pair) + pair.overlap_ratio >= 1:
-                return float(angle)
+    other [rad]; None if there is none. The overlap rises with it, the transverse contact ratio falls."""
+    from scipy.optimize import brentq, minimize_scalar  # loads in a third of a second
+
+    path, hand = "pinion.helix_angle", -1 if gear.pinion.helix_angle < 0 else 1
+
+    def lacking(angle: float) -> float:
+        pair = GearPair.of(gear.replace({path: hand * float(angle)}))
+        return 1 - transverse_contact_ratio(pair) - pair.overlap_ratio
+
+    with suppress(ValueError):  # another parameter does not allow the angle
+        most = float(minimize_scalar(lacking, bounds=(0.0, LARGEST_HELIX), method="bounded").x)
+        if lacking(most) <= 0:
+            return _inward(gear, path, hand * brentq(lacking, 0.0, most), hand)
     return None
 
 

@@ -151,10 +151,10 @@ def ringing(signals: Signals, masses: MovedMasses) -> Any:
     else:
         along, mass = masses.gain * acceleration(signals, "pinion_angle"), masses.pinion / masses.gain**2
 
-    def swings(acceleration: np.ndarray, mass: Any) -> Any:
+    def swings(accelerated: np.ndarray, mass: Any) -> Any:
         frequency = np.sqrt(normal / (depth * mass))
         lasts = np.maximum(durations(signals["time"]), 1 / frequency)
-        return np.max(np.abs(acceleration) * lasts / frequency, axis=-1)
+        return np.max(np.abs(accelerated) * lasts / frequency, axis=-1)
 
     return swings(along, mass) + swings(acceleration(signals, "rack_y"), masses.rack)
 
