@@ -385,6 +385,11 @@ class Declared:
         allowed = ", ".join([*noun, " and ".join(limits)]) if limits else "any number"
         return f'{allowed}, or "{self.unit.zero}"' if self.unit and self.unit.zero else allowed
 
+    @property
+    def most(self) -> Any:
+        """Largest value allowed, in SI; inf where there is none."""
+        return next((limit.le for limit in self.field.metadata if isinstance(limit, Le)), math.inf)
+
     def show(self, value: Any) -> str:
         """Return the value with the unit that a reader expects, or the words that stand for 0."""
         if self.unit is None:

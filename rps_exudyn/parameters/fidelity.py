@@ -103,9 +103,9 @@ class Fidelity(Table):
         "flank: Gauss points along each segment of a line of contact; law teeth adds one",
         "choice",
         ge=1,
-        le=16,
+        le=32,
     )
-    strip_points: int = parameter(2, "flank: Gauss points across the strip of contact", "choice", ge=1, le=12)
+    strip_points: int = parameter(2, "flank: Gauss points across the strip of contact", "choice", ge=1, le=32)
     profile_samples: int = parameter(
         27, "general contact: spheres along the profile of a flank", "choice", ge=2, le=2000
     )

@@ -77,9 +77,12 @@ class Quantity:
         """
         if self.confirmed is None:
             return 0.0 * np.abs(right)
+        return np.abs(value - right) / self.size(right, size) / self.confirmed.tolerance
+
+    def size(self, value: Any, of_run: Any = 0.0) -> Any:
+        """Return the size of a metric beside that of its run: its own value, or the least that matters."""
         least = max(self.least, LEAST_CHANGED.get(self.display, NOTHING))
-        least = np.maximum(LEAST_SHARE * size, least)
-        return np.abs(value - right) / np.maximum(np.abs(right), least) / self.confirmed.tolerance
+        return np.maximum(np.abs(value), np.maximum(LEAST_SHARE * of_run, least))
 
     def show(self, value: float) -> str:
         """Return the value for a reader, for instance "0.593 N m"; counts are whole numbers.
@@ -541,6 +544,15 @@ WANDERING = MOTIONS | LOST_MOTIONS | {"reversal_angle"}
 """Metrics of a swing that small motions make, which may go on to change when its torque has settled."""
 NEEDS_STATIONS = MOTIONS | {"torque_tooth_order", "torque_direction_difference"}
 """Metrics that few stations on a line of contact miss: they are small beside forces that are right to 1 %."""
+INSTANTS = {
+    "torque_peak_to_peak": "pinion_torque", "torque_on_centre_max": "pinion_torque",
+    "torque_on_centre_variation": "pinion_torque", "torque_off_centre_max": "pinion_torque",
+    "torque_off_centre_variation": "pinion_torque", "push_force_peak_to_peak": "rack_force",
+    "transmission_error_peak_to_peak": "transmission_error", "rack_lift_range": "rack_y",
+    "rack_roll_range": "rack_roll", "rack_yaw_range": "rack_yaw", "yoke_force_min": "seat_force",
+    "yoke_force_max": "seat_force",
+}  # fmt: skip
+"""Metric that one or two instants give -> its signal: an error of any instant may be its error."""
 LOSS_SHARES = frozenset(name for name in _SUMMARY if name.startswith("loss_share_"))
 """Metrics of who takes the work, which depend on how lines of contact share the load at each instant."""
 OF_ONE_WHOLE = (

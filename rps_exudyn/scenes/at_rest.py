@@ -21,6 +21,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Status
+from rps_exudyn.scenes.ladder import MOST_MODES, MOST_STATIONS
 from rps_exudyn.scenes.remarks import stations_for_motions
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, lost, outcome_of_path
@@ -114,9 +115,10 @@ def run_at_rest(
     """Find the equilibria under the loads, the drive's body held, by stations enough to show small motions;
     the run has no summary yet."""
     gear = _tapped(gear)
-    gear = gear.replace({"rack.modes": max(gear.rack.modes, LEAST_MODES)}) if gear.rack.modes else gear
+    if gear.rack.modes:
+        gear = gear.replace({"rack.modes": max(gear.rack.modes, min(options.finer(LEAST_MODES), MOST_MODES))})
     asked = fidelity.strip_stations
-    stations = max(asked, stations_for_motions(gear))
+    stations = max(asked, min(options.finer(stations_for_motions(gear)), MOST_STATIONS))
     fidelity = fidelity.replace({"strip_stations": stations})
     place, start, interrupted = RackBar.of(gear).x_min, process_time(), False
     forces = gear_forces(gear, fidelity)

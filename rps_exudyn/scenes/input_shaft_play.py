@@ -38,8 +38,8 @@ def input_shaft_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions
         )
     check_travel(gear, (gear.test.start_angle,), "test.start_angle")
     chosen = chosen.with_condensed_chain()
-    across = to_and_fro(gear.test.shaft_force, STEPS)
-    along = to_and_fro(gear.test.shaft_axial_force, STEPS)
+    across = to_and_fro(gear.test.shaft_force, options.finer(STEPS))
+    along = to_and_fro(gear.test.shaft_axial_force, options.finer(STEPS))
     force = np.zeros((3 * len(across) - 1, 3))
     force[1 : 1 + len(across), 1] = across
     force[len(across) : 2 * len(across), 0] = across

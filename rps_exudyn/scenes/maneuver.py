@@ -116,17 +116,24 @@ class Maneuver:
         return replace(self, lead=self.lead + cycles * steps, divided=divided)
 
     def halved(self, times: int) -> "Maneuver":
-        """Return the same in steps that were halved so many times."""
-        parts, approach = 2**times, self.approach
+        """Return the same in steps that were halved so many times; -1 doubles them, of which there are even
+        numbers."""
+        parts, approach = 2.0**times, self.approach
+
+        def scaled(steps: int) -> int:
+            return round(steps * parts)
+
         if isinstance(approach, SteadyApproach):
             approach = replace(approach, step=approach.step / parts)
+        elif isinstance(approach, SwingApproach):
+            approach = replace(approach, per_half_cycle=scaled(approach.per_half_cycle))
         return replace(
             self,
             approach=approach,
             time_step=self.time_step / parts,
-            lead=self.lead * parts,
-            steps=self.steps * parts,
-            divided=tuple((steps * parts, each) for steps, each in self.divided),
+            lead=scaled(self.lead),
+            steps=scaled(self.steps),
+            divided=tuple((scaled(steps), each) for steps, each in self.divided),
         )
 
     def one_period(self) -> "Maneuver":
@@ -156,9 +163,9 @@ def steady_maneuver(
     whole = whole_periods(gear, abs(last - first))
     periods, at_least = (whole, least.per_period) if whole else (1, least.of_part)
     piece = abs(last - first) / periods
-    per_piece = max(at_least, int(np.ceil(piece / step_angle * (1 - 1e-12))))
+    per_piece = max(at_least, even(piece / step_angle * (1 - 1e-12)))
     step = piece / per_piece
-    lead, sense = int(np.ceil(RUN_IN / step)), float(np.sign(last - first))
+    lead, sense = even(RUN_IN / step), float(np.sign(last - first))
     start = first - sense * lead * step
     scale = travel_per_radian(body, float(GearPair.of(gear).gain))
     drive = Steady(body, scale * start, scale * sense * gear.test.speed)
@@ -174,6 +181,11 @@ def steady_maneuver(
         ),
         closes=whole is not None,
     )
+
+
+def even(steps: float) -> int:
+    """Return the least even number of steps that are no fewer: half as many are as long together."""
+    return 2 * int(np.ceil(steps / 2))
 
 
 def maneuvers_of_test(
@@ -214,13 +226,13 @@ def swing_maneuver(
         f"test.amplitude = {degrees_shown(test.amplitude)} about {degrees_shown(test.start_angle)}",
     )
     drive = Swing(body, test.start_angle, test.amplitude, test.direction * test.speed)
-    per_cycle = 4 * int(np.ceil(max(drive.period * test.speed / step_angle, LEAST_PER_CYCLE) / 4))
+    per_cycle = 8 * int(np.ceil(max(drive.period * test.speed / step_angle, LEAST_PER_CYCLE) / 8))
     time_step = drive.period / per_cycle
-    lead = min(int(np.ceil(RUN_IN / test.speed / time_step)), per_cycle)
+    lead = min(even(RUN_IN / test.speed / time_step), per_cycle)
     steps = per_cycle * test.cycles
     divided = _divided_after_turns(drive, per_cycle, lead + steps, yielding + bristle_reversal_angle(gear))
     swept = 2 * test.amplitude * gear.pinion.teeth / (2 * np.pi)  # tooth pitches in half a cycle
-    before = int(np.ceil(max(LEAST_BEFORE, PER_PITCH_BEFORE * swept)))
+    before = even(max(LEAST_BEFORE, PER_PITCH_BEFORE * swept))
     approach = SwingApproach(drive.period / 2, before)
     return Maneuver(drive, time_step, lead, steps, approach=approach, closes=True, divided=divided)
 
@@ -230,7 +242,7 @@ def _divided_after_turns(drive: Swing, per_cycle: int, steps: int, yielding: flo
     part = float(np.sqrt(2 * yielding / drive.amplitude))  # phase from a turn, about which A phase^2 / 2
     phase = 2 * np.pi / per_cycle
     parts = max(1, int(np.ceil(STEPS_OF_YIELDING * phase / part)))
-    near = int(np.ceil(min(part, np.pi / 2) / phase))
+    near = even(min(part, np.pi / 2) / phase)
     turns = int(np.ceil(2 * steps / per_cycle))  # as many half cycles as the steps need, and more
     whole = ((per_cycle // 4, 1), *turns * ((near, parts), (per_cycle // 2 - near, 1)))
     return merged(first_of(whole, steps))

@@ -50,21 +50,20 @@ from rps_exudyn.scenes.checks.neglected_inertia import (
     ringing,
     with_inertia,
 )
+from rps_exudyn.scenes.ladder import cycles_before
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.remarks import few_stations, part_of_pitch, unresolved_peaks
 from rps_exudyn.scenes.run_maneuver import left_open, run_ever_longer, run_maneuver
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
+from rps_exudyn.scenes.sizes import sizes
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.prescribed_motion import Swing
 from rps_exudyn.solvers.record import COORDINATES
 from rps_exudyn.solvers.steering_column import WheelTorque
 
 Metrics = Callable[[Signals], dict[str, Any]]
-TORQUES = "torque_mean", "feel_running_torque", "torque_forward", "torque_jump", "breakaway_torque"
-"""Metrics, the first of which that a run has is the size of its torque, unless rubbing teeth take more."""
-RUBBING = 0.1  # coefficient of friction by which the force on the teeth gives a run its sizes
 DRIVES = {
     "pinion_torque": {name for name in SPREADS | EXTREMES if name.startswith("torque_")}
     - {"torque_tooth_order"},
@@ -111,6 +110,8 @@ def run_and_confirm(
         InputError: the fidelity's solver cannot make them.
     """
 
+    if options.level is not None:
+        return (first or run_maneuver(gear, fidelity, maneuvers, options)).described(metrics)
     steady = maneuvers[0].is_steady
     unshown = (
         SPREADS if steady and fidelity.mesh == "general-contact" else frozenset()
@@ -202,21 +203,6 @@ def most_finer(fidelity: Fidelity, options: RunOptions, smooth: bool) -> tuple[i
     return finest, int(fidelity.solver == "generalized-alpha" and options.least_steps.halvings > 1)
 
 
-def sizes(signals: Signals) -> dict[str, Any]:
-    """Return the sizes of force, torque, work and stiffness in a record, by unit; of many gears arrays (n,).
-
-    They are what teeth with the coefficient of friction `RUBBING` would take under their mean normal force.
-    A gear without friction has them too, while its mean torque is zero but for rounding.
-    """
-    if not {"mesh_normal_force", "rack_displacement", "pinion_angle"} <= {*signals}:
-        return {}
-    force = RUBBING * np.abs(signals["mesh_normal_force"]).mean(axis=-1)
-    travel, turned = (np.ptp(signals[name], axis=-1) for name in ("rack_displacement", "pinion_angle"))
-    torque = force * travel / np.where(turned > 0, turned, np.inf)
-    stiffness = torque / np.where(turned > 0, turned, np.inf)
-    return {"N": force, "N*m": torque, "J": force * travel, "N*m/rad": stiffness}
-
-
 def changes(values: Mapping[str, Any], finer: Mapping[str, Any], signals: Signals) -> dict[str, Any]:
     """Return by how much metrics change, over their tolerances; inf of one that only a single side has.
 
@@ -236,9 +222,7 @@ def changes(values: Mapping[str, Any], finer: Mapping[str, Any], signals: Signal
         return np.where(lacks[0] == lacks[1], np.where(lacks[0], 0.0, found), np.inf)
 
     declared = {name: SUMMARY[name] for name in {**values, **finer} if SUMMARY[name].confirmed}
-    size = sizes(signals)
-    torque = np.abs(next((finer[name] for name in TORQUES if name in finer), 0.0))
-    size["N*m"] = np.maximum(size.get("N*m", 0.0), torque)
+    size = sizes(signals, finer)
     return {name: change(name, item) for name, item in declared.items()}
 
 
@@ -326,7 +310,7 @@ def by_inertia(
     beside, _ = beside_travel(signals, masses)
     added = with_inertia(signals, masses)
     most = np.ptp(added[drive] - signals[drive], axis=-1) + beside * np.abs(signals[drive]).mean(axis=-1)
-    unnoticed = KINKED * OTHER * LEAST_SHARE * sizes(signals)[SIGNALS[drive].unit]
+    unnoticed = KINKED * OTHER * LEAST_SHARE * sizes(signals, {})[SIGNALS[drive].unit]
     if not np.any((most > unnoticed) | (beside > KINKED * FREE_OF_RANGES)):
         return {}
     varying = {name: values[name] + most for name in values if name in DRIVES[drive]}
@@ -557,6 +541,9 @@ def run_swing(
 ) -> SceneRun:
     """Make a swing from as many cycles before as it needs, with the metrics that half the steps and another
     cycle confirm; arguments as of `confirmed`. It is invalid if its cycles never become alike."""
+    if options.level is not None:
+        earlier = maneuver.begun_earlier(cycles_before(options.level))
+        return run_maneuver(gear, fidelity, earlier, options).described(metrics)
     if isinstance(maneuver.drive, WheelTorque):
         run, settled = _settled_under_torque(gear, fidelity, maneuver, options, metrics, figure)
     else:

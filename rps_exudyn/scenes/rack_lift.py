@@ -30,7 +30,7 @@ def rack_lift(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
         InputError: a model in which the rack has no freedom in its guides, or a start beyond its teeth.
     """
     check_travel(gear, (gear.test.start_angle,), "test.start_angle")
-    torque = to_and_fro(gear.test.lift_torque, STEPS)
+    torque = to_and_fro(gear.test.lift_torque, options.finer(STEPS))
     drive = Steady("rack", float(GearPair.of(gear).gain) * gear.test.start_angle, 0.0)
     run = run_at_rest(gear, bending(fidelity), drive, OutsideLoads.of_torque(torque), options)
     return run.noting(*remarks(gear, run.signals)).described(

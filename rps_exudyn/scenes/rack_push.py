@@ -28,7 +28,8 @@ def rack_push(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     gain = float(GearPair.of(gear).gain)
 
     def metrics(signals: Signals) -> dict[str, float]:
-        return _metrics(Turned(gear, signals, {}, gain, 0.0, fidelity.step_angle))
+        step_angle = fidelity.step_angle if options.level is None else 0.0
+        return _metrics(Turned(gear, signals, {}, gain, 0.0, step_angle))
 
     run = run_and_confirm(gear, fidelity, maneuvers, options, metrics, SCENE.figure)
     return run.noting(*remarks(gear, run.signals))

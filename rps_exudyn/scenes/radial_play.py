@@ -36,7 +36,7 @@ def radial_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
     """
     chosen = bending(fidelity)
     check_travel(gear, (gear.test.start_angle,), "test.start_angle")
-    force = to_and_fro(gear.test.play_force, STEPS)
+    force = to_and_fro(gear.test.play_force, options.finer(STEPS))
     still = np.zeros_like(force)
     along = np.concatenate([np.stack([force, still], 1), np.stack([still, force], 1)[1:]])
     drive = Steady("pinion", gear.test.start_angle, 0.0)

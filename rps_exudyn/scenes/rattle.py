@@ -22,7 +22,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Remark
 from rps_exudyn.results.quantities import SCATTERS
 from rps_exudyn.scenes.checks.before_run import check_travel
-from rps_exudyn.scenes.maneuver import Maneuver
+from rps_exudyn.scenes.maneuver import Maneuver, even
 from rps_exudyn.scenes.metric_confirmation import Metrics, run_and_confirm, with_finer_friction
 from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.run_maneuver import run_maneuver
@@ -85,7 +85,7 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
             f"impacts."
         )
     chosen, test = with_float(gear, fidelity.with_bending()), gear.test
-    chosen = chosen.replace({"zone_ratio": ZONE / 2**options.halvings})
+    chosen = chosen.replace({"zone_ratio": ZONE / 2.0**options.halvings})
     maneuvers = list(shaken_by_road(gear, chosen.swing_steps or STEPS_PER_SWING))
     growing = test.road_shape == GROWING
     band = FrequencyBand(test.band_low, test.band_high)
@@ -189,7 +189,7 @@ def shaken_by_road(gear: SteeringGear, steps_per_swing: int = STEPS_PER_SWING) -
     peak = test.road_force * np.array([np.cos(test.road_angle), np.sin(test.road_angle), 0.0])
     swing = 2 * np.pi * np.sqrt(yoke.plunger_mass / (yoke.seat_stiffness + yoke.nut_stiffness))
     step = min(swing / steps_per_swing, 1 / (STEPS_PER_BAND * test.band_high))
-    per_cycle = int(np.ceil(1 / (test.road_frequency * step)))
+    per_cycle = even(1 / (test.road_frequency * step))
     for phase in 2 * np.pi * np.arange(test.road_phases) / test.road_phases:
         road = RoadForce(
             tuple(peak.tolist()),
@@ -236,6 +236,7 @@ SCENE = Scene(
     figure="rattle_force_rms",
     chart="rattle",
     needs_inertia=True,
+    has_impacts=True,
     revolutions=None,
     at_test_speed=False,
     unpromised=_unpromised,

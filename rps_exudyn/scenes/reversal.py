@@ -32,6 +32,8 @@ def reversal(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sce
         return {**describe_reversal(signals, gain), **figures_of_motion(signals, gear)}
 
     run = run_swing(gear, fidelity, maneuver, options, metrics, SCENE.figure)
+    if options.level is not None:
+        return run.noting(*remarks(gear, run.signals))
     if too_wide := wide_zone(gear, fidelity, "reversal_angle is omitted: it depends", WIDEST_ZONE):
         run = run.without({"reversal_angle"})
     return run.noting(*remarks(gear, run.signals), too_wide)

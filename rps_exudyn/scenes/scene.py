@@ -10,7 +10,7 @@ from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Remark
-from rps_exudyn.scenes.checks.after_run import validated
+from rps_exudyn.scenes.checks.after_run import physical, validated
 from rps_exudyn.scenes.checks.before_run import Motion
 from rps_exudyn.scenes.law_by_scene import NeededLaw
 from rps_exudyn.scenes.maneuver import Maneuver, StepLimits, swing_maneuver
@@ -24,14 +24,26 @@ class RunOptions:
     Attributes:
         check: gives a finished run its outcome, with the arguments of `checks.after_run.validated`.
         least_steps: steps that a maneuver gets, however large the fidelity's step.
-        halvings: how often the steps of every maneuver are halved, whatever chose them.
+        halvings: how often the steps of every maneuver are halved, whatever chose them; -1 doubles them.
         figures: metrics that steady motions confirm and return beside their own figure; None is all.
+        level: of the ladder (`scenes.ladder`), at which a scene makes one run; None: runs confirm each other.
     """
 
     check: Callable[..., Outcome] = validated
     least_steps: StepLimits = field(default_factory=StepLimits)
     halvings: int = 0
     figures: frozenset[str] | None = None
+    level: int | None = None
+
+    def at(self, level: int) -> "RunOptions":
+        """Return the same at a level of the ladder."""
+        check = physical if self.check is validated else self.check
+        least = StepLimits(halvings=0)
+        return replace(self, level=level, halvings=level - 1, least_steps=least, check=check)
+
+    def finer(self, count: int) -> int:
+        """Return how many there are where steps are halved, of as many as there are with the steps as given."""
+        return int(np.ceil(count * 2.0**self.halvings))
 
     def halved(self, times: int) -> "RunOptions":
         """Return the same for a run in steps that are halved so many times more."""
@@ -43,6 +55,7 @@ class RunOptions:
 
 
 DEFAULT_OPTIONS = RunOptions()
+WITH_BARS = RunOptions(level=1)
 
 
 @dataclass(frozen=True)
@@ -112,6 +125,7 @@ class Scene:
         needs_inertia: whether equilibria cannot show it.
         at_rest: whether nothing moves: its instants are loads one after the other.
         swings: whether it steers to and fro and records whole cycles.
+        has_impacts: whether its signals are pulses, which shift in time from level to level.
         at_test_speed: whether the rig moves at `test.speed`.
         test: its maneuvers and metrics, where many gears can be computed together.
         revolutions: how often the pinion turns in a run one way; None where it does not turn.
@@ -136,6 +150,7 @@ class Scene:
     needs_inertia: bool = False
     at_rest: bool = False
     swings: bool = False
+    has_impacts: bool = False
     at_test_speed: bool = True
     test: SteadyTest | None = None
     revolutions: Callable[[SteeringGear], float] | None = turns_of_test

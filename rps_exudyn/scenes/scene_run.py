@@ -15,11 +15,21 @@ Signals = dict[str, np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class SceneRun:
-    """Outcome, and what was recorded until then."""
+    """Outcome, and what was recorded until then.
+
+    Attributes:
+        outcome: how it ended.
+        signals: name -> values over the time.
+        summary: name -> metric.
+        errors: name -> half width of the metric's error bar.
+        metrics: the function that gave the summary of the signals.
+    """
 
     outcome: Outcome
     signals: Signals = field(default_factory=dict)
     summary: dict[str, float] = field(default_factory=dict)
+    errors: dict[str, float] = field(default_factory=dict)
+    metrics: Callable[[Signals], dict[str, float]] | None = None
 
     @property
     def ok(self) -> bool:
@@ -57,7 +67,7 @@ class SceneRun:
 
     def described(self, figures: Callable[[Signals], dict[str, float]]) -> "SceneRun":
         """Return the run with the summary that `figures` reads from its signals, if there are any."""
-        return replace(self, summary=figures(self.signals)) if self.signals else self
+        return replace(self, summary=figures(self.signals), metrics=figures) if self.signals else self
 
 
 def joined(runs: Sequence[SceneRun]) -> SceneRun:

@@ -52,6 +52,8 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
         run = run_and_confirm(turned, fidelity, [maneuver], options, metrics, "breakaway_torque", always=True)
     else:
         run = run_swing(turned, fidelity, maneuver, options, metrics, SCENE.figure)
+    if options.level is not None:
+        return run.noting(*remarks(gear, run.signals), _held(gear))
     figure = "breakaway_torque" if gear.test.steer_shape == "ramp" else "angle_dead_band"
     depend = (
         "the rack's gain, the yoke's largest and smallest force and shares of losses are omitted: they and "

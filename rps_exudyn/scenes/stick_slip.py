@@ -21,7 +21,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.checks.before_run import check_travel
-from rps_exudyn.scenes.maneuver import Maneuver
+from rps_exudyn.scenes.maneuver import Maneuver, even
 from rps_exudyn.scenes.metric_confirmation import run_and_confirm
 from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.refine import refine
@@ -59,7 +59,8 @@ def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> S
     model = reduced_gear(gear)
     run = _resolved(gear, fidelity, options)
     nothing = None if model.surplus > 0 else NOTHING_FALLS
-    zone = wide_zone(gear, fidelity, "sticking depends", WIDEST_ZONE) if model.surplus > 0 else None
+    judged = model.surplus > 0 and options.level is None
+    zone = wide_zone(gear, fidelity, "sticking depends", WIDEST_ZONE) if judged else None
     predicted = predictions(gear, fidelity)
 
     def metrics(signals: Signals) -> dict[str, float]:
@@ -132,7 +133,7 @@ def set_off(gear: SteeringGear) -> Maneuver:
     cycles = min(MOST_CYCLES, CYCLES + 1 / (2 * np.pi * max(ratio, 1e-6)))
     affordable = (MOST_STEPS * step - twisting) / cycle
     cycles = max(min(cycles, affordable), LEAST_CYCLES)
-    steps = int(np.ceil((twisting + cycles * cycle) / step))
+    steps = even((twisting + cycles * cycle) / step)
     angles = test.start_angle, test.start_angle + test.direction * test.speed * steps * step
     check_travel(gear, angles, f"stick-slip over {cycles:.3g} cycles")
     return Maneuver(SetOff("wheel", test.start_angle, test.direction * test.speed), step, 0, steps)

@@ -19,7 +19,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.checks.before_run import check_travel
-from rps_exudyn.scenes.maneuver import Maneuver
+from rps_exudyn.scenes.maneuver import Maneuver, even
 from rps_exudyn.scenes.metric_confirmation import run_and_confirm
 from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.remarks import wide_zone
@@ -44,7 +44,7 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
             f"no impacts."
         )
     chosen = fidelity.with_bending()
-    chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, WIDEST_ZONE)})
+    chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, WIDEST_ZONE / 2.0**options.halvings)})
     own = STEPS_PER_SWING_OF_A_BENDING_RACK if chosen.rack == "flexible" else STEPS_PER_SWING
 
     def metrics(signals: Signals) -> dict[str, float]:
@@ -57,7 +57,7 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
 
     maneuver = shaken(gear, chosen.swing_steps or own)
     run = run_and_confirm(gear, chosen, [maneuver], options, metrics, SCENE.figure, always=True)
-    zone = wide_zone(gear, fidelity, "the impacts depend", WIDEST_ZONE)
+    zone = None if options.level is not None else wide_zone(gear, fidelity, "the impacts depend", WIDEST_ZONE)
     return run.noting(_rigid(chosen), _closed(gear, run.signals), zone)
 
 
@@ -110,7 +110,7 @@ def shaken(gear: SteeringGear, steps_per_swing: int = STEPS_PER_SWING) -> Maneuv
         tuple(peak.tolist()), RackBar.of(gear).x_min, test.pulse_duration, test.pulse_period, test.pulses
     )
     swing = 2 * np.pi * np.sqrt(yoke.plunger_mass / (yoke.seat_stiffness + yoke.nut_stiffness))
-    steps = int(np.ceil(test.pulse_period * (test.pulses + 1) / (swing / steps_per_swing)))
+    steps = even(test.pulse_period * (test.pulses + 1) / (swing / steps_per_swing))
     time_step = test.pulse_period * (test.pulses + 1) / steps
     return Maneuver(Steady("pinion", test.start_angle, 0.0), time_step, 0, steps, pulse=pulse)
 
@@ -123,6 +123,7 @@ SCENE = Scene(
     figure="impact_peak_force",
     chart="impact",
     needs_inertia=True,
+    has_impacts=True,
     revolutions=None,
     at_test_speed=False,
     law="teeth",

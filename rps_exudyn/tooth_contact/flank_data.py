@@ -18,7 +18,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 ALONG, ACROSS = 4, 2  # Gauss points: stations in each segment of a line, nodes across the strip
 TOWARDS_ENDS = -0.13  # power that suits the loads of teeth that bend: on eleven gears 5 stations leave 0.05 %
 TURNS_ABOUT = 0.25  # smallest over mean sliding below which the friction turns within the stations' distance
-MOST_POINTS = 17  # of a rule, as `fidelity.strip_stations` and `strip_points` allow
+MOST_POINTS = 33  # of a rule, as `fidelity.strip_stations` and `strip_points` allow
 
 MOST_PINION_TEETH = 40  # as `pinion.teeth` allows
 

@@ -60,18 +60,54 @@ def validated(
     `friction_zone` [m/s], given for a steady motion, is the sliding speed below which friction is not fully
     developed.
     """
-    checks: tuple[Failure, ...] = (
-        finite(signals),
-        rack_in_mesh(signals, gear.installation.axis_offset, largest_lift(gear)),
-        *([] if record.pulse_power is not None else [teeth_loaded(signals)]),  # a pulse may part them
-        law_valid(record.forces.valid_to, signals),
-    )
+    checks: tuple[Failure, ...] = _of_contacts(gear, record, signals)
     if outcome.status is Status.OK:
         checks += _of_a_whole_record(outcome, gear, record, signals, friction_zone)
     for check in checks:
         for status, code, message in check:
             return replace(outcome, status=status, codes=(code,), message=message)
     return outcome
+
+
+def physical(
+    outcome: Outcome,
+    gear: SteeringGear,
+    record: Record,
+    signals: dict[str, np.ndarray],
+    friction_zone: float | None,
+) -> Outcome:
+    """Return the outcome of a run of the ladder after the checks of its physics alone: what discretisation
+    misses, and what is left of the start, is in the bars of its metrics. Arguments as of `validated`."""
+    checks: tuple[Failure, ...] = _of_contacts(gear, record, signals)
+    if outcome.status is Status.OK:
+        checks += _of_general_contact(gear, record, signals)
+    for check in checks:
+        for status, code, message in check:
+            return replace(outcome, status=status, codes=(code,), message=message)
+    share = unsettled_share(record.start, signals)
+    return replace(outcome, findings={**outcome.findings, "unsettled_mean": share}) if share else outcome
+
+
+def _of_contacts(gear: SteeringGear, record: Record, signals: dict[str, np.ndarray]) -> tuple["Failure", ...]:
+    """The checks of what ends a run where the gear left its contacts."""
+    return (
+        finite(signals),
+        rack_in_mesh(signals, gear.installation.axis_offset, largest_lift(gear)),
+        *([] if record.pulse_power is not None else [teeth_loaded(signals)]),  # a pulse may part them
+        law_valid(record.forces.valid_to, signals),
+    )
+
+
+def _of_general_contact(
+    gear: SteeringGear, record: Record, signals: dict[str, np.ndarray]
+) -> tuple["Failure", ...]:
+    """The checks of Exudyn's contact and of spheres."""
+    return (
+        contact_agreed(contact_disagreement(record)),
+        spheres_enough(record, _on_an_edge(gear, signals)),
+        spheres_in_place(record, gear, signals),
+        *([] if record.pulse_power is not None else [yoke_off_nut(record, signals)]),
+    )
 
 
 def _of_a_whole_record(
@@ -90,10 +126,7 @@ def _of_a_whole_record(
         start_settled(record.start, signals, gear),
         *([] if friction_zone is None or not equilibria else [rolling_followed(signals, gear)]),
         *([turn_slow(signals, gear)] if equilibria and friction_zone is not None else []),
-        contact_agreed(contact_disagreement(record)),
-        spheres_enough(record, _on_an_edge(gear, signals)),
-        spheres_in_place(record, gear, signals),
-        *([] if record.pulse_power is not None else [yoke_off_nut(record, signals)]),
+        *_of_general_contact(gear, record, signals),
         work_balanced(signals, ENERGY_BOUND),
         edges_spared(signals, edge_bound(gear)),
     )
@@ -215,8 +248,7 @@ def settled(signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
 def start_settled(start: Start, signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
     """Check that the start does not matter: the gear could settle before the start, on teeth that
     the rack has, or what is left hardly moves the mean over the record."""
-    recorded = float(signals["time"][-1])
-    share = start.unsettled * min(1.0, start.settles_in / recorded) if start.unsettled else 0.0
+    share = unsettled_share(start, signals)
     if share > UNSETTLED_BOUND:
         pitch = 2 * np.pi / gear.pinion.teeth / gear.test.speed
         needed, teeth = start.settles_in / pitch, start.approach_time / pitch
@@ -228,6 +260,12 @@ def start_settled(start: Start, signals: dict[str, np.ndarray], gear: SteeringGe
             f"the gear does not settle: {start.unsettled:.1%} of the force at the start depends on where "
             f"the motion began; it would settle {asks}{ends}",
         )
+
+
+def unsettled_share(start: Start, signals: dict[str, np.ndarray]) -> float:
+    """Return the share of the mean force over a record that depends on where the motion began."""
+    recorded = float(signals["time"][-1])
+    return start.unsettled * min(1.0, start.settles_in / recorded) if start.unsettled else 0.0
 
 
 def rolling_fraction(signals: dict[str, np.ndarray], gear: SteeringGear) -> float:

@@ -1,0 +1,104 @@
+"""Error bars: the numerical error of each metric, from the runs of two neighbouring levels of the ladder.
+
+    bar = max(2 hypot(change, scatter), 0.2 % of the size)
+
+    change = max(|fine - coarse|,                           the metric's own
+                 max over time |y_fine - y_coarse|,         of its signal, where one instant gives the metric
+                 |metric(2 y_fine - y_coarse) - fine|,      of the record extrapolated to steps of no length
+                 size * median of |fine - coarse| / size    over all metrics, halved: two levels may agree by chance)
+
+A fixed factor, no observed order: the changes of two pairs of levels have ratios from 1 to 6, a quarter of them
+below 1. What is the same on both levels, and so unseen, are terms of `bar_terms`. Of many gears numbers are arrays
+(n,) and signals (n, t), by the same functions.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.analysis.curve import pieces_of
+from rps_exudyn.analysis.passes import over_instants
+from rps_exudyn.analysis.rack_motion import transmission_error
+from rps_exudyn.results.quantities import INSTANTS, SCATTERS, SUMMARY
+from rps_exudyn.scenes.scene_run import Signals
+from rps_exudyn.scenes.sizes import size_of, sizes
+
+FACTOR = 2.0  # times the change between two levels: covers 98 % where 1 covers 95 and 3 covers 99
+FLOOR = 0.002  # of a metric's size: levels of smooth curves agree better than their models' tolerances
+CHANCE = 0.5  # of the median change, by which every metric changes at least
+
+Metrics = Callable[[Signals], Mapping[str, Any]]
+
+
+def error_bars(
+    metrics: Metrics,
+    fine: Signals,
+    values: Mapping[str, Any],
+    coarse: Signals,
+    coarse_values: Mapping[str, Any],
+    *,
+    curves: bool = True,
+) -> dict[str, Any]:
+    """Return the half widths of the metrics' bars; inf of one that the coarser level lacks.
+
+    Args:
+        metrics: signals -> metrics.
+        fine: record of the finer level, whose metrics are printed.
+        values: its metrics.
+        coarse: record of the level below.
+        coarse_values: its metrics.
+        curves: whether signals of both may be compared instant by instant: not where pulses shift in time,
+            nor where loads stand one after the other.
+    """
+    names = [name for name in values if SUMMARY[name].confirmed]
+    of_run = sizes(fine, values)
+    size = {name: size_of(name, values[name], of_run) for name in names}
+    own = {name: np.abs(values[name] - coarse_values.get(name, np.inf)) for name in names}
+    change = dict(own)
+    if curves and (moved := difference(fine, coarse)):
+        # what lies between the coarse instants changes as they do
+        there = {
+            name: fine[name] + over_instants(fine["time"], fine["time"], each) for name, each in moved.items()
+        }
+        extrapolated = metrics({**fine, **there})
+        for name in names:
+            largest = _largest_change(name, moved, values)
+            shifted = np.abs(extrapolated.get(name, values[name]) - values[name])
+            change[name] = np.fmax(change[name], np.fmax(largest, shifted))
+    known = [own[name] / size[name] for name in names if np.all(np.isfinite(own[name]))]
+    usual = np.median(np.broadcast_arrays(*known), axis=0) if known else 0.0
+    bars = {}
+    for name in names:
+        scatter = values.get(SCATTERS.get(name, ""), 0.0)
+        each = np.fmax(change[name], CHANCE * usual * size[name])
+        bars[name] = np.fmax(FACTOR * np.hypot(each, scatter), FLOOR * size[name])
+    return bars
+
+
+def difference(fine: Signals, coarse: Signals) -> dict[str, np.ndarray]:
+    """Return fine minus coarse signals at the instants of the fine record, (..., t), on straight lines between
+    those of the coarse one; {} of records that do not cover the same time."""
+    pieces = [list(pieces_of(each["time"])) for each in (fine, coarse)]
+    if len(pieces[0]) != len(pieces[1]):
+        return {}
+    found: dict[str, list[np.ndarray]] = {}
+    for own, other in zip(*pieces, strict=True):
+        there, at = fine["time"][own], coarse["time"][other]
+        if max(abs(there[0] - at[0]), abs(there[-1] - at[-1])) > np.diff(at).max(initial=0.0):
+            return {}
+        for name in fine.keys() & coarse.keys() - {"time"}:
+            values, others = fine[name][..., own], coarse[name][..., other]
+            if values.ndim != others.ndim:
+                continue
+            moved = over_instants(at, there, values) - others
+            found.setdefault(name, []).append(over_instants(there, at, moved))
+    return {name: np.concatenate(each, axis=-1) for name, each in found.items()}
+
+
+def _largest_change(name: str, moved: Mapping[str, np.ndarray], values: Mapping[str, Any]) -> Any:
+    """Return how far the signal of a metric that one instant gives changes at most; 0 of any other."""
+    signal = INSTANTS.get(name, "")
+    if signal == "transmission_error" and {"rack_displacement", "pinion_angle"} <= moved.keys():
+        return np.abs(transmission_error(moved, values["rack_gain"] / (2 * np.pi))).max(axis=-1)
+    return np.abs(moved[signal]).max(axis=-1) if signal in moved else 0.0

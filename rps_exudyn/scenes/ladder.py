@@ -1,0 +1,67 @@
+"""The ladder: what a level makes of everything that discretisation decides.
+
+    model, gear, options = model_at(2, fidelity), gear_at(2, gear), options.at(2)
+
+A level has half the steps, the friction zone and the tolerance of the level below, twice its stations on a line
+of contact, its modes of the rack and its cycles before the record, and spheres that are closer by the root of 2.
+Level 1 has what a model asks for. `Maneuver.halved` divides the steps, so that a level has all instants of the
+levels below.
+"""
+
+from math import ceil, sqrt
+
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+
+FINEST = 8
+"""The last level: it takes 128 times the memory of a usual run."""
+
+
+def _most(table: type[Fidelity] | type[SteeringGear], path: str) -> float:
+    (declared,) = table.declared_at(path)
+    return float(declared.most)
+
+
+MOST_MODES = int(_most(SteeringGear, "rack.modes"))
+MOST_STATIONS = int(_most(Fidelity, "strip_stations"))
+_MOST = {
+    name: _most(Fidelity, name)
+    for name in (
+        *("tolerance", "zone_ratio", "strip_stations", "strip_points", "profile_samples", "axial_samples"),
+    )
+}
+
+
+def model_at(level: int, fidelity: Fidelity) -> Fidelity:
+    """Return a model with the stations, spheres, friction zone and tolerance of a level; its steps are those
+    of the options."""
+    if fidelity.solver == "closed-form":
+        return fidelity
+    finer = 2.0 ** (level - 1)
+    changed = {
+        "torque_tolerance": 0.0,
+        "tolerance": fidelity.tolerance / finer,
+        "zone_ratio": fidelity.zone_ratio / finer,
+        "strip_stations": doubled(fidelity.strip_stations, level),
+        "strip_points": doubled(fidelity.strip_points, level),
+        "profile_samples": ceil(fidelity.profile_samples * sqrt(finer)),
+        "axial_samples": ceil(fidelity.axial_samples * sqrt(finer)),
+    }
+    return fidelity.replace({name: min(value, _MOST.get(name, value)) for name, value in changed.items()})
+
+
+def gear_at(level: int, gear: SteeringGear) -> SteeringGear:
+    """Return a gear whose rack, where it bends, has the modes of a level."""
+    modes = min(doubled(gear.rack.modes, level), MOST_MODES)
+    return gear if modes == gear.rack.modes else gear.replace({"rack.modes": modes})
+
+
+def doubled(count: int, level: int) -> int:
+    """Return a number at a level that is half as large, rounded up, at level 0, and twice as large from each
+    level to the next."""
+    return ceil(count / 2) * 2**level
+
+
+def cycles_before(level: int) -> int:
+    """Return the whole cycles of a swing before its record: 0, 1, 2, 4, 8."""
+    return 2**level // 2

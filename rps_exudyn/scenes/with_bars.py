@@ -1,0 +1,104 @@
+"""A run with error bars: two neighbouring levels of the ladder, the finer of which is printed.
+
+    run = run_with_bars(scene_named("reversal"), gear, fidelity, RunOptions(level=1))
+    run.summary["torque_jump"], run.errors["torque_jump"]
+
+Level 1 and its companion, level 0, serve by default; level 0 is asked for beside level 1. Where the companion is
+lost, the next level is, and is printed; where that is lost too, the bars are unknown.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Code, Interrupted
+from rps_exudyn.scenes.bar_terms import bar_terms, leaves_inertia_out, work_error
+from rps_exudyn.scenes.error_bars import error_bars
+from rps_exudyn.scenes.ladder import gear_at, model_at
+from rps_exudyn.scenes.scene import RunOptions, Scene
+from rps_exudyn.scenes.scene_run import SceneRun
+
+MOST_OF_WORK = 0.05  # that may be missing in the balance
+MOST_OF_TERMS = 0.2  # of the scene's main metric, above which what the model leaves out is no error but its absence
+
+
+def run_with_bars(scene: Scene, gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
+    """Run a scene at the level of the options with error bars.
+
+    Raises:
+        InputError: a test or a model that the scene cannot have.
+        Interrupted: Ctrl-C; it carries what was recorded.
+    """
+    assert options.level is not None
+    level = options.level
+
+    def run_at(each: int) -> SceneRun:
+        return scene.run(gear_at(each, gear), model_at(each, fidelity), options.at(each))
+
+    first = run_at(level)
+    if fidelity.solver == "closed-form":
+        return _with_terms(scene, gear, fidelity, _described(first, level), {})
+    if not first.ok:
+        return first
+    try:
+        other = run_at(level - 1 if level else 1)
+        if other.ok:
+            coarse, fine = (other, first) if level else (first, other)
+            return _barred(scene, gear, fidelity, _described(first, level, other), fine, coarse)
+        other = run_at(level + 1)
+    except Interrupted:
+        raise Interrupted(first) from None
+    if not (level and other.ok):
+        return _with_terms(scene, gear, fidelity, _described(first, level), None)
+    return _barred(scene, gear, fidelity, _described(other, level + 1, first), other, first)
+
+
+def _described(run: SceneRun, level: int, companion: SceneRun | None = None) -> SceneRun:
+    """Return a run with the level that it has, and the time of both runs."""
+    cpu = run.outcome.cpu_s + (companion.outcome.cpu_s if companion else 0.0)
+    outcome = replace(run.outcome, cpu_s=cpu, findings={**run.outcome.findings, "level": level})
+    return replace(run, outcome=outcome)
+
+
+def _barred(
+    scene: Scene, gear: SteeringGear, fidelity: Fidelity, printed: SceneRun, fine: SceneRun, coarse: SceneRun
+) -> SceneRun:
+    """Return the printed run with the bars of two levels."""
+    assert fine.metrics is not None
+    curves = not (scene.at_rest or scene.has_impacts)
+    bars = error_bars(
+        fine.metrics, fine.signals, fine.summary, coarse.signals, coarse.summary, curves=curves
+    )
+    return _with_terms(scene, gear, fidelity, printed, bars)
+
+
+def _with_terms(
+    scene: Scene, gear: SteeringGear, fidelity: Fidelity, run: SceneRun, bars: Mapping[str, Any] | None
+) -> SceneRun:
+    """Return a run whose bars have their terms added; None: no level serves, so that all are unknown (nan)."""
+    if run.metrics is None or not run.signals:
+        return run
+    terms = bar_terms(scene, gear, fidelity, run.metrics, run.signals, run.summary, run.outcome.findings)
+    if bars is None:
+        errors = dict.fromkeys(terms, np.nan)
+    else:
+        errors = {name: float(bars.get(name, 0.0) + each) for name, each in terms.items()}
+    errors = {name: each if np.isfinite(each) else float("nan") for name, each in errors.items()}
+    run = replace(run, errors=errors)
+    if not run.ok:
+        return run
+    if (missing := work_error(run.signals)) > MOST_OF_WORK:
+        text = f"the error of the work balance is {missing:.1%} (limit {MOST_OF_WORK:.0%})"
+        return run.invalid(Code.WORK_MISSING, f"{text}; lower fidelity.step_angle")
+    size = abs(run.summary.get(scene.figure, 0.0))
+    if leaves_inertia_out(scene, fidelity) and terms.get(scene.figure, 0.0) > MOST_OF_TERMS * size:
+        text = f"the motion is too fast for equilibria: inertia may change {scene.figure} by"
+        share = terms[scene.figure] / size if size else np.inf
+        return run.invalid(
+            Code.TURN_TOO_FAST, f"{text} {share:.0%} (limit {MOST_OF_TERMS:.0%}); choose generalized-alpha"
+        )
+    return run
