@@ -162,7 +162,8 @@ def _by_solver(plan: ScenePlan, solver: str) -> tuple[dict[str, tuple[float, flo
             return {}, runs[-1].message
     first, coarse, fine = (run.summary for run in runs)
     # steps as given record a first cycle, from which a lost motion may go on to wander
-    if swings and left_open(dict(runs[-1].signals), plan.gear) > SETTLED:
+    gain = float(GearPair.of(plan.gear).gain)
+    if swings and left_open(dict(runs[-1].signals), gain) > SETTLED:
         fine = {name: value for name, value in fine.items() if name not in LOST_MOTIONS}
 
     def doubt(name: str) -> float:

@@ -10,6 +10,7 @@ from rps_exudyn.pages.report.sheet import Sheet, sheet_of
 from rps_exudyn.results.law_error import error_of_law
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import COUNTERS, SIGNALS, SUMMARY
+from rps_exudyn.results.rounding import with_error
 
 if TYPE_CHECKING:
     from rps_exudyn.analysis.measured import AgainstMeasured
@@ -77,6 +78,7 @@ def result_as_dict(result: "Result", files: Iterable[Path] = ()) -> dict[str, An
         "codes",
         "fidelity",
         "summary",
+        "errors",
         "counters",
         "geometry",
         "cpu_s",
@@ -88,7 +90,7 @@ def result_as_dict(result: "Result", files: Iterable[Path] = ()) -> dict[str, An
 
 def _summary_rows(result: "Result") -> Iterable[tuple[str, str, str]]:
     for name, value in result.summary.items():
-        yield name, SUMMARY[name].show(value), SUMMARY[name].long_name
+        yield name, with_error(SUMMARY[name], value, result.errors.get(name)), SUMMARY[name].long_name
     for name in ("mesh_normal_force_drive", "mesh_normal_force_coast"):
         if name in result.signals and result[name].size:
             yield f"mean of {name}", SIGNALS[name].show(float(result[name].mean())), SIGNALS[name].long_name

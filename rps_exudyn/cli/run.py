@@ -40,6 +40,7 @@ def run(
     /,
     *,
     setup: SetupOptions = PAPER_SETUP,
+    level: int | None = None,
     accuracy: str | None = None,
     out: Path | None = None,
     plot: Path | None = None,
@@ -62,6 +63,8 @@ def run(
     Existing files are kept: a new run renames them to NAME.1, a failed run is written to NAME.failed.
 
     Args:
+        level: Level of the ladder, 1 by default: each level halves the steps and refines the contacts. The
+            printed error bars come from this level and the one below; see docs/accuracy.md.
         accuracy: Allowed error of the torque, for instance 1%. The run uses the cheapest model with this
             accuracy, of all models or of the given --fidelity; see docs/accuracy.md.
         out: HDF5 file; default: SCENE.h5 in the current folder.
@@ -97,7 +100,7 @@ def run(
     if band is not None or inputs is not None:
         from rps_exudyn.cli.run_band import do_band, sample_count
 
-        refused = {"accuracy": accuracy, "robust": robust}
+        refused = {"level": level is not None, "accuracy": accuracy, "robust": robust}
         count = sample_count(band, [name for name, given in refused.items() if given])
         seconds = limit.seconds if limit else inf
         files = Files(out, picture, overwrite)
@@ -128,7 +131,13 @@ def run(
             shown_progress(progress),
         ):  # stdout is for the result
             result = simulate(
-                scene, chosen.steering_gear, model, accuracy=accuracy, robust=robust, time_limit=limit
+                scene,
+                chosen.steering_gear,
+                model,
+                level=level,
+                accuracy=accuracy,
+                robust=robust,
+                time_limit=limit,
             )
     except Interrupted as interrupt:
         kept, _ = keep(replace(interrupt.recorded, measured=curve), Files(out, picture, overwrite))

@@ -35,7 +35,7 @@ MOST_NUMBERS = 6  # of the summary that a printed result shows
 DRAWING = "rps_exudyn.pages.charts.scene_figures:draw"  # looked up when drawn: charts stand above results
 
 FILETYPE = "rps_exudyn-result"
-VERSION = (1, 4)
+VERSION = (1, 5)
 """Major: old readers must refuse the file. Minor: something was added that they may leave unread."""
 
 
@@ -104,6 +104,8 @@ class Result:
         codes: what the message is about, by the names of `outcome.Code`.
         signals: name -> values over the time, shape (time,).
         summary: name -> number.
+        errors: name -> half width of the number's error bar, its numerical error, in the same unit; nan where
+            it is unknown. Numbers without one follow from formulas or settings.
         counters: name -> what the solver had to do.
         geometry: name -> number of the geometry report.
         cpu_s: CPU time of the simulation [s].
@@ -127,6 +129,7 @@ class Result:
     codes: tuple[str, ...] = ()
     signals: Mapping[str, np.ndarray] = field(default_factory=dict)
     summary: Mapping[str, float] = field(default_factory=dict)
+    errors: Mapping[str, float] = field(default_factory=dict)
     counters: Mapping[str, int | float] = field(default_factory=dict)
     geometry: Mapping[str, float] = field(default_factory=dict)
     cpu_s: float
@@ -138,6 +141,8 @@ class Result:
         for group, known in GROUPS.items():
             if unknown := set(getattr(self, group)) - set(known):
                 raise ValueError(f"quantities.py declares no {group} named {', '.join(sorted(unknown))}")
+        if unknown := self.errors.keys() - self.summary.keys():
+            raise ValueError(f"the summary has no number for the error of {', '.join(sorted(unknown))}")
         shapes = {np.shape(values) for values in self.signals.values()}
         if self.signals and ("time" not in self.signals or len(shapes) > 1 or len(shapes.pop()) != 1):
             raise ValueError("signals must be one-dimensional, of one length, and hold the time")
@@ -210,7 +215,8 @@ class Result:
             for name, values in self.signals.items()
         }
         about = {"scene": self.scene, "status": self.status.value, "message": self.message}
-        return Dataset(variables, attrs={**about, **self.summary})
+        errors = {f"{name}_error": error for name, error in self.errors.items()}
+        return Dataset(variables, attrs={**about, **self.summary, **errors})
 
     def save(self, path: str | Path) -> None:
         """Write the HDF5 file; an existing file is replaced only by a complete one.
@@ -273,6 +279,8 @@ def _write(result: Result, file: h5py.File) -> None:
     for group in ("summary", "geometry"):
         for name, value in getattr(result, group).items():
             _put(file, group, name, float(value))
+    for name, error in result.errors.items():
+        file["summary"][name].attrs["error"] = float(error)
     for name, count in result.counters.items():
         _put(file, "counters", name, count)
     if result.measured is not None:
@@ -342,6 +350,9 @@ def _read(file: h5py.File, path: str | Path) -> Result:
         codes=codes_of(_text(file, "message"), _text(file, "codes") if "codes" in file.attrs else None),
         signals={name: _numbers(dataset, 1) for name, dataset in _known(file, "signals")},
         summary={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "summary")},
+        errors={
+            name: _error(dataset) for name, dataset in _known(file, "summary") if "error" in dataset.attrs
+        },
         counters={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "counters")},
         geometry={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "geometry")},
         cpu_s=float(file.attrs["cpu_s"]),
@@ -370,6 +381,14 @@ def _numbers(dataset: Any, dimensions: int) -> np.ndarray:
     if dataset.shape is None or len(dataset.shape) != dimensions:
         raise ValueError(f"{dataset.name} is {'no row of numbers' if dimensions else 'not one number'}")
     return np.asarray(dataset[()])
+
+
+def _error(dataset: h5py.Dataset) -> float:
+    """The half width of a number's error bar."""
+    error = dataset.attrs["error"]
+    if np.ndim(error) or np.asarray(error).dtype.kind != "f" or error < 0:
+        raise ValueError(f"the error of {dataset.name} is no number of at least 0")
+    return float(error)
 
 
 def _known(file: h5py.File, group: str) -> Iterator[tuple[str, h5py.Dataset]]:

@@ -23,6 +23,22 @@ def error_of(result: Result, name: str) -> float | None:
     return law.largest * abs(result.summary[name]) if law else None
 
 
+def with_error(quantity: Quantity, value: float, error: float | None) -> str:
+    """Return a value with its error bar: "0.6199 ± 0.0012 N m", with one digit more than the error's first;
+    "0.62 ± ? N m" where the error is unknown, the value alone without one."""
+    if error is None:
+        return quantity.show(value)
+    unit = pretty(quantity.display)
+    size, either = (float(quantity.displayed(each)) for each in (value, error))
+    if not isfinite(either):
+        return f"{size:.2g} ± ? {unit}".strip()
+    if not either:
+        return quantity.show(value)
+    digits = 1 - floor(log10(either))
+    size, either, digits = round(size, digits), round(either, digits), max(digits, 0)
+    return f"{size:.{digits}f} ± {either:.{digits}f} {unit}".strip()
+
+
 def rounded_metric(result: Result, name: str) -> str:
     """Return a metric of a result with the digits that it deserves."""
     return rounded(SUMMARY[name], result.summary[name], error_of(result, name))

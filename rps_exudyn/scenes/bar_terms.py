@@ -9,16 +9,15 @@
 All are biases, so that they add up.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from rps_exudyn.analysis.passes import number_of
 from rps_exudyn.analysis.rack_motion import transmission_error
 from rps_exudyn.analysis.work_balance import largest_work, missing_work
-from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import EXTREMES, FIRST_ORDERS, LOST_MOTIONS, SPREADS, SUMMARY, WANDERING
 from rps_exudyn.scenes.checks.after_run import least_work
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses, beside_travel
@@ -32,32 +31,34 @@ from rps_exudyn.scenes.sizes import size_of, sizes
 FORCES = {"N", "N*m", "J"}
 """Units of metrics that change as forces do."""
 MODEL_BIAS = {"closed-form": 0.02, "general-contact": 0.003}
-"""Model -> share of a metric's size by which 95 % of random gears differ from one with equilibria and strips."""
+"""Model -> share of its metrics by which 95 % of random gears differ from one with equilibria and strips."""
+
+MOST_OF_WORK = 0.05  # that may be missing in the balance: more is no error, but another motion
+MOST_OF_TERMS = 0.2  # of the scene's main metric that inertia may change: more is another motion, too
 
 Terms = Mapping[str, Any]
 
 
 def bar_terms(
     scene: Scene,
-    gear: SteeringGear,
     fidelity: Fidelity,
     metrics: Metrics,
     signals: Signals,
     values: Mapping[str, Any],
     findings: Mapping[str, Any],
+    masses: MovedMasses,
 ) -> dict[str, Any]:
-    """Return the sum of all terms of each metric's bar, in its unit; arguments as of `error_bars`."""
+    """Return the sum of all terms of each metric's bar, in its unit; arguments as of `error_bars`, what the
+    run found out about its start, and the masses that it moves."""
     of_run = sizes(signals, values)
-    size = {
-        name: size_of(name, values[name], of_run) for name in values if SUMMARY[name].confirmed
-    }
+    size = {name: size_of(name, values[name], of_run) for name in values if SUMMARY[name].confirmed}
     total: dict[str, Any] = dict.fromkeys(size, 0.0)
     terms = [
         _model(fidelity, size),
-        _work(gear, signals, size),
+        _work(signals, size),
         _start(findings, size, of_run),
-        *([_inertia(gear, metrics, signals, values, size)] if leaves_inertia_out(scene, fidelity) else []),
-        *([_open_cycle(gear, signals, size)] if scene.swings else []),
+        *([_inertia(masses, metrics, signals, values, size)] if leaves_inertia_out(scene, fidelity) else []),
+        *([_open_cycle(masses, signals, size)] if scene.swings else []),
     ]
     for term in terms:
         for name, share in term.items():
@@ -75,20 +76,20 @@ def _model(fidelity: Fidelity, size: Terms) -> Terms:
     return {name: bias * each for name, each in size.items()}
 
 
-def _work(gear: SteeringGear, signals: Signals, size: Terms) -> Terms:
-    share = work_error(signals)
+def _work(signals: Signals, size: Terms) -> Terms:
+    share = number_of(work_error(signals))
     return {name: share * each for name, each in size.items()}
 
 
-def work_error(signals: Signals) -> float:
-    """Return the share of the work that is missing in its balance, or lost at tooth edges; 0 where so little is
-    missing that it is none."""
+def work_error(signals: Signals) -> Any:
+    """Return the share of the work that is missing in its balance, or lost at tooth edges, where it is not so
+    little that it is none. A number, or of many gears (n,)."""
     if "stored_energy" not in signals or "pinion_angle" not in signals:
         return 0.0
     largest, least = largest_work(signals), least_work(signals)
-    edges = abs(float(signals.get("work_mesh_edges", np.zeros(1))[-1]))
-    wrong = [abs(missing_work(signals)), edges]
-    return sum(each for each in wrong if each > least) / max(largest, least)
+    edges = signals.get("work_mesh_edges", np.zeros(1))[..., -1]
+    wrong = sum(np.where(each > least, each, 0.0) for each in (np.abs(missing_work(signals)), np.abs(edges)))
+    return wrong / np.maximum(largest, least)
 
 
 def _start(findings: Mapping[str, Any], size: Terms, of_run: Terms) -> Terms:
@@ -105,11 +106,10 @@ def _start(findings: Mapping[str, Any], size: Terms, of_run: Terms) -> Terms:
 
 
 def _inertia(
-    gear: SteeringGear, metrics: Metrics, signals: Signals, values: Mapping[str, Any], size: Terms
+    masses: MovedMasses, metrics: Metrics, signals: Signals, values: Mapping[str, Any], size: Terms
 ) -> Terms:
     if "mesh_normal_force" not in signals:
         return {}
-    masses = MovedMasses.of(gear)
     changed = by_inertia(lambda each: dict(metrics(each)), signals, values, masses)
     _, usual = beside_travel(signals, masses)
     return {name: (usual + changed.get(name, 0.0) * _tolerance(name)) * each for name, each in size.items()}
@@ -120,9 +120,9 @@ def _tolerance(name: str) -> float:
     return how.tolerance if how else 0.0
 
 
-def _open_cycle(gear: SteeringGear, signals: Signals, size: Terms) -> Terms:
-    share = left_open(signals, gear)
-    gain = float(GearPair.of(gear).gain)
+def _open_cycle(masses: MovedMasses, signals: Signals, size: Terms) -> Terms:
+    gain = float(masses.gain)
+    share = left_open(signals, gain)
     moved = float(np.ptp(transmission_error(signals, gain)))
     lost = {"lost_motion": moved, "lost_motion_angle": moved / gain}
     return {

@@ -5,11 +5,11 @@
     change = max(|fine - coarse|,                           the metric's own
                  max over time |y_fine - y_coarse|,         of its signal, where one instant gives the metric
                  |metric(2 y_fine - y_coarse) - fine|,      of the record extrapolated to steps of no length
-                 size * median of |fine - coarse| / size    over all metrics, halved: two levels may agree by chance)
+                 size * median of |fine - coarse| / size    over all metrics, halved)
 
-A fixed factor, no observed order: the changes of two pairs of levels have ratios from 1 to 6, a quarter of them
-below 1. What is the same on both levels, and so unseen, are terms of `bar_terms`. Of many gears numbers are arrays
-(n,) and signals (n, t), by the same functions.
+The median, because two levels may agree by chance. The factor is fixed, no observed order: changes of two pairs
+of levels have ratios from 1 to 6, a quarter of them below 1. Causes that both levels share, and so do not show,
+are terms of `bar_terms`. Of many gears numbers are arrays (n,) and signals (n, t), by the same functions.
 """
 
 from collections.abc import Callable, Mapping
@@ -77,8 +77,8 @@ def error_bars(
 
 
 def difference(fine: Signals, coarse: Signals) -> dict[str, np.ndarray]:
-    """Return fine minus coarse signals at the instants of the fine record, (..., t), on straight lines between
-    those of the coarse one; {} of records that do not cover the same time."""
+    """Return fine minus coarse signals at the instants of the fine record, (..., t), on straight lines
+    between those of the coarse one; {} of records that do not cover the same time."""
     pieces = [list(pieces_of(each["time"])) for each in (fine, coarse)]
     if len(pieces[0]) != len(pieces[1]):
         return {}

@@ -2,19 +2,27 @@
 
     model, gear, options = model_at(2, fidelity), gear_at(2, gear), options.at(2)
 
-A level has half the steps, the friction zone and the tolerance of the level below, twice its stations on a line
-of contact, its modes of the rack and its cycles before the record, and spheres that are closer by the root of 2.
-Level 1 has what a model asks for. `Maneuver.halved` divides the steps, so that a level has all instants of the
-levels below.
+A level has half the steps, the friction zone and the tolerance of the level below, twice its stations on a
+line of contact, its modes of the rack and its cycles before the record, and spheres that are closer by the root
+of 2. Level 1 has what a model asks for. `Maneuver.halved` divides the steps, so that a level has all instants
+of the levels below.
 """
 
 from math import ceil, sqrt
 
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 
 FINEST = 8
 """The last level: it takes 128 times the memory of a usual run."""
+
+
+KNOBS = (
+    *("step_angle", "swing_steps", "tolerance", "zone_ratio", "torque_tolerance"),
+    *("strip_stations", "strip_points", "profile_samples", "axial_samples"),
+)
+"""Choices of a model that a level decides."""
 
 
 def _most(table: type[Fidelity] | type[SteeringGear], path: str) -> float:
@@ -24,12 +32,23 @@ def _most(table: type[Fidelity] | type[SteeringGear], path: str) -> float:
 
 MOST_MODES = int(_most(SteeringGear, "rack.modes"))
 MOST_STATIONS = int(_most(Fidelity, "strip_stations"))
-_MOST = {
-    name: _most(Fidelity, name)
-    for name in (
-        *("tolerance", "zone_ratio", "strip_stations", "strip_points", "profile_samples", "axial_samples"),
-    )
-}
+_MOST = {name: _most(Fidelity, name) for name in KNOBS}
+
+
+def valid_level(level: int, fidelity: Fidelity) -> int:
+    """Return a level that may be asked of a model.
+
+    Raises:
+        InputError: no such level, a model that has none, or one whose discretisation is chosen beside.
+    """
+    if isinstance(level, bool) or not isinstance(level, int) or not 0 <= level <= FINEST:
+        raise InputError(f"level is {level!r}; it must be a whole number from 0 to {FINEST}.")
+    if fidelity.solver == "closed-form":
+        raise InputError("fidelity is closed-form, which has no level; leave out level.")
+    usual = Fidelity.preset(fidelity.based_on)
+    if own := [name for name in KNOBS if getattr(fidelity, name) != getattr(usual, name)]:
+        raise InputError(f"level decides fidelity.{own[0]}; leave out one of them.")
+    return level
 
 
 def model_at(level: int, fidelity: Fidelity) -> Fidelity:
@@ -47,7 +66,7 @@ def model_at(level: int, fidelity: Fidelity) -> Fidelity:
         "profile_samples": ceil(fidelity.profile_samples * sqrt(finer)),
         "axial_samples": ceil(fidelity.axial_samples * sqrt(finer)),
     }
-    return fidelity.replace({name: min(value, _MOST.get(name, value)) for name, value in changed.items()})
+    return fidelity.replace({name: min(value, _MOST[name]) for name, value in changed.items()})
 
 
 def gear_at(level: int, gear: SteeringGear) -> SteeringGear:

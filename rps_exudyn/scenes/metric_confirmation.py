@@ -19,6 +19,7 @@ import numpy as np
 
 from rps_exudyn.analysis.curve import midpoints_added, pieces_of
 from rps_exudyn.analysis.passes import at_instants
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Remark, Status
@@ -566,7 +567,7 @@ def with_cycle_closed(run: SceneRun, gear: SteeringGear, maneuver: Maneuver) -> 
     """Return a swing of the rig without the metrics of motions that wander on from cycle to cycle."""
     if not (run.ok and isinstance(maneuver.drive, Swing)):
         return run
-    share, wander, limit = left_open(run.signals, gear), WANDERING, OPEN
+    share, wander, limit = left_open(run.signals, float(GearPair.of(gear).gain)), WANDERING, OPEN
     omitted = "the rack's motions beside its travel, the transmission error and the lost motion are"
     if share <= OPEN:
         wander, limit, omitted = LOST_MOTIONS & run.summary.keys(), OPEN_OF_LOST_MOTION, "the lost motion is"

@@ -397,13 +397,13 @@ def _drift(signals: Signals, driven: str) -> float:
 
 def _is_settled(signals: Signals, driven: str, gear: SteeringGear) -> bool:
     """Return whether a gear ends a record as it began it."""
-    return _drift(signals, driven) <= STEADY and left_open(signals, gear) <= RETURNED
+    return _drift(signals, driven) <= STEADY and left_open(signals, float(GearPair.of(gear).gain)) <= RETURNED
 
 
-def left_open(signals: Signals, gear: SteeringGear) -> float:
+def left_open(signals: Signals, gain: float) -> float:
     """Return by which part of its range a motion of the rack beside its travel ends a record elsewhere than
-    it began, at most."""
-    beside = [transmission_error(signals, float(GearPair.of(gear).gain))]
+    it began, at most; `gain` is the rack's travel per radian [m]."""
+    beside = [transmission_error(signals, gain)]
     lengths = dict(zip(COORDINATES, CHARACTERISTIC_LENGTHS[2:], strict=True))
     beside += [signals[name] * length for name, length in lengths.items() if name in signals]
     return max(abs(float(each[-1] - each[0])) / max(float(np.ptp(each)), LEAST_RANGE) for each in beside)

@@ -42,7 +42,7 @@ class RunOptions:
         return replace(self, level=level, halvings=level - 1, least_steps=least, check=check)
 
     def finer(self, count: int) -> int:
-        """Return how many there are where steps are halved, of as many as there are with the steps as given."""
+        """Return a number, given for the steps as they are, for those of these options."""
         return int(np.ceil(count * 2.0**self.halvings))
 
     def halved(self, times: int) -> "RunOptions":

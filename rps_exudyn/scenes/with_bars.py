@@ -3,8 +3,8 @@
     run = run_with_bars(scene_named("reversal"), gear, fidelity, RunOptions(level=1))
     run.summary["torque_jump"], run.errors["torque_jump"]
 
-Level 1 and its companion, level 0, serve by default; level 0 is asked for beside level 1. Where the companion is
-lost, the next level is, and is printed; where that is lost too, the bars are unknown.
+Level 1 and its companion, level 0, serve by default; level 0 has level 1 as its companion. Where the companion
+is lost, the next level serves, and is printed; where that is lost too, the bars are unknown.
 """
 
 from collections.abc import Mapping
@@ -16,14 +16,18 @@ import numpy as np
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted
-from rps_exudyn.scenes.bar_terms import bar_terms, leaves_inertia_out, work_error
+from rps_exudyn.scenes.bar_terms import (
+    MOST_OF_TERMS,
+    MOST_OF_WORK,
+    bar_terms,
+    leaves_inertia_out,
+    work_error,
+)
+from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses
 from rps_exudyn.scenes.error_bars import error_bars
 from rps_exudyn.scenes.ladder import gear_at, model_at
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun
-
-MOST_OF_WORK = 0.05  # that may be missing in the balance
-MOST_OF_TERMS = 0.2  # of the scene's main metric, above which what the model leaves out is no error but its absence
 
 
 def run_with_bars(scene: Scene, gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
@@ -70,19 +74,18 @@ def _barred(
     """Return the printed run with the bars of two levels."""
     assert fine.metrics is not None
     curves = not (scene.at_rest or scene.has_impacts)
-    bars = error_bars(
-        fine.metrics, fine.signals, fine.summary, coarse.signals, coarse.summary, curves=curves
-    )
+    bars = error_bars(fine.metrics, fine.signals, fine.summary, coarse.signals, coarse.summary, curves=curves)
     return _with_terms(scene, gear, fidelity, printed, bars)
 
 
 def _with_terms(
     scene: Scene, gear: SteeringGear, fidelity: Fidelity, run: SceneRun, bars: Mapping[str, Any] | None
 ) -> SceneRun:
-    """Return a run whose bars have their terms added; None: no level serves, so that all are unknown (nan)."""
+    """Return a run whose bars have their terms added; None: no level serves, all bars are unknown (nan)."""
     if run.metrics is None or not run.signals:
         return run
-    terms = bar_terms(scene, gear, fidelity, run.metrics, run.signals, run.summary, run.outcome.findings)
+    masses = MovedMasses.of(gear)
+    terms = bar_terms(scene, fidelity, run.metrics, run.signals, run.summary, run.outcome.findings, masses)
     if bars is None:
         errors = dict.fromkeys(terms, np.nan)
     else:

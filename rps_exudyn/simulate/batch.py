@@ -22,7 +22,7 @@ from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.law_by_scene import with_law
-from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
+from rps_exudyn.scenes.scene import WITH_BARS, RunOptions
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.simulate.together import UNSUPPORTED, Together, together, unsupported_reason
 
@@ -94,19 +94,26 @@ class Batch:
         return np.array([status is Status.OK for status in self.statuses], dtype=bool)
 
     @property
+    def errors(self) -> Columns:
+        """Half widths of the metrics' error bars, shape (n,) each; nan where a gear has none."""
+        return self._columns("errors", {})
+
+    @property
     def summary(self) -> Columns:
         """Metrics by the names of `quantities`, shape (n,) each; nan where a gear has none; where every gear
         failed, the scene's own figure.
         """
-        known = {} if self.found is None else self.found.summary
-        names = dict.fromkeys(name for result in self.results if result for name in result.summary)
-        if not (known or names):
-            names = dict.fromkeys(scene_named(result.scene).figure for result in self.results if result)
+        scenes = (scene_named(result.scene) for result in self.results if result)
+        return self._columns("summary", dict.fromkeys(scene.figure for scene in scenes))
+
+    def _columns(self, group: str, usual: Mapping[str, Any]) -> Columns:
+        """Numbers of a group of each result; without any, the usual names."""
+        known = {} if self.found is None else getattr(self.found, group)
+        rows = [{} if result is None else getattr(result, group) for result in self.results]
+        names = dict.fromkeys(name for row in rows for name in row)
         columns = Columns(len(self))
-        for name in {**known, **names}:
-            column = np.array(
-                [np.nan if result is None else result.summary.get(name, np.nan) for result in self.results]
-            )
+        for name in {**known, **names} or usual:
+            column = np.array([row.get(name, np.nan) for row in rows])
             columns[name] = np.where(self.in_loop, known[name], column) if name in known else column
         return columns
 
@@ -190,7 +197,7 @@ def batch_of(
     fidelity: str | Fidelity,
     keep: Literal["signals", "torque"],
     ranges: Mapping[str, Sequence[float] | np.ndarray] | None,
-    options: RunOptions = DEFAULT_OPTIONS,
+    options: RunOptions = WITH_BARS,
 ) -> Batch:
     """Simulate a table; arguments as of `batch`, and options of single runs.
 
@@ -267,9 +274,7 @@ def _row(
     return single_run(scene, varied, fidelity, options)
 
 
-def single_run(
-    scene: str, gear: SteeringGear, fidelity: Fidelity, options: RunOptions = DEFAULT_OPTIONS
-) -> Result:
+def single_run(scene: str, gear: SteeringGear, fidelity: Fidelity, options: RunOptions = WITH_BARS) -> Result:
     """Simulate a gear; what goes wrong is its outcome."""
     try:
         return simulate(scene, gear, fidelity, options=options)

@@ -10,24 +10,16 @@ from functools import lru_cache
 
 import numpy as np
 
-from rps_exudyn.analysis.curve import every_second, lag, missed
-from rps_exudyn.analysis.passes import spread
-from rps_exudyn.analysis.torque import mean
 from rps_exudyn.forces.force_element import RACK
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_limits import largest_lift
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.checks.after_run import (
-    LAG_BOUND,
-    MISSED_TORQUE,
     ROUNDING,
     UNSETTLED_BOUND,
-    edge_bound,
-    hidden_share,
 )
 from rps_exudyn.scenes.checks.before_run import largest_angle
-from rps_exudyn.scenes.checks.needs_finer import MEAN, PEAK, ROLLING, force_size
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.remarks import UNSETTLED
 from rps_exudyn.scenes.run_maneuver import CLOSED
@@ -292,44 +284,23 @@ class FamilyRecord:
     def surely_ok(self) -> np.ndarray:
         """Which gears were found and pass all checks of a finished run well within their bounds, (n,)."""
         family, signals = self.family, self.period
-        gear, angle, force = family.gear, family.angles, signals[self.force]
+        gear, force = family.gear, signals[self.force]
         valid_to = family.series.forces.valid_to
         lifted = np.abs(signals["rack_y"] - self.records["mesh"]["flank"]["axis_offset"][:, None])
-        late = lag(angle, signals["rack_roll"]) * gear.rack.bar_diameter / 2
-        late = late / spread(signals["rack_displacement"])
         drift = np.abs(force[:, -1] - force[:, 0]) / np.maximum(np.abs(force).max(axis=-1), ROUNDING)
         allowed_drift = SAFE * CLOSED if family.periods > 1 else STEADY
-        size = force_size(signals, np.asarray(mean(angle, force)), self._path)
         checks = (
             self.found,
             np.isfinite(force).all(axis=-1),
             (lifted < SAFE * largest_lift(gear)).all(axis=-1),
             (signals["mesh_normal_force"] > 0).all(axis=-1),
             *(signals[name].max(axis=-1) < SAFE * bound for name, bound in valid_to.items()),
-            late < SAFE * min(ROLLING, LAG_BOUND),
-            missed(angle, force).max(axis=-1) < SAFE * PEAK * size,
             (drift * family.periods < allowed_drift) | (not family.maneuver.closes),
-            self._works_ok(),
             self._turns_on(),
             family.maneuver.closes
             | (family.unsettled * np.abs(force).max(axis=-1) < SAFE * UNSETTLED * np.ptp(force, axis=-1)),
-            # else finer strips must confirm it
-            (signals["yokenut_force"].max(axis=-1) <= 0) | (gear.mesh.contact_law != "teeth"),
         )
         return np.asarray(np.logical_and.reduce(checks))
-
-    def _works_ok(self) -> np.ndarray:
-        """Whether the mean is resolved, and little work goes over the rack's edges, (n,)."""
-        family, signals = self.family, self.period
-        turned, force = np.ptp(family.angles), signals[self.force]
-        work, hidden = every_second(family.angles, force)
-        hidden = np.maximum(hidden, hidden_share(force.shape[-1]) * np.ptp(force, axis=-1) * turned)
-        scale = np.ptp(self._path, axis=-1) / turned
-        least = MISSED_TORQUE * turned + ROUNDING
-        done = [np.abs(signals[name][:, -1]) for name in ("work_drive", "work_load") if name in signals]
-        edges = SAFE * edge_bound(family.gear) * np.max(done, axis=0)
-        resolved = scale * hidden < np.maximum(SAFE * MEAN * np.abs(scale * work), least)
-        return np.asarray(resolved & (np.abs(signals["work_mesh_edges"][:, -1]) < np.maximum(edges, least)))
 
     def _turns_on(self) -> np.ndarray:
         """Whether the pinion never turns back, (n,)."""

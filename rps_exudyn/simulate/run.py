@@ -24,8 +24,9 @@ from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.before_run import refused
+from rps_exudyn.scenes.ladder import valid_level
 from rps_exudyn.scenes.law_by_scene import with_law
-from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
+from rps_exudyn.scenes.scene import WITH_BARS, RunOptions
 from rps_exudyn.simulate.accuracy_check import Wanted, kept_by
 from rps_exudyn.simulate.by_accuracy import Choice, beyond_in_run, choose, percent
 from rps_exudyn.simulate.cases.task import Task
@@ -39,6 +40,7 @@ def run(
     gear: SteeringGear | None = None,
     *,
     fidelity: str | Fidelity | None = None,
+    level: int | None = None,
     accuracy: str | None = None,
     robust: bool = False,
     time_limit: str | float | None = None,
@@ -53,6 +55,8 @@ def run(
         scene: one of `scenes.SCENE_NAMES`.
         gear: without it the default gear, the paper's.
         fidelity: name of a preset, or a `Fidelity`; `flank` by default.
+        level: of the ladder, 1 by default: each has half the steps of the one below, and finer contacts. The
+            error bars come from it and the level below.
         accuracy: error allowed, for instance "1%": takes the cheapest model that keeps it, of all or of the
             preset named by `fidelity`; `result.findings["accuracy"]` states which and why.
         robust: takes the next safer settings where the run fails; `result.findings["tries"]` lists them.
@@ -81,7 +85,9 @@ def run(
     if test:
         gear = gear.replace({f"test.{name}": value for name, value in test.items()})
     with following(progress):
-        return simulate(scene, gear, fidelity, accuracy=accuracy, robust=robust, time_limit=limit)
+        return simulate(
+            scene, gear, fidelity, level=level, accuracy=accuracy, robust=robust, time_limit=limit
+        )
 
 
 def simulate(
@@ -89,18 +95,24 @@ def simulate(
     gear: SteeringGear,
     fidelity: str | Fidelity | None = None,
     *,
+    level: int | None = None,
     accuracy: str | None = None,
     robust: bool = False,
     time_limit: TimeLimit | None = None,
-    options: RunOptions = DEFAULT_OPTIONS,
+    options: RunOptions = WITH_BARS,
 ) -> Result:
     """Simulate a scene of a gear; arguments as of `run`. The options are of runs of a model that is given,
-    without a time limit or fallback.
+    without a time limit.
 
     Raises:
         InputError: no such scene or fidelity, or a gear or test that cannot exist.
     """
     needed = scene_named(scene).law
+    if level is not None:
+        if accuracy is not None:
+            raise InputError("accuracy chooses the level itself; leave out level.")
+        chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity or "flank")
+        options = replace(options, level=valid_level(level, chosen))
     if accuracy is not None:
         if isinstance(fidelity, Fidelity):
             raise InputError(
@@ -112,9 +124,9 @@ def simulate(
     chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity or "flank")
     gear = with_law(gear, chosen, needed)
     if time_limit is not None:
-        return isolated_run(scene, gear, chosen, time_limit, robust=robust)
+        return isolated_run(scene, gear, chosen, time_limit, robust=robust, options=options)
     if robust:
-        return run_with_fallback(scene, gear, chosen)
+        return run_with_fallback(scene, gear, chosen, options)
     if not (sentences := refused(tested_gear(gear), chosen, motion=scene_named(scene).motion)):
         return run_unchecked(scene, gear, chosen, options)
     message = "; ".join(sentences)
@@ -127,7 +139,13 @@ def simulate(
 
 
 def isolated_run(
-    scene: str, gear: SteeringGear, fidelity: Fidelity, limit: TimeLimit, *, robust: bool = False
+    scene: str,
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    limit: TimeLimit,
+    *,
+    robust: bool = False,
+    options: RunOptions = WITH_BARS,
 ) -> Result:
     """Simulate in another process until the limit is over: loading, compiling and settling count.
 
@@ -140,7 +158,7 @@ def isolated_run(
     """
     from rps_exudyn.simulate.cases.processes import Processes
 
-    run = Task(partial(simulate, scene, gear, fidelity, robust=robust), begun=limit.begun)
+    run = Task(partial(simulate, scene, gear, fidelity, robust=robust, options=options), begun=limit.begun)
     with Processes(1, limit.seconds) as processes:
         try:
             ((_, answer),) = processes.run(iter([run]))

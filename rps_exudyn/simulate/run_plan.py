@@ -20,6 +20,7 @@ from rps_exudyn.scenes.law_by_scene import with_law
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.scenes.with_bars import run_with_bars
 from rps_exudyn.solvers.temperature_and_wear import operating_gear, tested_gear
 
 
@@ -49,6 +50,7 @@ def run_unchecked(
             codes=each_once(done.outcome.codes),
             signals=done.signals,
             summary=done.summary | numbers,
+            errors=done.errors,
             counters={**done.outcome.counters, "solver_cpu": done.outcome.cpu_s},
             geometry=report.numbers,
             cpu_s=process_time() - cpu,
@@ -56,7 +58,9 @@ def run_unchecked(
         )
 
     try:
-        return result_of(scene_named(scene).run(tested, fidelity, options))
+        if options.level is None:
+            return result_of(scene_named(scene).run(tested, fidelity, options))
+        return result_of(run_with_bars(scene_named(scene), tested, fidelity, options))
     except Interrupted as interrupt:
         raise Interrupted(result_of(interrupt.recorded)) from None
 
@@ -67,7 +71,9 @@ def run_unchecked(
 Changes = dict[str, Any]
 
 
-def run_with_fallback(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
+def run_with_fallback(
+    scene: str, gear: SteeringGear, fidelity: Fidelity, options: RunOptions = DEFAULT_OPTIONS
+) -> Result:
     """Simulate by the first settings that end well; if none do, return the first try's result.
 
     Raises:
@@ -77,7 +83,7 @@ def run_with_fallback(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Res
     safer = list(_safer(scene_named(scene), tested_gear(gear), fidelity))
 
     def tried(changes: Changes) -> Result:
-        return run_unchecked(scene, gear, fidelity.replace(changes) if changes else fidelity)
+        return run_unchecked(scene, gear, fidelity.replace(changes) if changes else fidelity, options)
 
     results = refine(
         tried(safer[0]),

@@ -1,10 +1,11 @@
 """Many gears of a steady scene at once: the same signals and metrics as single runs, found together.
 
 A row that is given is one that a single run ends ok; what cannot be judged here, gears without an
-equilibrium, limits of the contact laws, records that ask for shorter steps, is left to single runs.
+equilibrium, limits of the contact laws, is left to single runs. Error bars come from two families, one a
+level of the ladder below the other.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,30 +18,15 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Remark
-from rps_exudyn.results.quantities import NEEDS_STATIONS
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.bar_terms import MOST_OF_TERMS, MOST_OF_WORK, bar_terms, work_error
 from rps_exudyn.scenes.checks.before_run import refused
-from rps_exudyn.scenes.checks.neglected_inertia import FREE_OF_YOKE, MovedMasses, beside_travel, of_many
+from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses, of_many
+from rps_exudyn.scenes.error_bars import error_bars
+from rps_exudyn.scenes.ladder import model_at
 from rps_exudyn.scenes.maneuver import StepLimits
-from rps_exudyn.scenes.metric_confirmation import (
-    AGREED,
-    KINKED,
-    LATE,
-    MOST_FINER,
-    by_inertia,
-    changes,
-    doubted,
-    doubts,
-    every_second,
-    inertia_matters,
-    larger,
-    not_confirmed,
-    rolls_late,
-    unresolved,
-    with_wholes,
-)
-from rps_exudyn.scenes.remarks import few_stations, remarks
-from rps_exudyn.scenes.scene import SteadyTest, Turned
+from rps_exudyn.scenes.remarks import remarks
+from rps_exudyn.scenes.scene import Scene, Turned
 from rps_exudyn.scenes.scene_run import Signals, one_after_another
 from rps_exudyn.simulate.family import SAFE, Family, FamilyRecord, is_alike
 from rps_exudyn.solvers.many_gears import RUNOUT, RUNOUT_ANGLE, Table, packed, packed_table
@@ -49,7 +35,7 @@ from rps_exudyn.solvers.temperature_and_wear import is_new
 
 FEWEST = 2  # gears for each that is followed to learn from: with fewer single runs are quicker
 AT_ONCE = 100_000  # instants of gears whose signals are held at once
-UNCLEAR = 0.2  # of what inertia may change: where the gear in the middle has more, each has its own masses
+LEVEL = 1  # of the ladder
 WEIGHT = "test.load_mass"
 TABLES = ("basic_rack", "pinion", "rack", "installation", "yoke", "bush", "bearing", "mesh")
 WITH_MASS = ("basic_rack", "pinion", "rack", "bush")
@@ -108,6 +94,7 @@ class Together:
 
     ended: np.ndarray  # (n,) whether the row was found
     summary: dict[str, np.ndarray]  # metric -> (n,)
+    errors: dict[str, np.ndarray]  # metric -> half width of its bar, (n,)
     counters: dict[str, np.ndarray]  # what it took -> (n,)
     remarks: list[list[Remark]]
     signals: dict[str, np.ndarray]  # by time, (m,) where all gears have the same, else (n, m)
@@ -140,78 +127,79 @@ def together(
     count = len(next(iter(table.values())))
     if ranges is None and count < fewest(table):
         return None
-    common = Common.of(scene, gear, fidelity, table, ranges)
-    if common is None:
+    fine, coarse = (Common.of(scene, gear, fidelity, level, table, ranges) for level in (LEVEL, LEVEL - 1))
+    if fine is None or coarse is None or not np.array_equal(fine.rows, coarse.rows):
         return None
-    at_once = max(1, AT_ONCE // sum(len(family.nodes) for family in common.families))
+    at_once = max(1, AT_ONCE // sum(len(family.nodes) for family in fine.families))
     parts = []
-    for begin in range(0, len(common.records), at_once):
-        each = np.arange(begin, min(begin + at_once, len(common.records)))
-        gears = [_existing(gear, _settings(table, row)) for row in common.rows[each].tolist()]
+    for begin in range(0, len(fine.records), at_once):
+        each = np.arange(begin, min(begin + at_once, len(fine.records)))
+        gears = [_existing(gear, _settings(table, row)) for row in fine.rows[each].tolist()]
         exist = np.array([one is not None for one in gears], dtype=bool)
-        followed = _Followed.of(common, each[exist], [one for one in gears if one is not None])
-        parts += [part.named(signals) for part in _confirmed(common, followed)]
+        existing = [one for one in gears if one is not None]
+        followed, companion = (_Followed.of(level, each[exist], existing) for level in (fine, coarse))
+        followed, companion = (
+            one.some(np.isin(one.chosen, other.chosen))
+            for one, other in ((followed, companion), (companion, followed))
+        )
+        parts.append(followed.described(companion).named(signals))
     return _joined(parts, count)
 
 
 @dataclass(frozen=True, eq=False)
 class Common:
-    """What the gears of a table have in common in a scene, and the constants of each.
+    """What the gears of a table have in common in a scene at a level, and the constants of each.
 
     Attributes:
-        test: of the scene.
+        scene: that they run.
         families: one for each maneuver.
         recorded: how many of them make the record; the others go beside.
         rows: of the table, of gears that can exist, (n,).
         records: their constants, (n,).
-        figure: the metric without which a gear is left to a single run.
         alike: whether all have the same masses.
-        halved: how often steps are halved -> the same in those; None if the gear in the middle is not found.
-        halvings: how often they are halved here.
     """
 
-    test: SteadyTest
+    scene: Scene
     families: list[Family]
     recorded: int
     rows: np.ndarray
     records: np.ndarray
-    figure: str
     alike: bool
-    halved: Callable[[int], "Common | None"]
-    halvings: int = 0
 
     @classmethod
     def of(
-        cls, scene: str, gear: SteeringGear, fidelity: Fidelity, table: Table, ranges: Table | None = None
+        cls,
+        name: str,
+        gear: SteeringGear,
+        fidelity: Fidelity,
+        level: int,
+        table: Table,
+        ranges: Table | None = None,
     ) -> "Common | None":
         """Learn it; arguments as of `together`. None if the gear in the middle is not found."""
-        test = scene_named(scene).test
-        assert test is not None
+        scene, fidelity = scene_named(name), model_at(level, fidelity)
+        assert scene.test is not None
         try:
-            weighted = _is_weighted(test, gear)
+            weighted = _is_weighted(scene, gear)
             rows, records, reference = _records(gear, fidelity, table, ranges, weighted)
             if records is None or refused(reference, fidelity, motion="steady"):
                 return None
             some = {path: values[rows] for path, values in table.items()}
             whole = some if ranges is None else ranges
             shaped = reference if is_alike(reference, whole) else reference.replace({RUNOUT: 1e-6})
-            maneuvers, beside = test.maneuvers(shaped, fidelity.step_angle, StepLimits())
+            maneuvers, beside = scene.test.maneuvers(shaped, fidelity.step_angle, StepLimits())
         except InputError:  # a test that leaves the rack's teeth
             return None
         if weighted and not reference.test.load_mass > 0:
             return None
-
-        def halved(times: int) -> "Common | None":
-            families = []
-            for maneuver in [*maneuvers, *([beside] if beside else [])]:
-                family = Family.of(maneuver.halved(times), reference, fidelity, some, ranges)
-                if family is None:
-                    return None
-                families.append(family)
-            figure, alike = scene_named(scene).figure, not any(path.startswith(WITH_MASS) for path in table)
-            return cls(test, families, len(maneuvers), rows, records, figure, alike, halved, times)
-
-        return halved(0)
+        families = []
+        for maneuver in [*maneuvers, *([beside] if beside else [])]:
+            family = Family.of(maneuver.halved(level - 1), reference, fidelity, some, ranges)
+            if family is None:
+                return None
+            families.append(family)
+        alike = not any(path.startswith(WITH_MASS) for path in table)
+        return cls(scene, families, len(maneuvers), rows, records, alike)
 
     def followed(self, chosen: np.ndarray) -> list[FamilyRecord]:
         """Follow the chosen ones of the gears over each maneuver."""
@@ -223,10 +211,11 @@ def fewest(table: Table) -> int:
     return FEWEST * (2 * sum(np.ptp(values) > 0 for values in table.values()) + 1)
 
 
-def _is_weighted(test: SteadyTest, gear: SteeringGear) -> bool:
-    """Return whether a weight pulls at the rack in some maneuver of a test."""
+def _is_weighted(scene: Scene, gear: SteeringGear) -> bool:
+    """Return whether a weight pulls at the rack in some maneuver of a scene."""
+    assert scene.test is not None
     heavy = gear.replace({WEIGHT: 1.0, "test.path": "one-way"})
-    maneuvers, _ = test.maneuvers(heavy, float(np.deg2rad(20)), StepLimits())
+    maneuvers, _ = scene.test.maneuvers(heavy, float(np.deg2rad(20)), StepLimits())
     return any(maneuver.rack_load for maneuver in maneuvers)
 
 
@@ -349,7 +338,8 @@ class _Followed:
 
     def metrics(self, signals: Signals) -> dict[str, np.ndarray]:
         """Return the metrics of a record of theirs, (n,) each."""
-        found = self.common.test.metrics(self.turned(signals))
+        assert self.common.scene.test is not None
+        found = self.common.scene.test.metrics(self.turned(signals))
         return {name: np.broadcast_to(values, len(self.gears)) for name, values in found.items()}
 
     @property
@@ -357,87 +347,39 @@ class _Followed:
         """Their metrics, (n,) each."""
         return self.metrics(self.signals)
 
-    def unresolved(self) -> dict[str, np.ndarray]:
-        """Return by how much metrics change between the instants, over their tolerances."""
-        return unresolved(self.metrics, self.signals, self.summary)
-
-    def asks(self) -> np.ndarray:
-        """Return whose metrics their own record doubts, (n,)."""
-        halves = doubted(self.metrics, self.signals, self.summary)
-        return self.is_off(doubts(halves, self.unresolved()))
-
-    def by_inertia(self) -> tuple[dict[str, np.ndarray], np.ndarray]:
-        """Return by how much inertia changes metrics, over their tolerances, and which share of the yoke's
-        force it is most of the time, beside the travel, (n,) each."""
-
-        def judged(these: _Followed, masses: MovedMasses) -> tuple[dict[str, np.ndarray], np.ndarray]:
-            changed = by_inertia(these.metrics, these.signals, these.summary, masses)
-            _, usual = beside_travel(these.signals, masses)
-            return {name: np.broadcast_to(each, usual.shape) for name, each in changed.items()}, usual
-
+    def bars(self, coarse: "_Followed") -> tuple[dict[str, np.ndarray], np.ndarray]:
+        """Return the half widths of the metrics' bars (n,), and whose main metric inertia leaves as it is."""
+        family, values = self.common.families[0], self.summary
+        bars = error_bars(self.metrics, self.signals, values, coarse.signals, coarse.summary)
         preload = np.array([gear.yoke.preload for gear in self.gears])[:, None]
-        middle = MovedMasses.of(self.common.families[0].gear)
-        found, usual = judged(self, replace(middle, gain=self.gain[:, None], preload=preload))
-        unclear = (self._worst(found) > UNCLEAR) | (usual > UNCLEAR * FREE_OF_YOKE)
-        if self.common.alike or not unclear.any():
-            return found, usual
-        some = self.some(unclear)
-        own, usual[unclear] = judged(some, of_many([MovedMasses.of(gear) for gear in some.gears]))
-        of_all = {name: np.zeros(len(self.gears)) for name in own}
-        for name, each in own.items():
-            of_all[name][unclear] = each
-        return of_all, usual
-
-    def change(self, finer: "_Followed") -> dict[str, np.ndarray]:
-        """Return by how much metrics change from here to a finer run, over their tolerances."""
-        return changes(self.summary, finer.summary, finer.signals)
-
-    def agrees(self, change: Mapping[str, np.ndarray], between: Mapping[str, np.ndarray]) -> np.ndarray:
-        """Return whose metrics changes leave as they are, and what lies between the instants, (n,)."""
-        return (self._worst(change) <= AGREED) & ~self.is_off(between)
-
-    def is_off(self, change: Mapping[str, np.ndarray]) -> np.ndarray:
-        """Return whose metrics change by more than their tolerances, (n,)."""
-        return self._worst(change) > 1
-
-    def _worst(self, change: Mapping[str, np.ndarray]) -> np.ndarray:
+        middle = replace(MovedMasses.of(family.gear), gain=self.gain[:, None], preload=preload)
+        masses = middle if self.common.alike else of_many([MovedMasses.of(gear) for gear in self.gears])
+        findings = {"start_unsettled": family.unsettled}
+        terms = bar_terms(
+            self.common.scene, family.fidelity, self.metrics, self.signals, values, findings, masses
+        )
+        figure = self.common.scene.figure
+        holds = SAFE * MOST_OF_TERMS * np.abs(values[figure]) > terms.get(figure, 0.0)
         none = np.zeros(len(self.gears))
-        return np.max([none, *(np.broadcast_to(each, none.shape) for each in change.values())], axis=0)
+        return {name: bars[name] + terms.get(name, none) for name in bars}, holds
 
-    def described(self, change: Mapping[str, np.ndarray]) -> "_Part":
-        """Return the gears without the metrics that change, and without those whose figure does."""
-        if not self.gears:
+    def described(self, coarse: "_Followed") -> "_Part":
+        """Return the gears with their metrics, and the bars of these from the same gears a level below."""
+        test = self.common.scene.test
+        if not self.gears or test is None:
             return NO_GEARS
-        beyond = {name: np.broadcast_to(each, len(self.gears)) for name, each in change.items()}
-        neglected, usual = self.by_inertia()
-        changed = larger(beyond, {name: each / KINKED for name, each in neglected.items()})
-        figure = changed.get(self.common.figure, np.zeros(len(self.gears)))
-        stands = (figure <= 1) & (usual < SAFE * FREE_OF_YOKE)
-        if not stands.all():
-            return self.some(stands).described({name: each[stands] for name, each in beyond.items()})
+        bars, holds = self.bars(coarse)
+        holds = holds & (work_error(self.signals) < SAFE * MOST_OF_WORK)
+        if not holds.all():
+            return self.some(holds).described(coarse.some(holds))
         summary = dict(self.summary)
-        wholes = with_wholes(changed)
-        for name in summary.keys() & wholes.keys():
-            summary[name] = np.where(wholes[name] > 1, np.nan, summary[name])
-        few = few_stations(self.common.families[0].gear, self.common.families[0].fidelity)
-        for name in NEEDS_STATIONS & summary.keys() if few else ():
-            del summary[name]
-        noted: list[list[Remark]] = []
-        of_limits, of_test = _remarks(self.gears, self.signals), self.common.test.remarks
-        for i, (limits, own) in enumerate(zip(of_limits, of_test(self.turned(self.signals)), strict=True)):
-            left = {name: float(each[i]) for name, each in beyond.items() if each[i] > 1}
-            shaken = {name: float(each[i]) for name, each in neglected.items() if each[i] > KINKED}
-            first = [not_confirmed(left, summary)] if left else []
-            first += [few] if few else []
-            first += [inertia_matters(shaken, summary)] if shaken else []
-            noted.append([*first, *limits, *own])
-        if self.common.test.formulas is not None:
-            figures = [self.common.test.formulas(each) for each in self.gears]
+        of_limits, of_test = _remarks(self.gears, self.signals), test.remarks(self.turned(self.signals))
+        noted = [[*limits, *own] for limits, own in zip(of_limits, of_test, strict=True)]
+        if test.formulas is not None:
+            figures = [test.formulas(each) for each in self.gears]
             for name in dict.fromkeys(name for own in figures for name in own):
                 summary[name] = np.array([own.get(name, np.nan) for own in figures])
-        stride = 2**self.common.halvings
-        kept = every_second(self.signals, stride) if stride > 1 else self.signals
-        return _Part(self.common.rows[self.chosen], summary, self.counters, noted, kept)
+        return _Part(self.common.rows[self.chosen], summary, bars, self.counters, noted, self.signals)
 
 
 @dataclass(frozen=True, eq=False)
@@ -446,6 +388,7 @@ class _Part:
 
     rows: np.ndarray  # of the table, of the gears found, (n,)
     summary: dict[str, np.ndarray]  # (n,) each
+    errors: dict[str, np.ndarray]  # (n,) each
     counters: dict[str, np.ndarray]
     remarks: list[list[Remark]]
     signals: dict[str, np.ndarray]
@@ -457,34 +400,7 @@ class _Part:
         return replace(self, signals={name: self.signals[name] for name in names if name in self.signals})
 
 
-NO_GEARS = _Part(np.zeros(0, dtype=np.intp), {}, {}, [], {})
-
-
-def _confirmed(common: Common, first: _Followed) -> Iterator[_Part]:
-    """Yield the gears with the metrics that stand, as `metric_confirmation.confirmed` does of a single one:
-    those whose record doubts a metric are followed again in half the steps. Their signals stay those of the
-    first instants, which all gears share."""
-    if not first.gears:
-        return
-    late = np.broadcast_to(rolls_late(first.signals) > LATE, len(first.gears))
-    late_ones, asks = first.chosen[late], first.asks() | late
-    yield first.some(~asks).described({})
-    coarse, most = first.some(asks), MOST_FINER[first.common.families[0].fidelity.solver]
-    for times in range(1, most + 1):
-        finer = common.halved(times) if coarse.gears else None
-        if finer is None:
-            return
-        fine = _Followed.of(finer, coarse.chosen, coarse.gears)
-        coarse = coarse.some(np.isin(coarse.chosen, fine.chosen))
-        if not fine.gears:
-            return
-        change, between = coarse.change(fine), fine.unresolved()
-        asks = fine.asks() | fine.is_off(change) | np.isin(fine.chosen, late_ones)
-        done = fine.agrees(change, between) | ~asks | (times == most)
-        left = larger(change, between)
-        of_these = {name: np.broadcast_to(each, done.shape)[done] for name, each in left.items()}
-        yield fine.some(done).described(of_these)
-        coarse = fine.some(~done)
+NO_GEARS = _Part(np.zeros(0, dtype=np.intp), {}, {}, {}, [], {})
 
 
 def _remarks(gears: list[SteeringGear], signals: Signals) -> list[list[Remark]]:
@@ -503,11 +419,13 @@ def _joined(parts: list[_Part], count: int) -> Together:
     """The parts one after the other, in the rows of the table."""
     ended, noted = np.zeros(count, dtype=bool), [list[Remark]() for _ in range(count)]
     summary: dict[str, np.ndarray] = {}
+    errors: dict[str, np.ndarray] = {}
     counters: dict[str, np.ndarray] = {}
     signals: dict[str, np.ndarray] = {}
     for part in parts:
         ended[part.rows] = True
-        for whole, own in ((summary, part.summary), (counters, part.counters), (signals, part.signals)):
+        columns = (summary, part.summary), (errors, part.errors), (counters, part.counters)
+        for whole, own in (*columns, (signals, part.signals)):
             for name, values in own.items():
                 if whole is signals and values.ndim == 1:
                     whole[name] = values
@@ -516,4 +434,4 @@ def _joined(parts: list[_Part], count: int) -> Together:
         for row, remarks_of_row in zip(part.rows.tolist(), part.remarks, strict=True):
             noted[row] = remarks_of_row
     found = {name: values for name, values in summary.items() if not np.isnan(values).all()}
-    return Together(ended, found, counters, noted, signals)
+    return Together(ended, found, errors, counters, noted, signals)

@@ -35,7 +35,7 @@ from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.law_by_scene import SERIES, with_law
 from rps_exudyn.scenes.refine import refine
-from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
+from rps_exudyn.scenes.scene import WITH_BARS, RunOptions
 from rps_exudyn.simulate.batch import Batch
 from rps_exudyn.simulate.run import simulate
 
@@ -140,7 +140,7 @@ def band_of_runs(
     on_progress: OnProgress | None = None,
     jobs: int = 1,
     time_limit: float = float("inf"),
-    options: RunOptions = DEFAULT_OPTIONS,
+    options: RunOptions = WITH_BARS,
 ) -> Band:
     """Run the scene at `samples` points of the inputs, in up to `jobs` processes, and at their medians.
 
@@ -177,7 +177,7 @@ def nominal_result(
     gear: SteeringGear,
     fidelity: Fidelity,
     inputs: Mapping[str, Distribution],
-    options: RunOptions = DEFAULT_OPTIONS,
+    options: RunOptions = WITH_BARS,
 ) -> Result:
     """Run the scene on the gear at the medians of its inputs.
 
@@ -210,7 +210,7 @@ def runs_of(
     on_progress: OnProgress | None,
     jobs: int,
     time_limit: float,
-    options: RunOptions = DEFAULT_OPTIONS,
+    options: RunOptions = WITH_BARS,
 ) -> Runs:
     """Run the scene at all points, or until Ctrl-C.
 
@@ -351,9 +351,7 @@ def curve_quantiles(scene: str, curves: np.ndarray | None) -> Curves | None:
     return Curves(scene_named(scene).signal, np.quantile(curves, LEVELS, axis=0))
 
 
-def numerical_error(
-    nominal: Result, fidelity: Fidelity, options: RunOptions = DEFAULT_OPTIONS
-) -> dict[str, float]:
+def numerical_error(nominal: Result, fidelity: Fidelity, options: RunOptions = WITH_BARS) -> dict[str, float]:
     """Return how far half the steps move each figure of the nominal run; {} of a model without steps."""
     if fidelity.solver == "closed-form":
         return {}

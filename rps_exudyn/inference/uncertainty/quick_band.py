@@ -33,7 +33,7 @@ from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_PINION_TORQUE
-from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
+from rps_exudyn.scenes.scene import WITH_BARS, RunOptions
 from rps_exudyn.solvers.closed_form import mean_state, torque_per_preload
 from rps_exudyn.solvers.temperature_and_wear import tested_gear
 from rps_exudyn.solvers.yoke_stop import stop_stiffness
@@ -85,7 +85,7 @@ def quick_band(
     on_progress: OnProgress | None = None,
     jobs: int = 1,
     time_limit: float = float("inf"),
-    options: RunOptions = DEFAULT_OPTIONS,
+    options: RunOptions = WITH_BARS,
 ) -> Band:
     """Return the band of the free pinion torque from a few runs, in up to `jobs` processes, and the closed
     form.

@@ -11,7 +11,7 @@ from rps_exudyn.inference.uncertainty.joint import JointInputs
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
+from rps_exudyn.scenes.scene import WITH_BARS, RunOptions
 from rps_exudyn.simulate.batch import Batch, batch_of
 from rps_exudyn.simulate.cases.run_cases import run_cases
 from rps_exudyn.simulate.cases.task import Task
@@ -66,7 +66,7 @@ def runs_at(
     points: Samples,
     jobs: int = 1,
     time_limit: float = float("inf"),
-    options: RunOptions = DEFAULT_OPTIONS,
+    options: RunOptions = WITH_BARS,
 ) -> Generator[tuple[range, Batch]]:
     """Yield the runs of the scene at the points, whatever their outcome, part by part as they end.
 

@@ -6,6 +6,7 @@ it: teeth in mesh, contact within the range in which its law holds, work that ad
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -409,6 +410,6 @@ def _is_small(work: float, bound: float, signals: dict[str, np.ndarray]) -> bool
     return abs(work) <= max(bound * largest_work(signals), least_work(signals))
 
 
-def least_work(signals: dict[str, np.ndarray]) -> float:
-    """Return the work below which none counts [J]."""
-    return MISSED_TORQUE * float(np.abs(np.diff(signals["pinion_angle"])).sum()) + ROUNDING
+def least_work(signals: Mapping[str, np.ndarray]) -> Any:
+    """Return the work below which none counts [J]; of many gears (n,)."""
+    return MISSED_TORQUE * np.abs(np.diff(signals["pinion_angle"])).sum(axis=-1) + ROUNDING

@@ -20,6 +20,7 @@ from rps_exudyn.results.outcome import Status, each_once, joined_text
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.batch import Batch, batch, single_run
+from rps_exudyn.simulate.together import LEVEL
 from rps_exudyn.solvers.settling import TOLERANCE
 
 FINDING = "many gears computed together: mean within 1e-5, other metrics mostly within 1e-3 of a single run"
@@ -91,20 +92,21 @@ class CaseGroup:
         if found is None:
             return
         rows, fidelity = np.flatnonzero(batch.in_loop).tolist(), self.base.fidelity.model_dump()
-        metrics, counters = _rows(found.summary, rows), _rows(found.counters, rows)
-        for row, own, counted in zip(rows, metrics, counters, strict=True):
+        columns = (_rows(each, rows) for each in (found.summary, found.errors, found.counters))
+        for row, own, errors, counted in zip(rows, *columns, strict=True):
             varied = gear.replace(settings[row])
             yield Result(
                 scene=self.scene,
                 gear=varied,
                 fidelity=fidelity,
                 solver={"name": "equilibrium", "tolerance": TOLERANCE},
-                findings={"together": FINDING},
+                findings={"together": FINDING, "level": LEVEL},
                 status=Status.OK,
                 message=joined_text(found.remarks[row]),
                 codes=each_once(remark.code for remark in found.remarks[row]),
                 signals=found.signals_of(row),
                 summary=own,
+                errors=errors,
                 counters={name: int(count) for name, count in counted.items()},
                 geometry=geometry_report(varied).numbers,
                 cpu_s=cpu,
