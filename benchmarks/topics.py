@@ -18,6 +18,7 @@ MODULES = {
     "explicit_limits": "stability.explicit_limits",    "implicit_limits": "stability.implicit_limits",
     "random_plans": "stability.random_plans",          "ordinary_gears": "stability.ordinary_gears",
     "wide_gears": "stability.wide_gears",              "corpus": "stability.corpus",
+    "coverage": "stability.coverage",
     "check_cost": "stability.check_cost",              "damaged_files": "bad_inputs.damaged_files",
     "bad_inputs": "bad_inputs.bad_inputs",             "measured_intervals": "measured_intervals",
     "measured_bow": "measured_bow",                    "study_runner": "study_runner",

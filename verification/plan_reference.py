@@ -22,6 +22,7 @@ from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.forces.external_load import TimedForce
 from rps_exudyn.forces.force_element import PLUNGER
 from rps_exudyn.forces.pinion_support import with_float
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS
 from rps_exudyn.results.outcome import Status

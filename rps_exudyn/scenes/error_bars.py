@@ -7,9 +7,9 @@
                  |metric(2 y_fine - y_coarse) - fine|,      of the record extrapolated to steps of no length
                  size * median of |fine - coarse| / size    over all metrics, halved)
 
-The median, because two levels may agree by chance. The factor is fixed, no observed order: changes of two pairs
-of levels have ratios from 1 to 6, a quarter of them below 1. Causes that both levels share, and so do not show,
-are terms of `bar_terms`. Of many gears numbers are arrays (n,) and signals (n, t), by the same functions.
+The median, because two levels may agree by chance. The factor is fixed, no observed order: changes of two
+pairs of levels have ratios from 1 to 6, a quarter of them below 1. Causes that both levels share, and so do
+not show, are terms of `bar_terms`. Of many gears numbers are arrays (n,) and signals (n, t).
 """
 
 from collections.abc import Callable, Mapping

@@ -3,9 +3,9 @@
     model, gear, options = model_at(2, fidelity), gear_at(2, gear), options.at(2)
 
 A level has half the steps, the friction zone and the tolerance of the level below, twice its stations on a
-line of contact, its modes of the rack and its cycles before the record, and spheres that are closer by the root
-of 2. Level 1 has what a model asks for. `Maneuver.halved` divides the steps, so that a level has all instants
-of the levels below.
+line of contact, its modes of the rack and its cycles before the record, and spheres that are closer by the
+root of 2. Level 1 has what a model asks for. `Maneuver.halved` divides the steps, so that a level has all
+instants of the levels below.
 """
 
 from math import ceil, sqrt

@@ -3,8 +3,8 @@
     run = run_with_bars(scene_named("reversal"), gear, fidelity, RunOptions(level=1))
     run.summary["torque_jump"], run.errors["torque_jump"]
 
-Level 1 and its companion, level 0, serve by default; level 0 has level 1 as its companion. Where the companion
-is lost, the next level serves, and is printed; where that is lost too, the bars are unknown.
+Level 1 and its companion, level 0, serve by default; level 0 has level 1 as its companion. Where the
+companion is lost, the next level serves, and is printed; where that is lost too, the bars are unknown.
 """
 
 from collections.abc import Mapping
