@@ -177,12 +177,12 @@ class Common:
         ranges: Table | None = None,
     ) -> "Common | None":
         """Learn it; arguments as of `together`. None if the gear in the middle is not found."""
-        scene, fidelity = scene_named(name), model_at(level, fidelity)
+        scene, asked, fidelity = scene_named(name), fidelity, model_at(level, fidelity)
         assert scene.test is not None
         try:
             weighted = _is_weighted(scene, gear)
             rows, records, reference = _records(gear, fidelity, table, ranges, weighted)
-            if records is None or refused(reference, fidelity, motion="steady"):
+            if records is None or refused(reference, asked, motion="steady"):
                 return None
             some = {path: values[rows] for path, values in table.items()}
             whole = some if ranges is None else ranges
