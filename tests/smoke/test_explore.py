@@ -3,6 +3,7 @@
 import base64
 import http.client
 import json
+import socket
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -153,6 +154,11 @@ def test_other_states_are_refused(state: Any, sentence: str) -> None:
     [
         ("GET", "/", None, {"Host": "rebound.example"}, 421),  # an address that was made to point here
         ("POST", "/curve", {"state": {}}, {"Host": "rebound.example:80"}, 421),
+        ("GET", "/", None, {"Host": "user@127.0.0.1"}, 421),
+        ("GET", "/", None, {"Host": "127.0.0.1:80@rebound.example"}, 421),
+        ("GET", "/", None, {"Host": "127.0.0.1:rebound.example"}, 421),
+        ("GET", "/", None, {"Host": "localhost:80"}, 200),
+        ("GET", "/", None, {"Host": "[::1]:80"}, 200),
         (
             "POST",
             "/curve",
@@ -177,6 +183,42 @@ def test_nothing_else_is_served(
     server: Explorer, method: str, path: str, body: Any, headers: dict[str, str], status: int
 ) -> None:
     assert asked(server, method, path, body, **headers)[0] == status
+
+
+def test_user_part_is_no_host_on_a_network_either() -> None:
+    with Explorer(GEAR, "0.0.0.0") as server:
+        assert server.allows("bench.example:80")
+        assert not server.allows("user@bench.example:80")
+
+
+@pytest.mark.parametrize(
+    "sent",
+    [
+        b"",
+        b"GET / HTTP/1.1\r\nX: ",
+        b"POST /gear HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+        b"Content-Length: 20000\r\n\r\n",
+    ],
+    ids=["nothing", "head", "body"],
+)
+def test_request_that_does_not_end_is_dropped(sent: bytes) -> None:
+    """A client that goes on with a byte at a time sees the connection closed."""
+    with Explorer(GEAR, request_limit=0.5) as server:
+        Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True).start()
+        with socket.create_connection(server.server_address[:2]) as link:
+            link.settimeout(0.05)
+            piece, end, is_open = sent, monotonic() + PATIENCE, True
+            while is_open and monotonic() < end:
+                try:
+                    link.sendall(piece)
+                    piece = sent[:1] and b"x"
+                    is_open = link.recv(1) != b""
+                except TimeoutError:
+                    pass
+                except ConnectionError:
+                    is_open = False
+        server.shutdown()
+    assert not is_open
 
 
 def test_only_this_machine_is_listened_to(server: Explorer) -> None:
