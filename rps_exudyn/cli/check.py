@@ -45,7 +45,8 @@ def check(
     The exit status is 1 if a requirement is not kept.
 
     Args:
-        limits: TOML file of limits that replace the default ones. Default limits and their sources are in
+        limits: TOML file of limits that replace the default ones; a line of it is
+            `free_torque = { least = "0.8 N*m", most = "1.8 N*m" }`. Default limits and their sources are in
             `rps_exudyn/assessment/requirements/limits.toml`.
         rated_torque: Pinion torque for the strength of the teeth and the lift of the rack.
         out: Sheet as a page (.html), or as data (.json), from which `report` makes the page.

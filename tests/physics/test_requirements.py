@@ -1,6 +1,7 @@
 """The requirement sheet: numbers of the scenes, shares of the gears, and who is refused."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,12 +20,14 @@ from rps_exudyn.assessment.requirements.sheet import (
     weight_for_ratio,
 )
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.cli.check import check
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.tooth_strength import flank_stress, pinion_form, rack_form, root_stress
 from rps_exudyn.inference.uncertainty.band import Band
 from rps_exudyn.inference.uncertainty.input_sets import carried
 from rps_exudyn.parameters.fidelity import FOR_MEANS
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.limit import Limit
 from rps_exudyn.solvers.closed_form import load_test, mean_state
 from shell import Command
 
@@ -147,6 +150,12 @@ def test_samples_that_failed_leave_a_requirement_open() -> None:
     assert requirement_row("free_torque", limit, (1.0, 0.9, 1.1), share=0.9, failed=0.1).verdict == "open"
     assert requirement_row("free_torque", limit, (1.0, 0.9, 1.1), share=0.5, failed=0.1).verdict == "fail"
     assert not limit.keeps(np.nan)
+
+
+def test_line_of_the_help_is_a_limit(tmp_path: Path) -> None:
+    (line,) = re.findall(r"`(free_torque = .+?)`", check.__doc__ or "")
+    (tmp_path / "limits.toml").write_text(line)
+    assert read_limits(tmp_path / "limits.toml")["free_torque"] == Limit(0.8, 1.8, "your own")
 
 
 @pytest.mark.parametrize(

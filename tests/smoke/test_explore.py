@@ -3,6 +3,8 @@
 import base64
 import http.client
 import json
+import re
+import socket
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -36,6 +38,7 @@ from rps_exudyn.pages.explore.sliders import (
     settings_of,
     thinned,
 )
+from rps_exudyn.pages.explore.typed_limits import limits_of
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.cases.task import Task
@@ -153,6 +156,11 @@ def test_other_states_are_refused(state: Any, sentence: str) -> None:
     [
         ("GET", "/", None, {"Host": "rebound.example"}, 421),  # an address that was made to point here
         ("POST", "/curve", {"state": {}}, {"Host": "rebound.example:80"}, 421),
+        ("GET", "/", None, {"Host": "user@127.0.0.1"}, 421),
+        ("GET", "/", None, {"Host": "127.0.0.1:80@rebound.example"}, 421),
+        ("GET", "/", None, {"Host": "127.0.0.1:rebound.example"}, 421),
+        ("GET", "/", None, {"Host": "localhost:80"}, 200),
+        ("GET", "/", None, {"Host": "[::1]:80"}, 200),
         (
             "POST",
             "/curve",
@@ -177,6 +185,74 @@ def test_nothing_else_is_served(
     server: Explorer, method: str, path: str, body: Any, headers: dict[str, str], status: int
 ) -> None:
     assert asked(server, method, path, body, **headers)[0] == status
+
+
+def test_user_part_is_no_host_on_a_network_either() -> None:
+    with Explorer(GEAR, "0.0.0.0") as server:
+        assert server.allows("bench.example:80")
+        assert not server.allows("user@bench.example:80")
+
+
+@pytest.mark.parametrize(
+    "sent",
+    [
+        b"",
+        b"GET / HTTP/1.1\r\nX: ",
+        b"POST /gear HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+        b"Content-Length: 20000\r\n\r\n",
+    ],
+    ids=["nothing", "head", "body"],
+)
+def test_request_that_does_not_end_is_dropped(sent: bytes) -> None:
+    """A client that goes on with a byte at a time sees the connection closed."""
+    with Explorer(GEAR, request_limit=0.5) as server:
+        Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True).start()
+        with socket.create_connection(("127.0.0.1", server.server_address[1])) as link:
+            link.settimeout(0.05)
+            piece, end, is_open = sent, monotonic() + PATIENCE, True
+            while is_open and monotonic() < end:
+                try:
+                    link.sendall(piece)
+                    piece = sent[:1] and b"x"
+                    is_open = link.recv(1) != b""
+                except TimeoutError:
+                    pass
+                except ConnectionError:
+                    is_open = False
+        server.shutdown()
+    assert not is_open
+
+
+def test_typed_limits_are_read_as_those_of_a_file_in_the_units_of_the_page(server: Explorer) -> None:
+    typed = {
+        "torque_mean": {"least": "0,8", "most": "1800 N mm"},
+        "rack_gain": {"most": "36"},
+        "efficiency_forward": {"least": " 46"},
+        "torque_peak_to_peak": {"most": "300 N"},
+        "torque_on_centre": {"least": "2", "most": "1 N m"},
+    }
+    status, content = asked(server, "POST", "/limits", {"state": {}, "limits": typed})
+    found = json.loads(content)["limits"]
+    assert status == 200
+    assert found["torque_mean"] == {"least": 0.8, "most": 1.8, "shown": "at least 0.8 N m, at most 1.8 N m"}
+    assert found["rack_gain"] == {"least": None, "most": pytest.approx(0.036), "shown": "at most 36 mm"}
+    assert found["efficiency_forward"]["least"] == pytest.approx(0.46)
+    (sentence,) = found["torque_peak_to_peak"]["problems"]
+    assert sentence.startswith("ripple, peak to peak, most is '300 N', which is no quantity in N*m")
+    assert found["torque_on_centre"]["problems"] == ["mean torque on centre, least must be below most."]
+
+
+@pytest.mark.parametrize(
+    ("typed", "sentence"),
+    [
+        ({"ripple": {"most": "1"}}, "ripple is no metric of this page."),
+        ([], "limits must be a table of metrics"),
+        ({"torque_mean": 3}, "limits must be a table of metrics"),
+    ],
+)
+def test_other_limits_are_refused(typed: Any, sentence: str) -> None:
+    with pytest.raises(rps.InputError, match=sentence):
+        limits_of(typed)
 
 
 def test_only_this_machine_is_listened_to(server: Explorer) -> None:
@@ -426,6 +502,41 @@ def test_slow_scene_is_drafted_while_a_slider_moves(browser: sync_api.Browser, s
     page.locator("#yoke-preload").press("ArrowRight")
     sync_api.expect(caption).to_contain_text(answers.DRAFT, timeout=1e3 * PATIENCE)
     sync_api.expect(caption).not_to_contain_text("draft", timeout=1e3 * PATIENCE)
+    assert said == []
+    page.close()
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_typed_limits_have_verdicts_in_words(browser: sync_api.Browser, server: Explorer, width: int) -> None:
+    page = browser.new_page(viewport={"width": width, "height": 900})
+    _, said = watched(page)
+
+    def shown(place: str, text: str | re.Pattern[str]) -> None:
+        sync_api.expect(page.locator(place)).to_contain_text(text, timeout=1e3 * PATIENCE)
+
+    page.goto(server.address)
+    page.locator("#limits summary").click(timeout=1e3 * PATIENCE)
+    page.get_by_label("mean torque, at least").fill("0.8")
+    page.get_by_label("mean torque, at most").fill("1800 N mm")
+    page.get_by_label("ripple, peak to peak, at most").fill("0.3")
+    page.keyboard.press("Enter")
+    shown("#limits", re.compile(r"not kept: 0\.\d+ N m \(at least 0.8 N m, at most 1.8 N m\)"))
+    shown("#limits", re.compile(r"(?<!not )kept: 0\.0\d+ N m \(at most 0.3 N m\)"))
+    page.get_by_label("yoke preload").fill("450")
+    shown("#verdict", "Limits kept: mean torque; ripple, peak to peak.")
+    page.evaluate("scrollTo(0, 0)")  # on a phone the chart stays in view, over what is scrolled
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    assert page_faults(page) == []
+    page.get_by_label("pinion profile shift").fill("0.2")  # undercut: there is no curve to judge
+    shown("#verdict", "Limits not computed: mean torque; ripple, peak to peak.")
+    page.wait_for_url(lambda url: "limits" in url and "0.2" in url)
+    page.reload()
+    shown("#problems", "nearest")
+    page.get_by_label("pinion profile shift").fill("1")
+    shown("#verdict", "Limits kept: mean torque; ripple, peak to peak.")  # those of the address
+    page.get_by_label("ripple, peak to peak, at most").fill("0.3 N")
+    page.keyboard.press("Enter")
+    shown("#limits", "ripple, peak to peak, most is '0.3 N', which is no quantity in N*m")
     assert said == []
     page.close()
 

@@ -1,17 +1,15 @@
 """The limits of the requirement sheet: what is asked for, in which unit, and by whom."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.units import shown, to_si
+from rps_exudyn.base.units import shown
 from rps_exudyn.parameters.declaration import read_toml
+from rps_exudyn.results.limit import Limit, limit_of
 from rps_exudyn.results.quantities import Quantity
 
 SHIPPED = Path(__file__).with_name("limits.toml")
-KEYS = ("most", "least", "source")
 TORQUE, STRESS = ("N*m", "N*m"), ("Pa", "MPa")
 
 REQUIRED = {
@@ -43,25 +41,6 @@ LABELS = {
 """Name of a requirement -> its label for readers, and under what it holds ({torque}: the rated one)."""
 
 
-@dataclass(frozen=True)
-class Limit:
-    """What a number must keep, SI; infinite where there is no limit."""
-
-    least: float
-    most: float
-    source: str
-
-    def keeps(self, value: Any) -> Any:
-        """Return whether a number, or each of an array, keeps the limit; nan does not."""
-        return (value >= self.least) & (value <= self.most)
-
-    def show(self, quantity: Quantity) -> str:
-        """Return the limit for a reader."""
-        ends = [f"at least {quantity.show(self.least)}"] if self.least > -float("inf") else []
-        ends += [f"at most {quantity.show(self.most)}"] if self.most < float("inf") else []
-        return ", ".join(ends)
-
-
 def read_limits(path: Path | None = None) -> dict[str, Limit]:
     """Return the shipped limits, single ones replaced by those of a file.
 
@@ -81,20 +60,7 @@ def _limits(file: Path) -> dict[str, Limit]:
         elif not isinstance(table, Mapping) or not table.keys() & {"most", "least"}:
             problems.append(f"{file}: {name} is {shown(table)}; it must be a table with most, least or both.")
         else:
-            found[name] = _limit(f"{file}: {name}", table, REQUIRED[name], problems)
+            found[name] = limit_of(f"{file}: {name}.", table, REQUIRED[name], problems)
     if problems:
         raise InputError(problems)
     return found
-
-
-def _limit(where: str, table: Mapping[str, Any], quantity: Quantity, problems: list[str]) -> Limit:
-    problems += [f"{where}.{key} is no key; there are {', '.join(KEYS)}." for key in table.keys() - set(KEYS)]
-    ends = {"least": -float("inf"), "most": float("inf")}
-    for key in ends:
-        try:
-            ends[key] = to_si(table.get(key, ends[key]), quantity.unit)
-        except ValueError as error:
-            problems.append(f"{where}.{key} {error}.")
-    if not ends["least"] < ends["most"]:
-        problems.append(f"{where}.least must be below most.")
-    return Limit(ends["least"], ends["most"], str(table.get("source", "your own")))

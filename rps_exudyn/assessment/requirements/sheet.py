@@ -12,7 +12,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from rps_exudyn.assessment.requirements.limits import Limit
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_limits import transverse_contact_ratio
@@ -33,6 +32,7 @@ from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import FOR_MEANS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.judged_row import JudgedRow, Verdict
+from rps_exudyn.results.limit import Limit
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.scenes.law_by_scene import SERIES, with_law

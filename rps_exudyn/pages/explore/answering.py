@@ -20,6 +20,7 @@ from rps_exudyn.base.progress import Progress, following
 from rps_exudyn.base.units import pretty
 from rps_exudyn.pages.explore.on_request import KINDS, SIMULATION, on_request
 from rps_exudyn.pages.explore.sliders import SLIDERS, SLOW, Answer, Wish, answer, scenes
+from rps_exudyn.pages.explore.typed_limits import limits_of
 from rps_exudyn.parameters.gear import SteeringGear, gear_file
 from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.scenes.free_pinion_torque import SCENE
@@ -40,17 +41,18 @@ TOO_LONG_REQUESTED = (
 )
 CANCELLED = {"cancelled": True}
 CURVE = "curve"
-PATHS = ("sliders", CURVE, "gear", "progress", "cancel", *KINDS)
+PATHS = ("sliders", CURVE, "gear", "limits", "progress", "cancel", *KINDS)
 
 
 @dataclass(frozen=True)
 class Request:
-    """What a page asks for, in which tab, as its which curve, and of which click."""
+    """What a page asks for, in which tab, as its which curve, of which click, and within which limits."""
 
     wish: Wish
     tab: str
     number: int
     of: str
+    limits: Any = None
 
     @classmethod
     def from_page(cls, asked: Any) -> "Request":
@@ -63,9 +65,12 @@ class Request:
             scene, both_ways = str(asked.get("scene", SCENE.name)), bool(asked.get("both_ways"))
             measured, is_draft = str(asked.get("measured", "")), bool(asked.get("draft"))
             wish = Wish(asked["state"], scene, both_ways, measured, is_draft)
-            return cls(
-                wish, str(asked.get("tab", ""))[:40], int(asked.get("number", 0)), str(asked.get("of", ""))
+            tab, number, of = (
+                str(asked.get("tab", ""))[:40],
+                int(asked.get("number", 0)),
+                str(asked.get("of", "")),
             )
+            return cls(wish, tab, number, of, asked.get("limits"))
         except (ValueError, KeyError, TypeError, AttributeError, OverflowError):
             raise InputError("a request must be JSON with a state.") from None
 
@@ -143,6 +148,8 @@ class Answering:
         if path in KINDS:
             return self.requested(asked.wish, path, asked.tab)
         try:
+            if path == "limits":
+                return limits_of(asked.limits)
             return {"file": gear_file(asked.wish.gear(self.gear))}
         except InputError as error:
             return {"problems": list(error.problems)}

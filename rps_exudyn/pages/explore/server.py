@@ -1,16 +1,20 @@
 """The page's server: this machine only, its own files only, computations in processes beside it.
 
 A request whose Host is another name is refused (an address of the internet may be made to point here), and so
-is one that is no JSON (which pages of other sites could send without being asked).
+is one that is no JSON (which pages of other sites could send without being asked). A request that has not
+come as a whole within the server's limit is dropped, however steadily its bytes come: it holds a thread.
 """
 
 import json
+import re
 import socket
 import sys
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.metadata import version
+from io import BufferedReader, RawIOBase
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 from rps_exudyn.base.errors import InputError
@@ -21,6 +25,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 LARGEST_REQUEST = 20_000  # [bytes]
 LARGEST_FILE = 16_000_000  # of a request with a measured file [bytes]
+REQUEST_LIMIT = 30.0  # of a request: the largest file comes at 4 Mbit/s [s]
 MOST_WAITING = 1024  # connections that wait to be accepted
 FILES = {
     "/": ("page.html", "text/html; charset=utf-8"),
@@ -37,6 +42,7 @@ HEADERS = {
     "Cache-Control": "no-store",
 }
 _FOLDER = Path(__file__).parent / "web"
+_HOST = re.compile(r"(\[[0-9a-f:.]+\]|[^@/:\[\]\s]+)(:[0-9]*)?")  # RFC 9112, 3.2: without a user part
 
 
 class Explorer(ThreadingHTTPServer):
@@ -45,12 +51,25 @@ class Explorer(ThreadingHTTPServer):
     daemon_threads = True
     request_queue_size = MOST_WAITING
 
-    def __init__(self, gear: SteeringGear, host: str = "127.0.0.1", port: int = 0) -> None:
-        """Bind the address; `port` 0 takes a free one.
+    def __init__(
+        self,
+        gear: SteeringGear,
+        host: str = "127.0.0.1",
+        port: int = 0,
+        request_limit: float = REQUEST_LIMIT,
+    ) -> None:
+        """Bind the address.
+
+        Args:
+            gear: what the sliders change.
+            host: name or number of the address.
+            port: 0 takes a free one.
+            request_limit: time within which a request must come as a whole, and its answer be taken [s].
 
         Raises:
             InputError: the address cannot be bound.
         """
+        self.request_limit = request_limit
         self.answering = Answering(gear)
         self.local = host in LOOPBACK
         if ":" in host:
@@ -69,9 +88,10 @@ class Explorer(ThreadingHTTPServer):
         return f"http://{f'[{host}]' if ':' in host else host}:{port}/"
 
     def allows(self, host: str) -> bool:
-        """Return whether a request's Host is a name of this machine; any is if the user asked for others."""
-        name = host.rsplit(":", 1)[0] if not host.endswith("]") else host
-        return not self.local or name.strip("[]") in LOOPBACK
+        """Return whether a request's Host is a name of this machine, or any name if the user asked for
+        others."""
+        parts = _HOST.fullmatch(host)
+        return parts is not None and (not self.local or parts[1].strip("[]") in LOOPBACK)
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Print no traceback where a page closed its connection."""
@@ -84,10 +104,31 @@ class Explorer(ThreadingHTTPServer):
         self.answering.__exit__()
 
 
+class _TimedReader(RawIOBase):
+    """The bytes that a connection brings within a time limit [s]; reading on raises TimeoutError."""
+
+    def __init__(self, connection: socket.socket, limit: float) -> None:
+        self._connection, self._ends = connection, monotonic() + limit
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        if (remaining := self._ends - monotonic()) <= 0:
+            raise TimeoutError
+        self._connection.settimeout(remaining)
+        return self._connection.recv_into(buffer)
+
+
 class _Handler(BaseHTTPRequestHandler):
     server: Explorer
     server_version, sys_version = f"rps-exudyn/{version('rps-exudyn')}", ""
-    timeout = 20  # of a connection without data [s]
+
+    def setup(self) -> None:
+        """Let the whole request be read within the server's limit."""
+        super().setup()
+        self.rfile.close()
+        self.rfile = BufferedReader(_TimedReader(self.connection, self.server.request_limit))
 
     def do_GET(self) -> None:
         if not self.server.allows(self.headers.get("Host", "")):
@@ -130,6 +171,7 @@ class _Handler(BaseHTTPRequestHandler):
         self._send(status, "application/json", json.dumps({"problems": [why]}).encode())
 
     def _send(self, status: HTTPStatus, kind: str, content: bytes) -> None:
+        self.connection.settimeout(self.server.request_limit)  # reading has left the rest of it
         self.send_response(status)
         for name, value in (HEADERS | {"Content-Type": kind, "Content-Length": str(len(content))}).items():
             self.send_header(name, value)

@@ -11,6 +11,7 @@ from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError, raise_wrapped
 from rps_exudyn.base.units import pretty, words
 from rps_exudyn.gears.geometry_report import geometry_report
+from rps_exudyn.pages.explore.typed_limits import metrics_of
 from rps_exudyn.pages.report.sheet import REMARK, WORK_LOST, loss_shares, sheet_of
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -227,7 +228,7 @@ def _described(gear: SteeringGear) -> Answer:
 
 
 def _drawn(result: Result) -> Answer:
-    """Curves, rows of the sheet, losses."""
+    """Curves, rows of the sheet, metrics, losses."""
     error = error_of_law(result)
     signal = scene_named(result.scene).signal
     along = abscissa(result)
@@ -238,6 +239,7 @@ def _drawn(result: Result) -> Answer:
         "rows": [
             [row.value, row.words] for row in sheet_of(result).rows if row.value not in (WORK_LOST, REMARK)
         ],
+        "metrics": metrics_of(result),
         "losses": [[part, PARTS[part], 100 * share] for part, share in loss_shares(result).items()],
         "error": error.largest if error and signal == "pinion_torque" else None,
         "accuracy": (error.sentence if error else "") + MODELS[fidelity_of(result.scene)],

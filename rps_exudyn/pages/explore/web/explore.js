@@ -8,6 +8,8 @@ const TAB = String(Math.random()).slice(2);
 let sliders = [], scenes = {}, number = 0, busy = false, wanted = false, first = null, axis = null, sent = 0;
 let slow = Infinity, drafts = false, drafted = false; // time of an answer from which on its scene is drafted while a slider moves [ms]
 let latest = null, band = null, measured = null, file = null, resting = 0, turned = null;
+let limits = {}, read = {}, readings = 0; // metric -> least and most as typed, and as the server reads them
+const fields = new Map(); // metric of the scene -> its row of limits
 const POLL = 500; // between questions how far a request is [ms]
 const LATE = 1500; // after which a curve's progress is shown [ms]
 const running = new Set(); // kinds of clicks without an answer
@@ -90,6 +92,8 @@ function fresh() {
   first = axis = latest = null;
   drafts = false;
   by("simulate").hidden = !dynamic();
+  for (const { row } of fields.values()) row.remove();
+  fields.clear();
   for (const id of ["chart", "rows", "losses", "caption", "remarks", "accuracy"]) by(id).replaceChildren();
   changed();
 }
@@ -142,11 +146,15 @@ async function settle() {
   }
 }
 
+function address() {
+  const { state: moved, scene, both_ways } = asked();
+  if (!FRAME) history.replaceState(null, "", `#${encodeURIComponent(JSON.stringify({ state: moved, scene, both_ways, limits }))}`);
+}
+
 // When the sliders rest, address and picture follow
 function rest() {
   if (drafted) settle();
-  const { state: moved, scene, both_ways } = asked();
-  if (!FRAME) history.replaceState(null, "", `#${encodeURIComponent(JSON.stringify({ state: moved, scene, both_ways }))}`);
+  address();
   click("picture", null, (found) => {
     if (turned) {
       turn(found.page);
@@ -258,10 +266,12 @@ function show(answer) {
     first = first || answer;
     chart();
     terms(by("rows"), answer.rows);
+    answer.metrics.forEach(field);
     losses(answer.losses);
     by("remarks").textContent = answer.remarks;
     by("accuracy").textContent = answer.accuracy;
   }
+  judge();
   const took = performance.now() - sent;
   if (answer.ms && !answer.draft && !answer.of) drafts = answer.ms > slow;
   const waited = answer.of || answer.settled ? "" : `, ${took.toFixed(0)} ms from slider to curve`;
@@ -280,6 +290,59 @@ function losses(shares) {
     bar.append(make("span", {}, name), svg, make("span", {}, `${share.toFixed(0)} %`));
     return bar;
   }));
+}
+
+// Where limits of a metric are typed, and the verdict stands
+function field({ name, words, unit }) {
+  if (fields.has(name)) return;
+  const row = make("div", { class: "limit" }), verdict = make("output");
+  const title = make("b", {}, words);
+  title.append(make("span", {}, unit && `, ${unit}`));
+  row.append(title);
+  for (const [end, said] of [["least", "at least"], ["most", "at most"]]) {
+    const label = make("label", {}, `${said} `), input = make("input", { size: 7, maxlength: 40, autocomplete: "off", "aria-label": `${words}, ${said}` });
+    input.value = limits[name]?.[end] ?? "";
+    input.addEventListener("change", () => {
+      const { [end]: _, ...others } = limits[name] ?? {}, ends = input.value.trim() ? { ...others, [end]: input.value } : others;
+      limits = { ...limits, [name]: ends };
+      if (!Object.keys(ends).length) delete limits[name];
+      address();
+      readLimits();
+    });
+    label.append(input);
+    row.append(label);
+  }
+  row.append(verdict);
+  by("limits").append(row);
+  by("limits").hidden = false;
+  fields.set(name, { row, verdict, words });
+}
+
+async function readLimits() {
+  const mine = ++readings;
+  const found = await post("limits", { state: {}, limits }).catch(() => ({ problems: [SILENT] }));
+  if (mine !== readings) return;
+  read = found.limits ?? {};
+  if (found.problems) said(found.problems);
+  judge();
+}
+
+// Whether the gear of the present curve keeps each limit, in words
+function judge() {
+  const there = document.body.classList.contains("stale") ? [] : latest?.metrics ?? [];
+  const found = { kept: [], "not kept": [], "not computed": [], "not understood": [] };
+  for (const [name, { verdict, words }] of fields) {
+    const limit = read[name], { value, shown: text } = there.find((each) => each.name === name) ?? {};
+    let word = "not computed";
+    if (limit?.problems) word = "not understood";
+    else if (value !== undefined) word = value >= (limit?.least ?? -Infinity) && value <= (limit?.most ?? Infinity) ? "kept" : "not kept";
+    if (limit) found[word].push(words);
+    verdict.textContent = !limit ? "" : limit.problems ? limit.problems.join(" ") : `${word}${text ? `: ${text}` : ""} (${limit.shown})`;
+    verdict.classList.toggle("broken", word === "not kept" || word === "not understood");
+  }
+  const parts = Object.entries(found).filter(([, names]) => names.length).map(([word, names]) => `${word}: ${names.join("; ")}`);
+  const draft = latest?.draft ? " (draft)" : "";
+  by("verdict").replaceChildren(...parts.map((text) => make("span", { class: text.startsWith("not") ? "broken" : "" }, `Limits ${text}${draft}. `)));
 }
 
 function step(span, most) {
@@ -430,6 +493,8 @@ function fromAddress() {
     set(found.state ?? {});
     if ([...by("scene").options].some(({ value }) => value === found.scene)) by("scene").value = found.scene;
     by("both-ways").checked = found.both_ways === true;
+    limits = found.limits ?? {};
+    by("limits").open = Object.keys(limits).length > 0;
   } catch {
     // an address without a state
   }
@@ -485,6 +550,7 @@ async function begin() {
     changed();
   });
   fromAddress();
+  readLimits();
   fresh();
 }
 
