@@ -204,6 +204,7 @@ def made_up_result() -> Result:
             "work_bearing_friction": 0.03 * angle,
         },
         summary={"torque_mean": 0.6, "torque_peak_to_peak": 0.02, "rack_gain": 0.035},
+        errors={"torque_mean": 0.0012, "torque_peak_to_peak": 0.001},
         counters={"steps": 120, "newton_iterations": 250},
         cpu_s=1.5,
         wall_s=2.0,

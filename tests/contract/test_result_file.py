@@ -40,6 +40,16 @@ def test_load_gives_back_what_was_saved(saved: Path, made_up_result: Result) -> 
     assert as_plain(load(saved)) == as_plain(made_up_result)
 
 
+def test_files_of_version_1_0_have_no_errors(saved: Path) -> None:
+    with h5py.File(saved, "r+") as file:
+        file.attrs["version"] = (1, 4)
+        for dataset in file["summary"].values():
+            del dataset.attrs["error"]
+    with edited(saved) as file:
+        pass
+    assert load(saved).errors == {}
+
+
 def test_bristles_of_earlier_versions_keep_their_reversal(made_up_result: Result, tmp_path: Path) -> None:
     """Files of a model without `friction_elements` are read with 0.687 times the travel and a remark, singly
     and from a block; others, and gears without bristles, as they are."""

@@ -252,18 +252,6 @@ def test_a_part_of_a_table_ends_as_the_whole() -> None:
         assert column == pytest.approx(whole.summary[name][20:24], rel=1e-9), name
 
 
-def test_teeth_that_bend_at_the_yokenut_are_confirmed_by_finer_strips() -> None:
-    """So those gears are run singly; by law line the remark alone says it."""
-    values = {"pinion.runout": np.linspace(5e-6, 60e-6, 24)}
-    for law in ("line", "teeth"):
-        gear = rps.SteeringGear().replace({"mesh.law": law, "yoke.clearance": "30 um"})
-        found = rps.batch("free-pinion-torque", gear, values, keep="torque")
-        stopped = np.array(["yokenut" in said for said in found.messages])
-        assert found.in_loop.any()
-        assert stopped.any()
-        assert (stopped & found.in_loop).any() == (law == "line")
-
-
 @pytest.mark.parametrize("scene", ["rack-push", "free-pinion-torque"])
 def test_gears_far_from_the_middle_are_settled_where_the_record_begins(scene: str) -> None:
     """Their motion is not known to first order there; a part of a tooth pitch before it is enough."""

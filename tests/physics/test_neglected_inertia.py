@@ -45,17 +45,15 @@ def test_the_drive_with_inertia_has_the_orders_of_dynamics(rpm: int) -> None:
     assert lacking == pytest.approx(-0.1 * (rpm / 600) ** 2, abs=0.01)
 
 
-def test_metrics_that_need_inertia_are_left_out_at_speed() -> None:
-    """At 60 rpm all stand, at 600 means, shares and the transmission error."""
+def test_bars_of_what_needs_inertia_grow_with_the_speed() -> None:
+    """At 60 rpm inertia adds nothing that counts, at 600 much to what varies, little to means."""
     slow, fast = (
         run("free-pinion-torque", gear=GEAR.replace({"test.speed": speed}), fidelity="quasi-static")
         for speed in ("60 rpm", "600 rpm")
     )
-    assert slow.summary.keys() >= SHAKEN
-    assert slow.message == ""
-    assert not SHAKEN & fast.summary.keys()
-    assert {"torque_mean", "loss_share_mesh", "transmission_error_peak_to_peak"} <= fast.summary.keys()
-    assert "inertia" in fast.message
+    for name in SHAKEN & fast.errors.keys():
+        assert fast.errors[name] > 2 * slow.errors[name], name
+    assert fast.errors["torque_mean"] < 0.02 * fast.summary["torque_mean"]
 
 
 def test_a_rack_whose_rate_jumps_rings_on_its_teeth() -> None:
@@ -94,21 +92,18 @@ def test_inertia_grows_with_the_square_of_the_speed() -> None:
     assert shares[1] == pytest.approx(4 * np.array(shares[0]), rel=1e-3)
 
 
-def test_many_gears_leave_out_what_single_ones_do() -> None:
+def test_bars_of_many_gears_have_the_inertia_of_single_ones() -> None:
     """Racks of different mass, turned fast."""
     gear = GEAR.replace({"test.speed": "300 rpm", "bush.inner_diameter": "26 mm"})
     rng, fidelity = np.random.default_rng(1), Fidelity.preset("quasi-static")
     table = {"rack.bar_diameter": rng.uniform(0.022, 0.0255, 40), "pinion.runout": rng.uniform(0, 3e-5, 40)}
     many = together("free-pinion-torque", gear, fidelity, table)
     assert many is not None
-    left_out = set()
     for row in range(0, 40, 8):
         own = {path: float(values[row]) for path, values in table.items()}
         single = run("free-pinion-torque", gear=gear.replace(own), fidelity=fidelity)
-        found = {name for name, values in many.summary.items() if np.isfinite(values[row])}
-        assert found == {*single.summary}
-        left_out |= SHAKEN - found
-    assert left_out >= {"torque_first_order", "torque_peak_to_peak"}
+        for name in SHAKEN & single.errors.keys():
+            assert many.errors[name][row] == pytest.approx(single.errors[name], rel=0.1), name
 
 
 def test_formulas_have_the_inertia_along_the_travel() -> None:
