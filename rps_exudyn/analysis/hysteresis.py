@@ -74,7 +74,7 @@ def _same_place(angle: np.ndarray, ends: list[int]) -> tuple[int, float] | None:
 
 
 def lost_motion(signals: Signals) -> float | None:
-    """Distance by which the rack stays behind at the same pinion angle, mean over the middle half [m].
+    """Return the mean distance by which the rack lags at equal pinion angle, over the middle half [m].
 
     Elasticity holds the rack back; friction that rolls it to the other side may outweigh that and carry it
     ahead, which makes the lost motion negative.

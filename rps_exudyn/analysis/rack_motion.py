@@ -56,7 +56,7 @@ def rack_poses(pair: GearPair, signals: Signals) -> tuple[np.ndarray, np.ndarray
         InputError: the record lacks the rack's motions.
     """
     if missing := [name for name in NEEDED if name not in signals]:
-        raise InputError(f"The result has no {missing[0]}; its fidelity leaves it out.")
+        raise InputError(f"The result has no {missing[0]}: not computed by this model.")
     x = signals["rack_displacement"]
     angles = np.column_stack([signals[f"rack_{name}"] for name in ("roll", "yaw", "pitch")])
     turns = np.stack([rotation_matrix(each) for each in angles])

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
+from math import inf
 from time import monotonic
 
 FIRST, INTERVAL = 2.0, 0.5  # [s] until the first word, and between words
@@ -40,20 +41,21 @@ class _Follower:
     listener: Listener
     began: float = field(default_factory=lambda: monotonic())
     reported: float = 0.0
-    solving: float | None = None  # when the first step was done
+    last: float = inf  # share of the whole that was done last
+    first: tuple[float, float] = (0.0, 0.0)  # instant and share from which the rate is taken
     part: int = 0
     parts: int = 1
 
     def reached(self, fraction: float, place: Callable[[], str]) -> None:
-        """Report it, unless it is too early."""
-        now = monotonic()
-        if self.solving is None:
-            self.solving = now
-        if now - self.began < FIRST or now - self.reported < INTERVAL:
+        """Report it, unless it is too early, or nothing is done from which the time left would follow."""
+        now, whole = monotonic(), min((self.part + fraction) / self.parts, 1.0)
+        if whole < self.last:  # the first step, or another run or part begins
+            self.first = now, whole
+        self.last, (since, before) = whole, self.first
+        if now - self.began < FIRST or now - self.reported < INTERVAL or whole <= max(before, 0.0):
             return
         self.reported = now
-        whole = min(max((self.part + fraction) / self.parts, 1e-9), 1.0)
-        left = (now - self.solving) * (1 / whole - 1)
+        left = (now - since) * (1 - whole) / (whole - before)
         self.listener(Progress(place(), whole, now - self.began, left))
 
 

@@ -247,7 +247,7 @@ def print_plan(targets: list[str], gear: GearOptions, minutes: Path | None, as_j
     """Print which tests, how often and in which order reach the wanted intervals.
 
     Raises:
-        InputError: a target, a table or a gear that cannot be.
+        InputError: invalid target, table or gear.
     """
     from rps_exudyn.inference.fitting.plan import MINUTES, parse_targets, plan, read_minutes
 

@@ -72,10 +72,18 @@ def printing(quiet: bool) -> Iterator[None]:
 _quiet: list[bool] = []
 
 
-def put(text: str = "", style: str = "") -> None:
-    """Print a line, "bold" or "dim" in a terminal and broken there between words."""
+def put(text: str = "", style: str = "", indent: int = 0) -> None:
+    """Print a line, "bold" or "dim" in a terminal and broken there between words; what follows a break is
+    indented by so many letters."""
     if sys.stdout.isatty():
-        lines = textwrap.wrap(text, _width(), break_long_words=False, break_on_hyphens=False) or [""]
+        indent = indent if indent < _width() // 2 else 0
+        lines = textwrap.wrap(
+            text,
+            _width(),
+            subsequent_indent=" " * indent,
+            break_long_words=False,
+            break_on_hyphens=False,
+        ) or [""]
         text = "\n".join(_styled(line, style) for line in lines)
     print(text)
 

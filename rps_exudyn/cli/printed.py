@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rps_exudyn.base.units import words
-from rps_exudyn.cli.output import DONE, FAILED, note, print_files, print_json, put, put_table, say
-from rps_exudyn.pages.report.sheet import Sheet, sheet_of
+from rps_exudyn.cli.output import DONE, FAILED, GAP, note, print_files, print_json, put, put_table, say
+from rps_exudyn.pages.report.sheet import INDENT, Sheet, sheet_of
 from rps_exudyn.results.law_error import error_of_law
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import COUNTERS, SIGNALS, SUMMARY
@@ -35,9 +35,9 @@ def put_result(result: "Result", json: bool, files: Iterable[Path] = (), every: 
 def print_sheet(sheet: Sheet, files: Iterable[Path], more: str) -> None:
     """Print a sheet, the names of the files, and what --all prints more."""
     title, *lines = sheet.lines()
-    put(title, "bold")
+    put(title, "bold", indent=INDENT)
     for line in lines:
-        put(line)
+        put(line, indent=INDENT + sheet.width + GAP)
     names = ", ".join(map(str, files))
     put(f"{f'written: {names}' if names else 'nothing written'}  (--all: {more})")
 

@@ -77,7 +77,7 @@ def run(
         robust: If the run fails or its plan is refused, try safer settings, and name them.
         time_limit: Elapsed time after which the run is stopped, for instance "20 s"; starting and compiling
             count. What was recorded is kept. With --band: the limit of each sample.
-        progress: Print the progress on standard error also where no terminal is attached.
+        progress: Show progress even when output is redirected.
         overwrite: Replace the files of an earlier run instead of renaming them.
         no_plot: Draw no picture.
         quiet: Print only errors.

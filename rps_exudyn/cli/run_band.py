@@ -18,6 +18,7 @@ from rps_exudyn.cli.output import (
     Files,
     command_line,
     naming,
+    note,
     print_files,
     print_json,
     put,
@@ -41,6 +42,7 @@ from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.law_by_scene import with_law
 from rps_exudyn.simulate.cases.run_cases import checked_jobs
 
 QUICK_OTHERWISE = 64  # runs of a scene without a quick band
@@ -86,6 +88,10 @@ def do_band(
             runs = QUICK_OTHERWISE if count is None else count
             made = partial(band_of_runs, scene, gear, setup.fidelity, chosen, runs)
         band = made(on_progress=report, jobs=processes, time_limit=time_limit)
+    law = band.nominal.gear.mesh.law
+    single = with_law(gear, setup.fidelity, scene_named(scene).law).mesh.law
+    if law != single:
+        note(f"the band uses the contact law {law}, as every series of gears; a single run uses {single}.")
     band = replace(band, nominal=replace(band.nominal, measured=measured))
     compared = compared_with_own(band.nominal)
     table = files.out.with_suffix(".band.json")

@@ -119,15 +119,19 @@ def _simulate(request: Request, json: bool) -> int:
         with shown_progress(), executor as workers:
             tally = run_study(work, workers)
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(f"interrupted; finished cases are {_kept(request)}.") from None
+        raise KeyboardInterrupt(f"interrupted; {_kept(request, work)}.") from None
     except (StorageError, StartError) as error:
-        raise InputError(f"{error} Finished cases are {_kept(request)}.") from None
+        kept = _kept(request, work)
+        raise InputError(f"{error} {kept[0].upper()}{kept[1:]}.") from None
     _print_tally(work, tally, json)
     return DONE if set(tally.statuses) <= {Status.OK} else FAILED
 
 
-def _kept(request: Request) -> str:
-    return f"kept in {request.out}; the same command runs the others"
+def _kept(request: Request, work: "StudyWork") -> str:
+    """What is kept of a study that ends early, and what the same command does."""
+    if next(work.store.rows(), None) is None:
+        return "no case is finished; the same command runs all of them"
+    return f"finished cases are kept in {request.out}; the same command runs the others"
 
 
 def _list_cases(request: Request, json: bool) -> int:
@@ -206,7 +210,7 @@ def _print_ranges(work: "StudyWork") -> None:
     rows = list(range_rows(CaseTable.of(work.store)))[:SHOWN_RANGES]
     width = max((len(row.value) for row in rows), default=0)
     for row in rows:
-        put(f"  {row.value:{width}}  {row.words}")
+        put(f"  {row.value:{width}}  {row.words}", indent=width + 4)
 
 
 def print_said(said: "Sequence[Group]") -> None:

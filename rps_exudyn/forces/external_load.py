@@ -92,7 +92,7 @@ class Pulse:
     count: int
 
     def force(self, time: float) -> np.ndarray:
-        """Force at a time from the first pulse on [s], shape (3,) [N]."""
+        """Return the force [N] at a time [s] after the first pulse begins, shape (3,)."""
         return np.multiply(self.share(time), self.peak)
 
     def share(self, time: float) -> float:

@@ -177,7 +177,7 @@ class GearPair:
         return np.array([np.cos(self.beta_r), 0, -np.sin(self.beta_r)])
 
     def rack_flank_normal(self, side: int) -> np.ndarray:
-        """Unit normal out of the rack tooth that meets the pinion's flank `side`, shape (3,).
+        """Return the outward unit normal of the rack flank that touches pinion flank `side`, shape (3,).
 
         Side -1 drives the rack towards +X (drive flank), side +1 towards -X (coast flank); it is the sign
         of the pinion flank's outward normal along its own transverse tangent, see `helicoid`.

@@ -191,7 +191,7 @@ def _new_contact(mbs: "exudyn.MainSystem", data: SampledContactData, pair: GearP
 
 
 def flank_triangle(bar: RackBar, flank: RackFlank) -> np.ndarray:
-    """A right-angled triangle over one flank, rack frame, counter-clockwise from outside, shape (3, 3).
+    """Return a right-angled triangle over one flank, counter-clockwise from outside, rack frame, (3, 3).
 
     Its legs follow the trace and the height; it starts in the air beyond the tooth's tip and ends inside
     the bar, so that only the samples decide where the contact ends.

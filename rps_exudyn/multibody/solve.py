@@ -76,9 +76,9 @@ def solve_one_after_another(
     """Integrate by plans each of which begins where the one before ends, until one fails.
 
     Where no step converges, or a step leads out of all bounds or the rack out of its teeth, the run is
-    restarted a few steps before, in shorter ones: an iteration may have gone to an equilibrium across a snap,
-    or a step over a jump. What fails there as well ends the run. The outcome counts all plans and the
-    restarts; its settings are those of the first with all steps.
+    restarted a few steps before, in shorter ones: a step may have skipped a snap. What fails there as well
+    ends the run. The outcome counts all plans and the restarts; its settings are those of the first with all
+    steps.
 
     Args:
         mbs: the system.

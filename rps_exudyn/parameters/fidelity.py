@@ -280,7 +280,7 @@ _SOLVER_LIMITS = (
         "bush",
         "equilibrium",
         ("condensed", "rigid"),
-        "which needs no segments: condensed is the exact static stiffness of the chain",
+        "which needs no segments; condensed has the exact static stiffness of the chain",
     ),
 )
 

@@ -214,7 +214,7 @@ class Rack(Table):
         0.0, "constant force across the rack, at its end beside the pinion", "estimate", ge=-2e4, le=2e4
     )
     side_angle: Angle = parameter(
-        0.0, "direction of the side force: 0 away from the pinion (Y), 90 deg along Z", "estimate"
+        0.0, "direction of the side force: 0 deg away from the pinion (Y), 90 deg along Z", "estimate"
     )
 
 
@@ -455,7 +455,7 @@ class Mesh(LoadedFrictionLaw):
 
 
 CORRELATION, POSTERIOR = "correlation", "posterior"
-"""Tables of a gear's file that hold no parameters: what its uncertain values share (`uncertainty.joint`)."""
+"""Tables of a gear file without parameters: correlations and samples (`uncertainty.joint`)."""
 
 
 class SteeringGear(Table):

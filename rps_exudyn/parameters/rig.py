@@ -75,7 +75,7 @@ class Test(Table):
         "estimate",
     )
     road_cycles: Count = parameter(
-        4, "rattle: recorded cycles, after one cycle that settles", "estimate", ge=1, le=1000
+        4, "rattle: recorded cycles; the first cycle is discarded before them", "estimate", ge=1, le=1000
     )
     road_phases: Count = parameter(
         2, "rattle: number of runs, which begin at different phases of the force", "estimate", ge=1, le=100

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import inf, isfinite
 from typing import Any
 
 from rps_exudyn.base.units import to_si
@@ -22,10 +23,20 @@ class Limit:
         """Return whether a number, or each of an array, keeps the limit; nan does not."""
         return (value >= self.least) & (value <= self.most)
 
+    @property
+    def finite(self) -> float:
+        """The largest of the limits that there are."""
+        return max(abs(end) for end in (self.least, self.most) if isfinite(end))
+
+    def missed(self, low: float, high: float) -> "Limit":
+        """Return the limits that a band goes beyond; all of them where it does not."""
+        ends = (self.least if low < self.least else -inf, self.most if high > self.most else inf)
+        return self if ends == (-inf, inf) else Limit(*ends, self.source)
+
     def show(self, quantity: Quantity) -> str:
         """Return the limit for a reader."""
-        ends = [f"at least {quantity.show(self.least)}"] if self.least > -float("inf") else []
-        ends += [f"at most {quantity.show(self.most)}"] if self.most < float("inf") else []
+        ends = [f"at least {quantity.show(self.least)}"] if self.least > -inf else []
+        ends += [f"at most {quantity.show(self.most)}"] if self.most < inf else []
         return ", ".join(ends)
 
 
@@ -42,7 +53,7 @@ def limit_of(where: str, table: Mapping[str, Any], quantity: Quantity, problems:
         f"{where}{key} is no key; there are {', '.join(LIMIT_KEYS)}."
         for key in table.keys() - set(LIMIT_KEYS)
     ]
-    ends = {"least": -float("inf"), "most": float("inf")}
+    ends = {"least": -inf, "most": inf}
     for key in ends:
         try:
             ends[key] = to_si(table.get(key, ends[key]), quantity.unit)

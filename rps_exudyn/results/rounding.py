@@ -61,16 +61,17 @@ def rounded(quantity: Quantity, value: float, error: float | None = None, like: 
     unit, size = quantity.display, float(quantity.displayed(value))
     if abs(size) < NEGLIGIBLE:
         size = 0.0
+    chosen, times = abs(size if like is None else float(quantity.displayed(like))), 1.0
+    if 0 < chosen < 1e-2 and unit in SMALLER:
+        unit, times = SMALLER[unit]
+    if chosen > MOST_SHOWN and unit in LARGER:
+        unit, times = LARGER[unit]
+    size *= times
     if error:
-        either = abs(float(quantity.displayed(error)))
+        either = abs(float(quantity.displayed(error))) * times
         digits = -floor(log10(either))
         size, either, digits = round(size, digits), round(either, digits), max(digits, 0)
         return f"{size:.{digits}f} ± {either:.{digits}f} {pretty(unit)}".replace("-", "−").strip()
-    chosen = abs(size if like is None else float(quantity.displayed(like)))
-    if 0 < chosen < 1e-2 and unit in SMALLER:
-        unit, size = SMALLER[unit][0], size * SMALLER[unit][1]
-    if chosen > MOST_SHOWN and unit in LARGER:
-        unit, size = LARGER[unit][0], size * LARGER[unit][1]
     digits = 3 if abs(size) >= 100 else 2
     places = max(0, digits - 1 - floor(log10(abs(size)))) if size else 0
     return f"{float(f'{size:.{digits}g}'):.{places}f} {pretty(unit)}".replace("-", "−").strip()

@@ -490,16 +490,22 @@ def _left_out(run: SceneRun, change: Mapping[str, float], figure: str) -> SceneR
 def not_confirmed(change: Mapping[str, float], printed: Container[str]) -> Remark:
     """Return the remark on metrics that are left out, metric -> its change over its tolerance; of its whole
     only those that would be printed are named."""
-    text = f"omitted metrics that {_by(change)} change: {_all_shown(change, printed)}"
-    return Remark(Code.METRIC_NOT_CONFIRMED, text)
+    shown = _all_shown(change, printed, " ({})", "")
+    return Remark(Code.METRIC_NOT_CONFIRMED, f"{shown} not shown: not converged")
 
 
 def _by(change: Mapping[str, float]) -> str:
     return ANOTHER_CYCLE if any(_how(name) == ANOTHER_CYCLE for name in change) else _how(next(iter(change)))
 
 
-def _all_shown(change: Mapping[str, float], printed: Container[str] = ()) -> str:
-    shown = ", ".join(_shown(name, value) for name, value in change.items())
+def _all_shown(
+    change: Mapping[str, float],
+    printed: Container[str] = (),
+    share: str = " by {}",
+    altogether: str = " altogether",
+) -> str:
+    """The metrics, each with its change as a `share`, or `altogether` where that is no number."""
+    shown = ", ".join(name + _shown(name, value, share, altogether) for name, value in change.items())
     with_them = sorted(name for name in with_wholes(change).keys() - change.keys() if name in printed)
     return f"{shown}, and with them {', '.join(with_them)}" if with_them else shown
 
@@ -509,9 +515,11 @@ def _how(name: str) -> str:
     return how.by if how else ""
 
 
-def _shown(name: str, change: float) -> str:
+def _shown(name: str, change: float, share: str, altogether: str) -> str:
     how = SUMMARY[name].confirmed
-    return f"{name} by {change * how.tolerance:.1%}" if how and np.isfinite(change) else f"{name} altogether"
+    return (
+        share.format(f"{100 * change * how.tolerance:.2g} %") if how and np.isfinite(change) else altogether
+    )
 
 
 # --- swings to and fro, recorded over cycles that are all alike ------------------------------------

@@ -48,8 +48,8 @@ def _teeth_overloaded(signals: Signals) -> Iterator[Remark]:
     if (over := pressure > BEARABLE_PRESSURE).any():
         yield Remark(
             Code.TEETH_OVERLOADED,
-            f"the contact pressure is up to {1e-6 * pressure.max():.4g} MPa, first above the "
-            f"{1e-6 * BEARABLE_PRESSURE:.4g} MPa that case-hardened steel bears (ISO 6336-5) at "
+            f"the contact pressure is up to {1e-6 * pressure.max():.4g} MPa (limit of case-hardened steel "
+            f"{1e-6 * BEARABLE_PRESSURE:.4g} MPa, ISO 6336-5), first exceeded at "
             f"{first_angle(signals, over)}; the model stays elastic",
         )
 

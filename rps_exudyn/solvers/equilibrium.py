@@ -391,7 +391,7 @@ class _Following:
         if self.residual <= TOLERANCE:
             return "the next equilibrium is far from the one before"
         if self.runs_away():
-            return "a part of it moves across ever faster, and no equilibrium leads on"
+            return "no equilibrium is found, because a part slides away"
         return "no equilibrium leads on, beyond it ever more force is left over" if self.folds() else ""
 
     def folds(self) -> bool:

@@ -95,8 +95,8 @@ class Duration:
 
 
 def estimate(study: Study, missing: Sequence[Case], measured: Sequence[float], jobs: int) -> Duration:
-    """Duration the elapsed time of the missing cases with `jobs` processes; `measured` are times of the
-    finished cases [s]."""
+    """Return the elapsed time of the missing cases with `jobs` processes; `measured` lists the times that
+    finished cases took [s]."""
     if not missing:
         return Duration(0.0, "nothing is missing")
     if measured:

@@ -261,7 +261,7 @@ def _stamp(stat: os.stat_result) -> tuple[int, int]:
 
 
 def _check_folder(folder: Path, description: Description) -> None:
-    """Check that the folder is new, empty, or this study's."""
+    """Check that the folder is new, is empty or belongs to this study."""
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder} cannot be a study's folder: it is a file.")
     if not folder.is_dir():

@@ -73,7 +73,7 @@ class Line(NamedTuple):
 
 
 class FlankZone(NamedTuple):
-    """A part of the flank between two tangent lengths; above `relief_from` the tip relief is taken off."""
+    """Part of the flank between two tangent lengths; tip relief is removed above `relief_from`."""
 
     low: float
     high: float

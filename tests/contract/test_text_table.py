@@ -8,6 +8,8 @@ from rich.table import Table as Grid
 
 from rps_exudyn.cli import output
 from rps_exudyn.cli.output import GAP, put, put_table
+from rps_exudyn.cli.printed import print_sheet
+from rps_exudyn.pages.report.sheet import Row, Sheet
 from rps_exudyn.parameters.gear import Setup
 
 HEADS = ("parameter", "value", "meaning", "source")
@@ -35,6 +37,24 @@ def test_broken_cells_keep_every_word_and_the_width(
     assert max(map(len, lines)) <= width
     words = sorted(word for row in [HEADS, *rows] for cell in row for word in cell.split())
     assert sorted(word for line in lines for word in line.split()) == words
+
+
+def test_broken_lines_of_a_sheet_keep_their_columns(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    monkeypatch.setattr(output, "_width", lambda: 40)
+    monkeypatch.setenv("TERM", "dumb")
+    sheet = Sheet("Free pinion torque: " + "teeth, " * 9, (Row("0.03 N m", "ripple, " * 9), Row("a", "b")))
+    print_sheet(sheet, [], "24 quantities")
+    lines = capsys.readouterr().out.splitlines()
+    first = next(k for k, line in enumerate(lines) if line.startswith("  0.03 N m  ripple"))
+    last = lines.index("  a         b")
+    assert all(line.startswith("  teeth") for line in lines[1:first])
+    assert all(line.startswith(" " * 12 + "ripple") for line in lines[first + 1 : last])
+    assert last > first + 1 > 2
+    assert max(map(len, lines)) <= 40
+    assert "\n".join(lines).count("teeth") == 9
 
 
 def test_wide_table_is_that_of_the_library_for_help(

@@ -61,7 +61,7 @@ def test_both_risks_are_those_of_drawn_gears() -> None:
         assert risks.consumer == pytest.approx((accepted & ~good).mean(), rel=0.03, abs=2e-5)
         assert risks.producer == pytest.approx((~accepted & good).mean(), rel=0.03)
     assert found.risks(tolerance, GUARD * found.sd).consumer < 0.2 * found.risks(tolerance, 0.0).consumer
-    with pytest.raises(InputError, match="leave nothing of"):
+    with pytest.raises(InputError, match="is smaller than the guard bands"):
         found.risks(Limits(0.64, 0.66), 0.02)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import rps_exudyn as rps
-from rps_exudyn.assessment.requirements.limits import REQUIRED, read_limits
+from rps_exudyn.assessment.requirements.limits import REQUIRED, Limit, read_limits
 from rps_exudyn.assessment.requirements.sheet import (
     FaceLoading,
     RequirementRow,
@@ -82,7 +82,9 @@ def test_stresses_hold_the_load_along_the_face_and_state_what_was_chosen(
         raise InputError("it locks.")
 
     monkeypatch.setattr("rps_exudyn.assessment.requirements.sheet.load_test", locks)
-    assert borne_under(GEAR, 30.0) == FaceLoading(1.0, "K_H-beta 1, for want of contact forces: it locks.")
+    assert borne_under(GEAR, 30.0) == FaceLoading(
+        1.0, "K_H-beta is 1, because contact forces are missing: it locks."
+    )
 
 
 def test_weight_named_reaches_the_ratio() -> None:
@@ -177,33 +179,36 @@ def test_limits_that_cannot_be(tmp_path: Path, text: str, said: str) -> None:
 
 
 def test_command_judges_and_says_so_by_its_status(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
-    limit = read_limits()["free_torque"]
+    limits = read_limits()
     made = [
-        requirement_row("free_torque", limit, (0.6, 0.5, 0.7), 1.0),
-        requirement_row("gain", limit, (0.035,) * 3, 0.0),
+        requirement_row("variation_on_centre", limits["variation_on_centre"], (0.2, 0.1, 0.3), 1.0),
+        requirement_row("free_torque", Limit(0.8, 1.8, ""), (0.91, 0.7, 1.2), 0.71),
+        requirement_row("gain", limits["gain"], (0.037,) * 3, 0.0),
     ]
     monkeypatch.setattr("rps_exudyn.assessment.requirements.sheet.judge", lambda *_, **__: iter(made))
     answer = command(["check", "--out", "sheet.json"])
     assert answer.status == 1
-    assert answer.out.splitlines()[1:4] == [
-        "  1 of 2    requirements kept by 95 % of the gears",
-        "  not kept  gain 35 mm",
-        "  kept      free torque",
+    assert answer.out.splitlines()[1:5] == [
+        "  1 of 3    requirements kept by 95 % of the gears",
+        "  not kept  free torque 0.91 N m, 0.70 to 1.2 N m in 90 % of gears; limit at least 0.8 N m, "
+        "kept by 71 %",
+        "  not kept  gain 37 mm; limit at most 36 mm",
+        "  kept      variation on centre",
     ]
     table = command(["check", "--all"]).out
     assert "free_torque" in table
     assert "fail" in table
     assert command(["report", "sheet.json"]).out == "written: sheet.html\n"
     page = Path("sheet.html").read_text(encoding="utf-8")
-    assert page.count('class="row not-kept"') == 1
-    assert "not kept · at most" in page
+    assert page.count('class="row not-kept"') == 2
+    assert "not kept · at least" in page
     assert command(["check", "--quiet", "--out", "direct.html"]).out == ""
     direct = Path("direct.html").read_text(encoding="utf-8")
     assert direct.count('class="row kept"') == page.count('class="row kept"') == 1
     kept = json.loads(Path("sheet.json").read_text())
     assert kept["all_kept"] is False
-    assert kept["requirements"]["free_torque"]["verdict"] == "pass"
-    made.pop()
+    assert kept["requirements"]["variation_on_centre"]["verdict"] == "pass"
+    del made[1:]
     assert command(["check", "--json"]).json["all_kept"] is True
     assert command(["check"]).status == 0
     assert command(["check", "--rated-torque", "30 mm"]).status == 2

@@ -53,6 +53,10 @@ def test_fit_prints_its_sheet_and_report_makes_the_page_of_its_data(
     assert lines[1].strip().endswith("mean free torque (±: 95 % of the gear)")
     assert lines[1].split()[0].startswith("0.67")
     assert any(line.split()[:2] == ["not", "separable"] for line in lines)
+    assert re.search(
+        r"known +weighted product of yoke preload, .* to [0-9.]+ %, each alone is not", answer.out
+    )
+    assert "^" not in answer.out
     assert command(["report", "fit.json", "--out", "page.html"]).status == 0
     page = Path("page.html").read_text(encoding="utf-8")
     assert "mean free torque" in page

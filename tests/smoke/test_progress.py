@@ -35,6 +35,20 @@ def test_time_left_follows_from_what_is_done(clock: list[float]) -> None:
     assert told[0].sentence == "90 deg, 25 %, 12 s left"
 
 
+def test_nothing_is_reported_until_time_left_follows_from_what_is_done(clock: list[float]) -> None:
+    """The run-in before the motion has a negative share, and the first step that is noted no duration."""
+    reports: list[Progress] = []
+    with following(reports.append):
+        for seconds, fraction in ((30, -0.1), (31, -0.05), (32, 0.1), (33, 1.0), (40, 0.0), (42, 0.5)):
+            clock[0] = 100.0 + seconds
+            reached(fraction, str)
+    assert [(each.fraction, each.left) for each in reports] == [
+        (0.1, pytest.approx(2 * 0.9 / 0.2)),
+        (1.0, 0.0),
+        (0.5, pytest.approx(2.0)),  # the next run counts from its own first step
+    ]
+
+
 def test_short_runs_tell_nothing_and_long_ones_not_every_step(clock: list[float]) -> None:
     told: list[Progress] = []
     with following(told.append):
@@ -100,7 +114,7 @@ def test_laying_out_many_cases_tells_how_many(clock: list[float], tmp_path: Path
         reached(0.0, str)
         clock[0] += 3.0
         assert len(describe(study, {}).cases) == 40
-    assert told[0].place == "0 cases laid out"
+    assert told[0].place == "1 cases laid out"
     assert told[-1].place == "39 cases laid out"
     assert told[-1].fraction == pytest.approx(39 / 40)
 

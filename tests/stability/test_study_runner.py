@@ -262,6 +262,14 @@ def test_study_whose_workers_never_start_stops_in_a_sentence(
     assert list(rows(tmp_path / "s")) == [100]
 
 
+def test_study_without_a_finished_case_does_not_say_that_cases_are_kept(
+    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _end_at_once(tmp_path, "1000", monkeypatch)
+    answer = command(["study", str(write_grid(tmp_path / "s.toml", 100)), "--jobs", "1"])
+    assert answer.err.endswith("No case is finished; the same command runs all of them.\n")
+
+
 def _end_at_once(folder: Path, count: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """So many worker processes, counted in a file, kill themselves when they start."""
     monkeypatch.setattr("rps_exudyn.simulate.cases.processes.FIRST_PAUSE", 0.01)

@@ -35,8 +35,8 @@ def short(tmp_path: Path) -> Path:
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("load-test=a.csv", "must state the weight of a load test"),
-        ("bearing@3kg=a.csv", "must state the weight of a load test, and only of a load test"),
+        ("load-test=a.csv", "must state a weight exactly if it is a load test"),
+        ("bearing@3kg=a.csv", "must state a weight exactly if it is a load test"),
         ("load-test@heavy=a.csv", "the weight is 'heavy', which is no quantity in kg"),
         ("load-test@-3kg=a.csv", "the weight is -3 kg; it must be more than 0"),
     ],

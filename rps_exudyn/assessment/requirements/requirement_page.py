@@ -17,10 +17,10 @@ from rps_exudyn.pages.report.html import (
     provenance_facts,
 )
 from rps_exudyn.pages.report.judged import ORDER, judgement, mark_of
-from rps_exudyn.pages.report.sheet import Row, listed
+from rps_exudyn.pages.report.sheet import Row, gear_shown, listed
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.provenance import provenance
-from rps_exudyn.results.rounding import rounded
+from rps_exudyn.results.rounding import rounded, rounded_range
 
 HEADS = ("requirement", "value and 90 % of the gears; grey is beyond the limit", "value", "limit")
 WORDS = {Mark.NOT_KEPT: "not kept", Mark.OPEN: "open", Mark.KEPT: "kept"}
@@ -44,12 +44,16 @@ def requirement_article(
             f"requirements kept by {100 * ASSURED:.0f} % of the gears",
         )
     ]
-    rows += [Row(WORDS[mark], listed([_named(each) for each in of[mark]])) for mark in ORDER if of[mark]]
-    shown, changed = repr(gear).strip("<>").removeprefix("SteeringGear: "), gear.changes()
+    for mark in ORDER:
+        if mark is Mark.NOT_KEPT:
+            rows += [Row(WORDS[mark], _missed(each)) for each in of[mark]]
+        elif of[mark]:
+            rows.append(Row(WORDS[mark], listed([LABELS[each.name][0] for each in of[mark]])))
+    changed = gear.changes()
     sources = [[LABELS[each.name][0], each.limit.source, each.remark, each.name] for each in sheet]
     return Article(
         title="Requirements",
-        lead=f"{shown} · rated torque {torque:g} N m · contact law {law_of_sheet(gear)}",
+        lead=f"{gear_shown(gear)} · rated torque {torque:g} N m · contact law {law_of_sheet(gear)}",
         rows=rows,
         sections=[
             Section(
@@ -70,10 +74,15 @@ def requirement_article(
     )
 
 
-def _named(each: RequirementRow) -> str:
-    """Label, and the number of a requirement that is not kept."""
-    label = LABELS[each.name][0]
-    return f"{label} {rounded(REQUIRED[each.name], each.value)}" if mark_of(each) is Mark.NOT_KEPT else label
+def _missed(each: RequirementRow) -> str:
+    """The number of a requirement that is not kept, the limits it misses, and how many gears keep them."""
+    label, quantity, limit = LABELS[each.name][0], REQUIRED[each.name], each.limit
+    number = f"{label} {rounded(quantity, each.value, like=limit.finite)}"
+    if each.low == each.high:
+        return f"{number}; limit {limit.missed(each.value, each.value).show(quantity)}"
+    band = rounded_range(quantity, each.low, each.high, limit.finite)
+    missed = limit.missed(each.low, each.high).show(quantity)
+    return f"{number}, {band} in 90 % of gears; limit {missed}, kept by {100 * each.share:.0f} %"
 
 
 def _judged(each: RequirementRow, torque: float) -> Judgement:

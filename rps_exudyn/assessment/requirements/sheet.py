@@ -239,9 +239,13 @@ def borne_under(gear: SteeringGear, torque: float) -> FaceLoading:
         pitch = {"test.path": "one-way", "test.turns": 1 / gear.pinion.teeth, "test.load_mass": mass}
         result = simulate(LOAD_TEST.name, gear.replace(pitch), FOR_MEANS)
     except InputError as error:
-        return FaceLoading(1.0, f"K_H-beta 1, for want of contact forces: {' '.join(error.problems)}")
+        return FaceLoading(
+            1.0, f"K_H-beta is 1, because contact forces are missing: {' '.join(error.problems)}"
+        )
     if result.status is not Status.OK or "face_load_factor" not in result.summary:
-        return FaceLoading(1.0, f"K_H-beta 1, for want of contact forces: {result.status} {result.message}")
+        return FaceLoading(
+            1.0, f"K_H-beta is 1, because contact forces are missing: {result.status} {result.message}"
+        )
     pair, summary = GearPair.of(gear), result.summary
     factor = max(1.0, summary["face_load_factor"] * bearing_face(pair) / pair.face_width)
     found = [f"{text} {SUMMARY[name].show(summary[name])}" for name, text in LABELS_OF_FACE.items()]

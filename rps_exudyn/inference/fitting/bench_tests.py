@@ -163,8 +163,7 @@ def named_test(text: str) -> tuple[BenchTest, Path]:
     kind, load, file = found["kind"], found["load"], Path(found["file"])
     if KINDS[kind].weighted != (load is not None):
         raise InputError(
-            f"{text} must state the weight of a load test, and only of a load test: "
-            f"{LOAD_TEST.name}@80kg=FILE."
+            f"{text} must state a weight exactly if it is a load test: {LOAD_TEST.name}@80kg=FILE."
         )
     try:
         mass = units.to_si(load, "kg") if load else 0.0

@@ -141,7 +141,7 @@ def _apart_sentences(fit: Fit) -> Iterator[str]:
         determined = {path: sd for path, sd in fit.advice.reached.items() if sd < NARROWED * LEVEL[path].sd}
         reached = ", ".join(f"{path} to {100 * sd:.2g} %" for path, sd in determined.items())
         still = [path for path in SEPARATING if path not in determined]
-        rest = f", and leaves {', '.join(still)} to repeats or to what is known of others" if still else ""
+        rest = f"; {', '.join(still)} needs repeat tests or other data" if still else ""
         tests = ", ".join(map(test_words, fit.advice.tests))
         yield f"to separate them: {tests}; that determines {reached}{rest}"
 

@@ -123,14 +123,13 @@ class Production:
         """Return the risks of limits that lie a guard band [N m] inside the tolerance.
 
         Raises:
-            InputError: the guard bands leave nothing between them.
+            InputError: the tolerance is smaller than the guard bands.
         """
         accepted = tolerance.guarded(guard)
         if not accepted.low < accepted.high:
             raise InputError(
-                f"guard bands of {guard:.3g} N m leave nothing of {tolerance.low:.4g} to "
-                f"{tolerance.high:.4g} N m; "
-                "widen the tolerance, or measure each gear more often."
+                f"tolerance {tolerance.low:.4g} to {tolerance.high:.4g} N m is smaller than the guard bands "
+                f"({guard:.3g} N m each); widen it, or measure each gear more often."
             )
         from scipy.special import ndtr
 

@@ -110,7 +110,7 @@ MODELS = {
     "quasi-static": " Quasi-static: equilibria at each instant, without inertia. Friction as given.",
     "flank": " Dynamics by fidelity flank. Friction as given.",
 }
-SLOW = 0.25  # scenes that take longer are drafted while a slider moves [s]
+SLOW = 0.25  # scenes that take longer show a preview while a slider moves [s]
 DRAFT = "draft while a slider moves, which no finer steps confirm"
 UNCONFIRMED = RunOptions(least_steps=StepLimits(halvings=0))
 MOST_POINTS = 3000  # of a curve

@@ -112,9 +112,11 @@ def _verdicts(fit: Fit) -> Iterable[Row]:
     """What is known, by the tests or with priors, and what is not separable."""
     known = [f"{named(each.path)} {_range(each)}" for each in fit.estimates
              if each.verdict in (Verdict.FOUND, Verdict.NOT_ZERO)]  # fmt: skip
-    known += [f"{named(each.words)} to {100 * WIDE * each.sd:.2g} %" for each in fit.combinations]
     if known:
         yield Row("known", listed(known))
+    for each in fit.combinations:
+        product = f"weighted product of {', '.join(map(named, each.exponents))}"
+        yield Row("known", f"{product} to {100 * WIDE * each.sd:.2g} %, each alone is not")
     with_help = [each for each in fit.estimates if each.verdict is Verdict.BY_PRIOR]
     if with_help:
         yield Row("with priors", listed([f"{named(each.path)} {_range(each)}" for each in with_help]))

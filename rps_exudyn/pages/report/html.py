@@ -9,7 +9,7 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from rps_exudyn.base.units import short, words
+from rps_exudyn.base.units import words
 from rps_exudyn.pages.animation.animation_page import admitted, hash_of
 from rps_exudyn.pages.charts.style import PART_COLOURS
 from rps_exudyn.pages.report.sheet import Row, Sheet
@@ -225,11 +225,10 @@ class Article:
     @property
     def sheet(self) -> Sheet:
         """What the terminal prints of it."""
-        return Sheet(short(f"{self.title}: {self.lead}", LONGEST_TITLE), tuple(self.rows))
+        return Sheet(f"{self.title}: {self.lead}", tuple(self.rows))
 
 
 _FOLDER = Path(__file__).parent
-LONGEST_TITLE = 78  # letters, of a sheet in a terminal
 
 
 def page(title: str, articles: Sequence[Article]) -> str:

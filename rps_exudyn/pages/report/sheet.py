@@ -4,12 +4,13 @@ sheet = sheet_of(result)
 sheet.title, [(row.value, row.words) for row in sheet.rows]
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass
+from math import isclose
 from typing import TYPE_CHECKING
 
-from rps_exudyn.base.units import short
-from rps_exudyn.parameters.gear import BY_SCENE
+from rps_exudyn.parameters.derived import derived_values
+from rps_exudyn.parameters.gear import BY_SCENE, SteeringGear
 from rps_exudyn.parameters.names import named
 from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status, sentences
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 MANY_CHANGES = 3  # parameters that are not named
 MOST_METRICS = 3  # of a scene
 MOST_ROWS = 6  # with title and files a sheet has 8 lines
+INDENT = 2  # blanks before a row
 REMARK, WORK_LOST = "remark", "work lost"
 LEAST_SHARE = 0.005  # of the work lost, below which a part is not named
 
@@ -44,10 +46,14 @@ class Sheet:
     title: str
     rows: tuple[Row, ...]
 
+    @property
+    def width(self) -> int:
+        """Letters of the first column."""
+        return max((len(row.value) for row in self.rows), default=0)
+
     def lines(self) -> list[str]:
         """The sheet as lines of text."""
-        width = max((len(row.value) for row in self.rows), default=0)
-        return [self.title, *(f"  {row.value:{width}}  {row.words}" for row in self.rows)]
+        return [self.title, *(f"{'':{INDENT}}{row.value:{self.width}}  {row.words}" for row in self.rows)]
 
 
 def sheet_of(
@@ -61,10 +67,8 @@ def sheet_of(
         band: of uncertain inputs, of which `result` is the nominal run.
     """
     title = scene_named(result.scene).title if is_scene(result.scene) else result.scene
-    gear = result.gear.replace({"mesh.law": BY_SCENE})
-    shown, _, differing = repr(gear).strip("<>").removeprefix("SteeringGear: ").partition("; ")
-    changed = len(gear.changes())
-    shown += f"; {differing if changed < MANY_CHANGES else f'{changed} parameters changed'}"
+    gear, medians = result.gear.replace({"mesh.law": BY_SCENE}), band.inputs if band is not None else {}
+    shown = gear_shown(gear, medians) + (f"; {len(medians)} inputs at their medians" if medians else "")
     law = law_error(result.gear, result.fidelity)
     model = f"{result.fidelity['name']}; law {law.law}" if law else result.fidelity["name"]
     state = "" if result.status is Status.OK else f" ({result.status})"
@@ -72,7 +76,29 @@ def sheet_of(
     losses = tuple(_losses(result)) if len(first) + len(last) + 1 < MOST_ROWS else ()
     rows = (*first, *losses, *last)
     metrics = tuple(_metrics(result, band))[: max(1, MOST_ROWS - len(rows))]
-    return Sheet(short(f"{title}{state}: {shown}; {model}", 160), (*metrics, *rows))
+    return Sheet(f"{title}{state}: {shown}; {model}", (*metrics, *rows))
+
+
+def gear_shown(gear: SteeringGear, but_for: Container[str] = ()) -> str:
+    """The gear in a line: its size, and what differs from the default gear but for some paths."""
+    size = repr(gear).strip("<>").removeprefix("SteeringGear: ").partition("; ")[0]
+    return f"{size}; {changes_shown(gear, but_for)}"
+
+
+def changes_shown(gear: SteeringGear, but_for: Container[str] = ()) -> str:
+    """What differs from the default gear but for some paths; what follows from other parameters is counted
+    apart."""
+    follows = derived_values(gear.model_dump())
+    shown, derived = [], 0
+    for (path, value), text in zip(gear.changes().items(), gear.changes_shown(), strict=True):
+        if path in follows and isclose(value, follows[path]):
+            derived += 1
+        elif path not in but_for:
+            shown.append(text)
+    text = f"default but for {', '.join(shown)}" if shown else "default"
+    if len(shown) >= MANY_CHANGES:
+        text = f"{len(shown)} parameters changed"
+    return text + (f", {derived} derived" if derived else "")
 
 
 def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
@@ -80,18 +106,21 @@ def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
     summary, first = result.summary, scene_named(result.scene).figure if is_scene(result.scene) else ""
     names = [name for name in dict.fromkeys((first, *LABELS)) if name in summary]
     names = names[:1] + [name for name in names[1:] if rounded(SUMMARY[name], summary[name])[:2] != "0 "]
-    law = law_error(result.gear, result.fidelity)
-    for name in names[:MOST_METRICS]:
-        quantity, value = SUMMARY[name], summary[name]
+    law, names = law_error(result.gear, result.fidelity), names[:MOST_METRICS]
+    largest: dict[str, float] = {}  # unit -> number whose unit all others of it have
+    for name in names:
+        unit = SUMMARY[name].unit
+        largest[unit] = max(abs(summary[name]), largest.get(unit, 0.0))
+    for name in names:
+        quantity, value, like = SUMMARY[name], summary[name], largest[SUMMARY[name].unit]
         words = LABELS.get(name, quantity.long_name)
         error = error_of(result, name)
         if law is not None and error:
             words += f" (±: error of contact law {law.law})" if band is None else ""
         if band is not None and name in band.figures:
             found = band.figures[name]
-            like = None if error else value
             words += f"; {rounded_range(quantity, found.low, found.high, like)} in 90 % of gears"
-        yield Row(rounded(quantity, value, error), words)
+        yield Row(rounded(quantity, value, error, like), words)
 
 
 def loss_shares(result: Result) -> dict[str, float]:
@@ -113,7 +142,7 @@ def _measured(result: Result, compared: "Sequence[AgainstMeasured] | None") -> I
             continue
         side, sign = "above" if abs(found) > abs(ours) else "below", "+" if each.direction > 0 else "−"
         apart = f": {100 * abs(found / ours - 1):.2g} % {side} the simulated one" if ours else ""
-        words = f"measured mean towards {sign}X, {short(result.measured.name, 30)}{apart}"
+        words = f"measured mean towards {sign}X, {result.measured.name}{apart}"
         yield Row(rounded(SUMMARY["torque_mean"], found), words)
 
 

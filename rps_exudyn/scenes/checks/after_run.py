@@ -338,7 +338,7 @@ def spheres_in_place(record: Record, gear: SteeringGear, signals: dict[str, np.n
         yield (
             Status.INVALID,
             Code.SPHERES_OUT_OF_PLACE,
-            f"the rack stands {1e6 * raised:.3g} um from its place under the preload, "
+            f"the rack is displaced {1e6 * raised:.3g} um from its preloaded position, "
             f"{abs(raised) / path:.1%} of the path of contact (limit of general contact "
             f"{OUT_OF_PLACE:.0%}): choose fidelity.mesh = flank",
         )

@@ -70,7 +70,7 @@ def _private_output() -> Callable[[Any], None]:
 
 
 def _read(frames: "queue.SimpleQueue[bytes]") -> None:
-    """Read frames in a thread of its own, so that the end of the input is seen during a task too."""
+    """Read frames in a separate thread, which detects the end of the input also during a task."""
     for frame in frames_in(sys.stdin.buffer):
         frames.put(frame)
     os._exit(0)
