@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rps_exudyn.analysis.hysteresis import RUNNING
 from rps_exudyn.analysis.passes import Pass, Signals, common_angles, longest_pass, passes
 from rps_exudyn.analysis.result_comparison import SignalPair, signal_pair
 from rps_exudyn.analysis.torque import describe_torque
@@ -78,11 +79,30 @@ def turns_onto(angle: np.ndarray, simulated: np.ndarray) -> np.ndarray:
     return np.clip(0.0, fewest, most)
 
 
-def onto_simulated(measured: MeasuredTorque, signals: Signals) -> list[Pass]:
+def rows_at_reversal(turned: Pass) -> int:
+    """Return how many rows at the begin of a pass of a free torque precede its running torque and lie below
+    all later ones: a torque that is recorded late has the sign of the pass before."""
+    torque = turned.direction * turned.signals["pinion_torque"]
+    begin = int(np.argmax(torque >= RUNNING * np.median(torque)))
+    below = np.flatnonzero(torque[:begin] < torque[begin:].min())
+    return int(below[-1]) + 1 if below.size else 0
+
+
+def _opposes_motion(signals: Signals) -> bool:
+    """Whether a simulated torque is friction alone in every row, without load, spring or reversal."""
+    return {"pinion_angle", "pinion_torque"} <= signals.keys() and all(
+        (each.direction * each.signals["pinion_torque"] > 0).all() for each in passes(signals)
+    )
+
+
+def onto_simulated(measured: MeasuredTorque, signals: Signals, *, at_reversal: bool = False) -> list[Pass]:
     """Return the measured curve in pieces of one direction each, their angles within the simulated range by
-    whole turns."""
-    pieces = []
+    whole turns: the rows in which the torque runs, or those `at_reversal`."""
+    pieces, is_friction = [], _opposes_motion(signals)
     for turned in passes(measured.signals):
+        begin = rows_at_reversal(turned) if is_friction else 0
+        chosen = slice(begin) if at_reversal else slice(begin, None)
+        turned = Pass(turned.direction, {name: values[chosen] for name, values in turned.signals.items()})
         turns = turns_onto(turned.angle, _range_of(signals, turned.direction))
         for part in np.split(np.arange(turns.size), np.flatnonzero(np.diff(turns)) + 1):
             piece = {name: values[part] for name, values in turned.signals.items()}
@@ -122,7 +142,7 @@ def compared_with_own(result: Result) -> list[AgainstMeasured] | None:
 
 def compare_with_measured(measured: MeasuredTorque, signals: Signals, teeth: int) -> list[AgainstMeasured]:
     """Compare the torques in each direction in which both were recorded, +X first: at common angles, or where
-    the simulation covers a turn at all measured ones.
+    the simulation covers a turn at all measured ones. Measured rows at a reversal are left out.
 
     Args:
         measured: with `pinion_angle` [rad] and `pinion_torque` [N m], shape (n,).
@@ -141,6 +161,8 @@ def compare_with_measured(measured: MeasuredTorque, signals: Signals, teeth: int
         ours, theirs = (longest_pass(each, direction) for each in (signals, measured.signals))
         if ours is None or theirs is None:
             continue
+        begin = rows_at_reversal(theirs) if _opposes_motion(signals) else 0
+        theirs = Pass(direction, {name: values[begin:] for name, values in theirs.signals.items()})
         turns = np.unique(turns_onto(theirs.angle, ours.angle))
         angle = common_angles(theirs.angle, np.concatenate([ours.angle - TURN * turn for turn in turns]))
         angle = angle[np.diff(angle, prepend=-np.inf) > SAME_ANGLE]

@@ -71,6 +71,11 @@ class GearOptions:
         with _reporting_together(malformed):
             return SteeringGear.from_tables(self.tables(), settings, where=str(self.gear or ""))
 
+    def states(self, path: str) -> bool:
+        """Whether the gear's file or a setting gives a parameter."""
+        table, name = path.split(".")
+        return path in parse_settings(self.settings)[0] or name in self.tables().get(table, {})
+
     def carried(self) -> "JointInputs":
         """Path -> distribution of the parameters that carry one, or samples of a fit.
 

@@ -70,7 +70,8 @@ def run(
         out: HDF5 file; default: SCENE.h5 in the current folder.
         plot: Picture (.png, .svg, .pdf); default: a .png beside the HDF5 file.
         measured: Text file of a measured torque over the pinion angle, with a unit for each column. The run
-            draws it over the simulated torque, compares both, and stores it in the HDF5 file. Assumptions
+            draws it over the simulated torque, compares both, and stores it in the HDF5 file. A file of both
+            directions makes the free torque's test.path there-and-back, unless that is given. Assumptions
             about the file are printed on standard error.
         band: Compute the band of the result for uncertain inputs, from this number of runs; without a number
             a quick band from 64 runs. NAME.band.json holds every sample.
@@ -120,9 +121,12 @@ def run(
             )
     if jobs is not None:
         raise InputError("--jobs shares the runs of a band among processes; add --band.")
+    gear = chosen.steering_gear
     with printing(quiet):
         setup.say_medians()
-        curve = read_measured(measured, column, scene, chosen.steering_gear) if measured else None
+        curve = read_measured(measured, column, scene, gear) if measured else None
+        if curve is not None and not setup.states("test.path"):
+            gear = as_turned(gear, scene, curve)
     model = chosen.fidelity if accuracy is None else preset
     try:
         with (
@@ -132,7 +136,7 @@ def run(
         ):  # stdout is for the result
             result = simulate(
                 scene,
-                chosen.steering_gear,
+                gear,
                 model,
                 level=level,
                 accuracy=accuracy,
@@ -150,6 +154,17 @@ def run(
         with naming(written):
             put_result(result, json, written, every)
     return max(verdict(result), FAILED if problems else DONE)
+
+
+def as_turned(gear: "SteeringGear", scene: str, measured: "MeasuredTorque") -> "SteeringGear":
+    """The gear whose test turns there and back, as a measured free torque does; said on standard error."""
+    from rps_exudyn.analysis.passes import both_directions
+    from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE
+
+    if scene != FREE.name or both_directions(measured.signals) is None:
+        return gear
+    note(f"{measured.name} has both directions: the run turns there and back (--set test.path=one-way: not).")
+    return gear.replace({"test.path": "there-and-back"})
 
 
 def read_measured(path: Path, columns: Sequence[str], scene: str, gear: "SteeringGear") -> "MeasuredTorque":

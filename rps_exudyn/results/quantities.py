@@ -656,8 +656,9 @@ SINGLE_RUNS_ONLY = frozenset({"face_load_factor", "load_centre", "contact_pressu
 
 LABELS = {
     "torque_mean": "mean torque",
-    "torque_mean_forward": "mean torque towards +X",
+    "torque_peak_to_peak": "ripple, peak to peak",
     "torque_mean_backward": "mean torque towards -X",
+    "torque_mean_forward": "mean torque towards +X",
     "torque_forward": "mean torque that moves the load",
     "push_force_mean": "mean force on the rack",
     "roller_force_mean": "mean force on the rack",
@@ -684,7 +685,6 @@ LABELS = {
     "radial_play_z": "radial play along Z",
     "input_shaft_play_radial": "radial play of the input shaft",
     "input_shaft_play_axial": "axial play of the input shaft",
-    "torque_peak_to_peak": "ripple, peak to peak",
     "push_force_peak_to_peak": "ripple, peak to peak",
     "torque_first_order": "amplitude once per revolution",
     "rack_gain": "rack travel per revolution",

@@ -86,8 +86,8 @@ def unresolved_peaks(
         return None
     if fidelity.mesh == "general-contact":  # +23 % of the default gear's ripple, factors of other ranges
         text = (
-            f"spheres on a grid show means; {LEFT_OUT}: they would be 20 % and more off; choose "
-            "fidelity.mesh = flank for them"
+            f"{LEFT_OUT}: spheres on a grid show means, but these 20 % and more off "
+            "(fidelity.mesh = flank shows them)"
         )
         return Remark(Code.PEAKS_UNRESOLVED, text), SPREADS
     ways = [each.signals for each in passes(run.signals)]

@@ -13,6 +13,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.multibody.model import build_model
 from rps_exudyn.multibody.recorder import Recorder
 from rps_exudyn.multibody.solve import SolverPlan, solve
+from rps_exudyn.pages.report.sheet import sheet_of
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
@@ -225,7 +226,10 @@ def test_spheres_show_means_and_no_ripple(pitch: Result) -> None:
     """On the preset's grid the default gear's ripple is 23 % too large over a pitch."""
     assert "torque_mean" in pitch.summary
     assert not SPREADS & pitch.summary.keys()
-    assert "fidelity.mesh = flank" in pitch.message
+    (reason,) = (row.words for row in sheet_of(pitch).rows if row.value == "remark")
+    assert "20 % and more off" in reason
+    assert "more: --all" not in reason
+    assert not any("on centre" in row.words for row in sheet_of(pitch).rows)
 
 
 def test_part_of_a_pitch_shows_spheres_no_largest_value(condensed_pitch: Result) -> None:

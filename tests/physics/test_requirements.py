@@ -69,7 +69,7 @@ def test_stresses_hold_the_load_along_the_face_and_state_what_was_chosen(
 ) -> None:
     """On the safe side: the stress by ISO 6336 at the bar's face times K_H-beta of the contact forces."""
     flank, root = sheet["rated_flank"], sheet["rated_root_rack"]
-    factor = float(flank.remark.partition("K_H-beta ")[2].split()[0])
+    factor = float(flank.remark.partition("face load factor ")[2].split()[0])
     assert factor > 1.05
     assert flank.value == pytest.approx(np.sqrt(factor) * flank_stress(GEAR, 30.0), rel=0.005)
     alone = root_stress(GEAR, rack_form(GearPair.of(GEAR)), 30.0)
@@ -83,7 +83,7 @@ def test_stresses_hold_the_load_along_the_face_and_state_what_was_chosen(
 
     monkeypatch.setattr("rps_exudyn.assessment.requirements.sheet.load_test", locks)
     assert borne_under(GEAR, 30.0) == FaceLoading(
-        1.0, "K_H-beta is 1, because contact forces are missing: it locks."
+        1.0, "face load factor is 1, because contact forces are missing: it locks."
     )
 
 

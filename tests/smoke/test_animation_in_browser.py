@@ -119,4 +119,8 @@ def test_without_webgl_a_still_is_shown(browser: sync_api.Browser, address: str)
     page.get_by_label("instant of the record").fill("3")
     until(page, "document.getElementById('reading').textContent.includes('pinion at')")
     assert page.evaluate("state.frame") == 3
+    chosen = page.locator("#factors option:checked").text_content()
+    assert page.locator("#magnified").text_content() == f"deflections: {chosen}"
+    page.locator("#factors").select_option("0")
+    until(page, "document.getElementById('magnified').textContent === ''")
     page.close()

@@ -351,6 +351,9 @@ def test_measured_file_is_read_with_the_signs_of_a_fit_or_refused() -> None:
     found = dropped(text.encode())["measured"]
     assert [curve["direction"] for curve in found] == [1, -1]
     assert max(found[0]["y"]) == pytest.approx(0.7)
+    late = [f"{row.split(';')[0]};{0.7 if k < 183 else -0.7}" for k, row in enumerate(table)]
+    late_file = "\n".join(["angle [deg];torque [N m]", *late]).encode()
+    assert [curve["at_reversal"] for curve in dropped(late_file)["measured"]] == [0, 2]
     refused = dropped(b"x;y\n1;2\n")["problems"]
     assert refused
     assert not any("/tmp" in text for text in refused)

@@ -41,9 +41,14 @@ def test_the_measured_file_that_init_writes_runs_and_says_that_it_is_made_up(com
     answer = command(["run", "--all", "--measured", "measured.csv", "--fidelity", "closed-form"])
     assert answer.status == 0
     assert "Torque towards +X, pinion angles of -180 ° to 180 °" in answer.out
-    measured = rps.load("free-pinion-torque.h5").measured
+    result = rps.load("free-pinion-torque.h5")
+    measured = result.measured
     assert measured is not None
     assert [each.direction for each in passes(measured.signals)] == [1, -1]
+    assert result.gear.test.path == "there-and-back"
+    own = ["run", "--measured", "measured.csv", "--fidelity", "closed-form", "--set", "test.path=one-way"]
+    assert command(own).status == 0
+    assert rps.load("free-pinion-torque.h5").gear.test.path == "one-way"
     for line in re.findall(r"^# rps-exudyn (.+?)(?:  .*)?$", text, re.M):
         assert (
             command([*shlex.split(line), "--out", "x.toml" if line.startswith("fit") else "x.h5"]).status == 0

@@ -112,7 +112,7 @@ def measured(album: Album) -> None:
     run = ("--out", "m.h5", "--measured")
     for file in files:
         do(album, "run", *QUICK, *run, file)
-    for setting in ("test.direction=-1", "test.path=there-and-back", "test.turns=0.2"):
+    for setting in ("test.direction=-1", "test.path=one-way", "test.turns=0.2"):
         do(album, "run", *QUICK, "--set", setting, *run, both)
         do(album, "run", *QUICK, "--set", setting, *run, files[1])
     for scene in SCENE_NAMES:

@@ -11,16 +11,21 @@ from importlib.resources import files
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
 
 import rps_exudyn as rps
 from made_up_study import GRID, HOSTILE, description, grid_points, make_study, sampled
 from rps_exudyn.gears.geometry_report import geometry_report
+from rps_exudyn.pages.report import study_page
 from rps_exudyn.pages.report.effects_charts import main_effect_figure
+from rps_exudyn.pages.report.html import Fold, Pictures
+from rps_exudyn.pages.report.pictures import picture
 from rps_exudyn.parameters.gear import gear_file
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import GEOMETRY, SUMMARY
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import SCENE_NAMES
+from rps_exudyn.study.definition import Axis
 from rps_exudyn.study.effects import grid_effect
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable
@@ -66,7 +71,6 @@ def test_half_finished_study(made_up_result: Result, tmp_path: Path, command: Co
     page = Page(folder / "report.html")
     assert list(page.sections) == [
         "",
-        "Effects on mean torque",
         "Main effects and response surfaces",
         "Failed cases",
         "Best and worst cases",
@@ -140,6 +144,36 @@ def test_charts_do_not_join_both_sides_of_a_limit(
     assert diamonds == {"none": 0, "all": 6, "some": 2}
 
 
+@pytest.mark.parametrize("count", [1, 3])
+def test_charts_of_a_study_have_names_in_words_one_scale_and_the_width_of_the_page(
+    count: int, made_up_result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    figures: list[Figure] = []
+    monkeypatch.setattr(study_page, "picture", lambda *given: figures.append(given[0]) or picture(*given))
+    values = {
+        "yoke.preload": (100.0, 200.0, 400.0),
+        "mesh.friction": (0.1, 0.2),
+        "pinion.runout": (0.0, 1e-5),
+    }
+    axes = tuple(
+        Axis(path, (path,), "", each if at < count else each[:1], "grid")
+        for at, (path, each) in enumerate(values.items())
+    )
+    folder = make_study(tmp_path / "s", made_up_result, description(grid_points(axes), axes=axes))
+    (section,) = (
+        each
+        for each in study_page.study_article(Store.open(folder)).sections
+        if each.title.startswith("Main effects")
+    )
+    fold = next(each for each in section.blocks if isinstance(each, Fold))
+    (drawn,) = (each.pictures for each in fold.blocks if isinstance(each, Pictures))
+    assert drawn[0].caption == "mean torque over yoke preload"
+    assert [each.place for each in drawn] == (["wide-only", "narrow"] if count == 1 else 6 * [""])
+    assert not any("yoke.preload" in each.svg for each in drawn)
+    scales = {tuple(figure.axes[1].get_ylim()) for figure in figures[3 : 2 * count]}
+    assert len(scales) == (count > 1)
+
+
 def test_best_and_worst_cases_are_listed(made_up_result: Result, tmp_path: Path, command: Command) -> None:
     make_study(tmp_path / "s", made_up_result)
     command(["report", "s", "--out", "r.html"])
@@ -163,7 +197,7 @@ def test_sampled_study_shows_its_distribution(
 ) -> None:
     make_study(tmp_path / "s", made_up_result, sampled(POINTS))
     command(["report", "s"])
-    assert "torque mean: distribution" in (tmp_path / "s" / "report.html").read_text(encoding="utf-8")
+    assert "mean torque: distribution" in (tmp_path / "s" / "report.html").read_text(encoding="utf-8")
 
 
 def test_words_as_an_axis(made_up_result: Result, tmp_path: Path, command: Command) -> None:

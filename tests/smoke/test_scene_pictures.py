@@ -11,10 +11,11 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from rps_exudyn.analysis.measured import compare_with_measured
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.pages.charts import style
 from rps_exudyn.pages.charts.analyses import losses_figure, spectrum_figure, torques_figure
-from rps_exudyn.pages.charts.curves import NOT_SIMULATED
+from rps_exudyn.pages.charts.curves import AT_REVERSAL, NOT_SIMULATED
 from rps_exudyn.pages.charts.scene_figures import draw, load_test_figure, torque_figure
 from rps_exudyn.results.result import MeasuredTorque, Result, content_of
 from rps_exudyn.scenes import SCENE_NAMES
@@ -117,6 +118,27 @@ def test_both_directions_of_a_measured_torque_have_a_panel_each(
         labels = style.names_of(axes)
         assert "measured: bench" in labels
         assert ("simulated" if direction in recorded else NOT_SIMULATED) in labels
+
+
+@pytest.mark.parametrize("lag", [0, 3])
+def test_samples_just_after_a_reversal_are_marked_and_scale_no_axis(
+    lag: int, there_and_back: Result, measured: MeasuredTorque
+) -> None:
+    """They have the new direction and the old sign, as far as the channel of the torque is late."""
+    late = np.roll(measured.signals["pinion_torque"], lag)
+    late[:lag] = 0.61
+    curve = MeasuredTorque("bench", measured.signals | {"pinion_torque": late})
+    panels = torque_figure(there_and_back, curve).axes
+    assert [axes.get_ylabel().split("\n")[0] for axes in panels] == [
+        "torque towards +X",
+        "torque towards -X",
+        "measured",
+    ]
+    assert all(np.ptp(axes.get_ylim()) < 0.15 for axes in panels)
+    marked = AT_REVERSAL.format(lag - 1)  # the first of them still stands at the turn
+    assert (marked in style.names_of(panels[1])) == (lag > 0)
+    (_, back) = compare_with_measured(curve, there_and_back.signals, 6)
+    assert back.measured["torque_mean"] == pytest.approx(-0.61)
 
 
 @pytest.mark.parametrize("level", [0.05, 0.61, 5.0])

@@ -99,6 +99,6 @@ def _judged(each: RequirementRow, torque: float) -> Judgement:
         note.format(torque=f"{torque:g} N m"),
         show,
         (each.limit.least, each.limit.most),
-        f"{WORDS[mark]} · {each.limit.show(quantity)}",
+        f"{WORDS[mark]} · {each.limit.show(quantity)}".replace(" ", "\xa0").replace("\xa0·\xa0", " · "),
         f"{each.remark}." if each.remark and mark is not Mark.KEPT else "",
     )

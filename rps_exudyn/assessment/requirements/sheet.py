@@ -215,7 +215,7 @@ def _of_efficiency(
         options=RunOptions(figures=frozenset({"efficiency_ratio"})),
     )
     judged = _from_band("efficiency_ratio", "efficiency_ratio", band, limits)
-    weight = f"With {gear.test.load_mass:.4g} kg; the ratio is about 1 - (T_0 / W s')^2"
+    weight = f"With {gear.test.load_mass:.4g} kg; the ratio is about 1 − (T₀ / W s′)²"
     if judged.verdict is Verdict.PASS:
         return replace(judged, remark=weight)
     enough = weight_for_ratio(gear, judged.limit.least)
@@ -240,17 +240,17 @@ def borne_under(gear: SteeringGear, torque: float) -> FaceLoading:
         result = simulate(LOAD_TEST.name, gear.replace(pitch), FOR_MEANS)
     except InputError as error:
         return FaceLoading(
-            1.0, f"K_H-beta is 1, because contact forces are missing: {' '.join(error.problems)}"
+            1.0, f"face load factor is 1, because contact forces are missing: {' '.join(error.problems)}"
         )
     if result.status is not Status.OK or "face_load_factor" not in result.summary:
         return FaceLoading(
-            1.0, f"K_H-beta is 1, because contact forces are missing: {result.status} {result.message}"
+            1.0, f"face load factor is 1, because contact forces are missing: {result.status} {result.message}"
         )
     pair, summary = GearPair.of(gear), result.summary
     factor = max(1.0, summary["face_load_factor"] * bearing_face(pair) / pair.face_width)
     found = [f"{text} {SUMMARY[name].show(summary[name])}" for name, text in LABELS_OF_FACE.items()]
     how = f"by the contact forces under {mass:.3g} kg, law {result.gear.mesh.law}"
-    return FaceLoading(factor, f"K_H-beta {factor:.2f} {how}: {', '.join(found)}")
+    return FaceLoading(factor, f"face load factor {factor:.2f} {how}: {', '.join(found)}")
 
 
 def _of_root(
@@ -266,7 +266,7 @@ def _of_root(
     factor = root_load_factor(pair, form, bears.factor)
     row = _exact(name, factor * root_stress(gear, form, torque), limits)
     inclined = f"Y_beta of this part's {np.degrees(form.helix):.3g} deg, load at the tip of a tooth"
-    known = f"K_F-beta {factor:.2f} of K_H-beta {bears.factor:.2f}, all other K = 1"
+    known = f"factor {factor:.2f} at the root of face load factor {bears.factor:.2f}, all other K = 1"
     return replace(row, remark=f"{_face(pair)}, {inclined}, {known}")
 
 

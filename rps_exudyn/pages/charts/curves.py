@@ -1,7 +1,7 @@
 """Curves over the pinion angle, with the two directions of a record in colours of their own."""
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,6 +16,7 @@ from rps_exudyn.results.result import MeasuredTorque, Result
 
 DIRECTIONS = {+1: ("towards +X", "forward"), -1: ("towards -X", "backward")}
 AGAINST_MOTION = "torque against the motion"
+AT_REVERSAL = "\u25bc {} just after a reversal"
 NOT_SIMULATED = "not simulated (test.path = there-and-back does)"
 RESIDUAL, HEIGHT_OF_RESIDUAL = "residual", 1.6  # name and height [in] of its panel
 HEIGHT_OF_ONE_WAY = 0.8  # of the panel of both directions
@@ -50,8 +51,8 @@ def panels_over_angle(
 ) -> tuple[Figure, list[Panel]]:
     """A figure of those signals that the result has; a torque in both directions is against its motion.
 
-    Each direction of the torque has its own panel where a measured one is compared with it; below them stands
-    the measured less the simulated torque.
+    A measured torque leaves only panels of the torque: one for each direction, and below them the measured
+    less the simulated torque.
 
     `panels` are signal -> name at the axis, colour, height [in], least span shown [display unit].
     """
@@ -60,7 +61,7 @@ def panels_over_angle(
     shown = [
         (name, way, panel)
         for name, panel in panels.items()
-        if name in result.signals
+        if name in result.signals and (measured is None or name == "pinion_torque")
         for way in (ways if name == "pinion_torque" else (0,))
     ]
     if apart:
@@ -156,6 +157,12 @@ def add_measured(
             torque = (turned.direction if against_motion else 1) * turned.signals["pinion_torque"]
             draw_dots(axes, angle, SIGNALS["pinion_torque"].displayed(torque), turned.direction, label)
             label = None
+    if against_motion:
+        pieces = onto_simulated(measured, signals, at_reversal=True)
+        angles = np.concatenate(
+            [np.empty(0), *(each.angle for each in pieces if only in (0, each.direction))]
+        )
+        draw_at_end(axes, SIGNALS["pinion_angle"].displayed(angles), -1, AT_REVERSAL)
 
 
 FOLDED, BINS = 121, 24  # points of a simulated pitch, and classes of a measured one
@@ -198,6 +205,15 @@ def _folded(measured: MeasuredTorque, direction: int, low: float, pitch: float) 
     known = count > 0
     mean = np.bincount(number, torque, minlength=BINS)[known] / count[known]
     return np.stack([(np.flatnonzero(known) + 0.5) / BINS * pitch, mean - mean.mean()])
+
+
+def draw_at_end(axes: Axes, x: np.ndarray, end: int, label: str) -> None:
+    """Mark points beyond the ordinate at its upper (`end` +1) or lower end, where they do not scale it."""
+    if x.size:
+        look: Any = {"color": style.COLOURS["measured"], "linestyle": "none", "markersize": 4}
+        place, mark = (1.0, "^") if end > 0 else (0.0, "v")
+        look |= {"transform": axes.get_xaxis_transform(), "clip_on": False, "marker": mark}
+        axes.plot(x, np.full(x.size, place), label=label.format(x.size), **look)
 
 
 def draw_dots(axes: Axes, x: np.ndarray, y: np.ndarray, direction: int, label: str | None = None) -> None:

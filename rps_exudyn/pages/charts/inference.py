@@ -25,6 +25,7 @@ from rps_exudyn.pages.charts.curves import (
     DIRECTIONS,
     HEIGHT_OF_RESIDUAL,
     add_measured,
+    draw_at_end,
     draw_dots,
     draw_residuals,
 )
@@ -202,10 +203,7 @@ def curves_figure(fit: Fit, width: float = 8.0) -> Figure | None:
     left.set_ylabel("measured - fitted\n[N m]")
     left.axhspan(-2 * noise, 2 * noise, **style.BAND)
     left.axhline(0.0, **style.REFERENCE_LINE)
-    beyond = sum(_draw_beyond(left, each, FARTHEST * noise) for each in turned)
-    if beyond:
-        left.plot([], [], "k^", markersize=4, label=f"{beyond} points beyond the axis, at its ends")
-        style.name_curves(left)
+    style.name_curves(left)
     left.set_ylim(-1.05 * FARTHEST * noise, 1.05 * FARTHEST * noise)
     style.angle_axis(left)
     labels = set[str]()
@@ -219,24 +217,18 @@ def curves_figure(fit: Fit, width: float = 8.0) -> Figure | None:
 def _draw_pass(torque: Axes, left: Axes, each: FittedPass, farthest: float) -> None:
     name, colour = DIRECTIONS[each.direction]
     angle, sense = np.degrees(each.angle), each.direction
-    draw_dots(torque, angle, sense * each.value, sense, f"measured {name}")
+    deviation = each.value - each.model
+    inside = np.abs(deviation) <= farthest
+    draw_dots(torque, angle[inside], sense * each.value[inside], sense, f"measured {name}")
     low, high = (sense * (each.model + sign * each.half_band) for sign in (-1, 1))
     torque.fill_between(angle, low, high, **{**style.BAND, "zorder": 1})
     look: Any = {"color": style.COLOURS[colour], "linestyle": style.DASHES.get(colour, "-"), "linewidth": 1.6}
     torque.plot(angle, sense * each.model, label=f"fitted {name}, 95 % band", **look)
-    deviation = each.value - each.model
-    inside = np.abs(deviation) <= farthest
     draw_dots(left, angle[inside], deviation[inside], sense)
-
-
-def _draw_beyond(left: Axes, each: FittedPass, farthest: float) -> int:
-    """Draw the deviations beyond the ordinate at its ends, and return how many there are."""
-    angle, deviation = np.degrees(each.angle), each.value - each.model
-    for sense, mark in ((1, "^"), (-1, "v")):
-        out = sense * deviation > farthest
-        ends = np.full(int(out.sum()), sense * farthest)
-        left.plot(angle[out], ends, mark, color=style.COLOURS[DIRECTIONS[each.direction][1]], markersize=4)
-    return int((np.abs(deviation) > farthest).sum())
+    for end, mark in ((1, "\u25b2"), (-1, "\u25bc")):
+        beyond = f"{mark} {{}} beyond the axis {name}"
+        draw_at_end(left, angle[end * deviation > farthest], end, beyond)
+        draw_at_end(torque, angle[end * sense * deviation > farthest], end, beyond)
 
 
 def beliefs_figure(fit: Fit) -> Figure | None:

@@ -8,6 +8,7 @@ from time import monotonic
 
 import numpy as np
 
+from rps_exudyn.analysis.measured import rows_at_reversal
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import Progress, passed_on
@@ -132,6 +133,7 @@ def _measured(gear: SteeringGear, wish: Wish) -> Answer:
             "direction": each.direction,
             "x": np.round(SIGNALS["pinion_angle"].displayed(each.angle), 3).tolist(),
             "y": np.round(each.direction * each.signals["pinion_torque"], 6).tolist(),
+            "at_reversal": rows_at_reversal(each),
         }
         for each in passes(measured.signals)
     ]

@@ -10,10 +10,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from rps_exudyn.base.units import words
 from rps_exudyn.pages.charts import style
-from rps_exudyn.results.quantities import Quantity
+from rps_exudyn.parameters.names import named
+from rps_exudyn.results.quantities import LABELS, Quantity
 from rps_exudyn.study.definition import Axis
 from rps_exudyn.study.effects import MainEffect
 from rps_exudyn.study.table import axis_quantity
@@ -29,9 +31,11 @@ _LIMITED_DOT: Any = {"alpha": 0.8, "markersize": 4, "markerfacecolor": "none"}
 COLOUR_MAP = "cividis"  # of even brightness: its order is kept in grey print
 
 
-def main_effect_figure(axis: Axis, effect: MainEffect, name: str, quantity: Quantity) -> Figure:
+def main_effect_figure(
+    axis: Axis, effect: MainEffect, name: str, quantity: Quantity, width: float = WIDTH
+) -> Figure:
     """Picture of a main effect: cases as dots, the means over the axis' levels as a line."""
-    figure, axes = _small()
+    figure, axes = _small(width=width)
     x, levels = _abscissa(axes, axis, effect)
     some = _some(effect.numbers.size)
     numbers, mean = quantity.displayed(effect.numbers[some]), quantity.displayed(effect.mean)
@@ -42,7 +46,7 @@ def main_effect_figure(axis: Axis, effect: MainEffect, name: str, quantity: Quan
     axes.plot(levels[known], mean[known], "o", color=style.COLOURS["torque"], markersize=4)
     for part in _joined(effect.side[known]):
         axes.plot(levels[known][part], mean[known][part], "-", color=style.COLOURS["torque"])
-    axes.set_ylabel(quantity.axis_label(words(name)))
+    axes.set_ylabel(quantity.axis_label(label_of(name)))
     return figure
 
 
@@ -53,11 +57,13 @@ def surface_figure(
     name: str,
     quantity: Quantity,
     marks: tuple[np.ndarray, np.ndarray, np.ndarray],
+    ends: tuple[float, float],
 ) -> Figure:
     """Picture of means over a grid of two axes, as colours with contour lines; unknown cases stay white.
 
     `marks` are both axes' values of the known cases, and which of these met a limit of the gear; the latter
-    are marked, and where only some did colours are those of the single cases, without contours.
+    are marked, and where only some did colours are those of the single cases, without contours. `ends` are
+    those of the colours' scale [SI], which pictures of one number share.
     """
     levels, others, means = surface
     figure, axes = _small(HEIGHT + 0.3, _width_beside(others))
@@ -66,12 +72,14 @@ def surface_figure(
     image: ScalarMappable
     numeric = levels.dtype.kind == others.dtype.kind == "f"
     limited = marks[2]
+    scale = MaxNLocator(12).tick_values(*quantity.displayed(np.array(ends)))
     if numeric and np.isfinite(shown).all() and limited.all() == limited.any():
-        image = axes.contourf(x, y, shown.T, levels=12, cmap=COLOUR_MAP)
+        image = axes.contourf(x, y, shown.T, levels=scale, cmap=COLOUR_MAP)
         grid_x, grid_y = np.meshgrid(x, y)
         axes.plot(grid_x.ravel(), grid_y.ravel(), "o", clip_on=False, **_CASE_DOT)
     else:
-        image = axes.pcolormesh(x, y, shown.T, shading="nearest", cmap=COLOUR_MAP, edgecolors="face")
+        look: Any = {"cmap": COLOUR_MAP, "vmin": scale[0], "vmax": scale[-1]}
+        image = axes.pcolormesh(x, y, shown.T, shading="nearest", edgecolors="face", **look)
     if limited.any():
         at_x, at_y = _place(first, marks[0], limited), _place(second, marks[1], limited)
         axes.plot(at_x, at_y, "D", clip_on=False, **_CASE_DOT)
@@ -114,10 +122,15 @@ def distribution_figure(numbers: np.ndarray, name: str, quantity: Quantity) -> F
     axes.axvspan(
         low, high, color=style.COLOURS["other"], alpha=0.15, linewidth=0, zorder=0, label="90 % of the cases"
     )
-    axes.set_xlabel(quantity.axis_label(words(name)))
+    axes.set_xlabel(quantity.axis_label(label_of(name)))
     axes.set_ylabel("cases")
     style.name_curves(axes)
     return figure
+
+
+def label_of(name: str) -> str:
+    """A number's name in words, as headings have it."""
+    return LABELS.get(name, words(name))
 
 
 def _place(axis: Axis, values: np.ndarray, chosen: np.ndarray) -> np.ndarray:
@@ -159,7 +172,7 @@ def _abscissa(axes: Axes, axis: Axis, effect: MainEffect) -> tuple[np.ndarray, n
 def _ticks(axes: Axes, direction: str, axis: Axis, values: np.ndarray) -> np.ndarray:
     """Label the axis; returns the values in its display unit, or the numbers of words, which become ticks."""
     quantity = axis_quantity(axis)
-    axes.set(**{f"{direction}label": quantity.axis_label(axis.name)})
+    axes.set(**{f"{direction}label": quantity.axis_label(named(axis.name))})
     if values.dtype.kind == "f":
         shown = quantity.displayed(values)
         if len(levels := np.unique(shown)) <= MOST_TICKS:
@@ -174,5 +187,5 @@ def _ticks(axes: Axes, direction: str, axis: Axis, values: np.ndarray) -> np.nda
 def _colour_bar(figure: Figure, axes: Axes, image: ScalarMappable, name: str, quantity: Quantity) -> None:
     axes.grid(False)
     bar = figure.colorbar(image, ax=axes)
-    bar.set_label(quantity.axis_label(words(name)))
+    bar.set_label(quantity.axis_label(label_of(name)))
     bar.outline.set_visible(False)

@@ -105,11 +105,11 @@ def _anchors(gear: SteeringGear, motion: Motion) -> Iterator[Anchor]:
     drag, friction = (_shown(gear, path) for path in ("bush.drag", "bearing.friction_torque"))
     yoke, torque = _mean(motion, "seat_force"), _mean_torque(motion)
     sides = [_mean(motion, f"mesh_normal_force_{side}") for side in ("drive", "coast")]
-    teeth = " and ".join(each for each in sides if each)
+    teeth = " and ".join(each for each in sides if each).replace(" N and", " and")
     push = f"yoke {'presses with ' * bool(yoke)}{yoke}"
     yield Anchor(push, np.array([0.0, nut, 0.0]), "seat", (45, -4), "right")
     tips = pair.pinion_origin - np.array([0.0, pair.tip_radius, 0.0])
-    yield Anchor(f"teeth {teeth}", tips, "mesh", (-50, -40), "left")
+    yield Anchor(f"teeth {teeth}", tips, "mesh", (-66, -40), "left")
     lower = pair.pinion_origin + gear.bearing.lower_position * along
     yield Anchor(f"bearings {friction}", lower, "bearing", (-10, 48), "middle")
     bush = np.array([gear.bush.distance, axis - gear.bush.outer_diameter / 2, 0.0])

@@ -27,6 +27,7 @@ MANY_CHANGES = 3  # parameters that are not named
 MOST_METRICS = 3  # of a scene
 MOST_ROWS = 6  # with title and files a sheet has 8 lines
 INDENT = 2  # blanks before a row
+REPEATED = ("torque_on_centre",)  # the mean again, over fewer angles
 REMARK, WORK_LOST = "remark", "work lost"
 LEAST_SHARE = 0.005  # of the work lost, below which a part is not named
 
@@ -104,7 +105,8 @@ def changes_shown(gear: SteeringGear, but_for: Container[str] = ()) -> str:
 def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
     """The scene's own number with the error of the contact law, and others that have a label."""
     summary, first = result.summary, scene_named(result.scene).figure if is_scene(result.scene) else ""
-    names = [name for name in dict.fromkeys((first, *LABELS)) if name in summary]
+    others = [name for name in LABELS if name not in (first, *REPEATED)]
+    names = [name for name in (first, *others) if name in summary]
     names = names[:1] + [name for name in names[1:] if rounded(SUMMARY[name], summary[name])[:2] != "0 "]
     law, names = law_error(result.gear, result.fidelity), names[:MOST_METRICS]
     largest: dict[str, float] = {}  # unit -> number whose unit all others of it have

@@ -4,6 +4,7 @@ import itertools
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,7 +13,9 @@ from rps_exudyn.base.files import content_of
 from rps_exudyn.base.units import words
 from rps_exudyn.pages.charts.signals import overlaid_figure
 from rps_exudyn.pages.report.effects_charts import (
+    WIDTH,
     distribution_figure,
+    label_of,
     main_effect_figure,
     scattered_figure,
     surface_figure,
@@ -42,7 +45,7 @@ from rps_exudyn.pages.report.html import (
     part_of,
     provenance_facts,
 )
-from rps_exudyn.pages.report.pictures import picture
+from rps_exudyn.pages.report.pictures import WIDTHS, picture
 from rps_exudyn.pages.report.study_rows import count, ranked, study_rows
 from rps_exudyn.pages.report.study_sections import (
     MOST_ROWS,
@@ -57,7 +60,7 @@ from rps_exudyn.pages.report.study_sections import (
 )
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.names import GEAR_FACTS, named
-from rps_exudyn.results.quantities import LABELS, SUMMARY
+from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.study import sensitivity
 from rps_exudyn.study.definition import GRID_DESIGN, Axis
 from rps_exudyn.study.effects import MainEffect, grid_effect, sampled_effect, surface
@@ -82,7 +85,6 @@ def study_article(store: Store) -> Article:
         gear=_gear_picture(table),
         sections=[
             *_unfinished(table),
-            *_largest_effects(table),
             Section("Main effects and response surfaces", list(_effects(table))),
             *band_sections(table, ranked(table)),
             *_sensitivity(table),
@@ -105,24 +107,15 @@ def _gear_picture(table: CaseTable) -> GearPicture | None:
         return None
 
 
-def _largest_effects(table: CaseTable) -> Iterable[Section]:
-    """Bars of the share of the variance that each factor explains, of the first number."""
-    names = [name for name in LABELS if name in table.varying()]
-    for name in names[:2]:
-        effects = sorted(_all_effects(table, name), key=lambda pair: -pair[1].fraction)
-        shares = [
-            _share(axis, effect.fraction)
-            for axis, effect in effects[:MOST_BARS]
-            if np.isfinite(effect.fraction)
-        ]
-        if len(shares) > 1:
-            note = Text("Share of the variance explained by each factor by itself.")
-            yield Section(f"Effects on {LABELS[name]}", [note, Shares(shares, apart=True)])
-
-
-def _share(axis: Axis, fraction: float) -> Share:
-    percent = 100 * min(max(fraction, 0.0), 1.0)
-    return Share(part_of(axis.paths), named(axis.name), percent, f"{fraction:.0%}")
+def _shares(effects: Sequence[tuple[Axis, MainEffect]]) -> Shares:
+    """Bars of the share of the variance that each factor explains, the largest first."""
+    known = [(axis, effect.fraction) for axis, effect in effects if np.isfinite(effect.fraction)]
+    known = sorted(known, key=lambda pair: -pair[1])[:MOST_BARS]
+    bars = [
+        Share(part_of(axis.paths), named(axis.name), 100 * min(max(part, 0.0), 1.0), f"{part:.0%}")
+        for axis, part in known
+    ]
+    return Shares(bars, apart=True)
 
 
 def _progress(table: CaseTable) -> str:
@@ -235,47 +228,57 @@ def _effects(table: CaseTable) -> Iterable[PageBlock]:
     if not names:
         yield Text("All completed cases have equal metrics.")
         return
-    if table.description.design == GRID_DESIGN:
-        yield Text(
-            "Dots are cases; the line is the mean over the settings of all other axes with a result at "
-            "each of its points."
-        )
-    else:
-        yield Text("Dots are cases; the line joins the means of classes of equal size.")
-    yield Text("The fraction is the share of the variance explained by each factor.")
+    is_grid, several = table.description.design == GRID_DESIGN, len(_all_effects(table, names[0])) > 1
+    line = (
+        "is the mean over the settings of all other axes with a result at each of its points."
+        if is_grid
+        else "joins the means of classes of equal size."
+    )
+    bars = " Bars are shares of the variance explained by each factor by itself." if several else ""
+    yield Text(f"Dots are cases; the line {line}{bars}")
     more: list[PageBlock] = []
     for place, name in enumerate(names):
         blocks: list[PageBlock] = [Text(f"{SUMMARY[name].long_name}.")]
+        effects = _all_effects(table, name)
+        if len(effects) > 1:
+            blocks.append(_shares(effects))
         if place < WITH_PICTURES:
             blocks.append(Pictures([*_effect_pictures(table, name), *_surfaces(table, name)]))
-        blocks += _effects_on(table, name)
+        rows = [_effect_row(axis, effect, name) for axis, effect in effects]
+        blocks.append(Grid(("axis", "from", "to", "mean from", "mean to"), rows))
         if place < OPEN:
-            yield Fold(LABELS.get(name, words(name)), blocks, is_open=True)
+            yield Fold(label_of(name), blocks, is_open=True)
         else:
             more.append(Fold(words(name), blocks))
     if more:
         yield Fold(f"Effects on {count(len(more), 'other number')}", more)
 
 
-def _effects_on(table: CaseTable, name: str) -> Iterable[PageBlock]:
-    rows = [_effect_row(axis, effect, name) for axis, effect in _all_effects(table, name)]
-    yield Grid(("axis", "from", "to", "mean from", "mean to", "fraction"), rows)
-
-
 def _effect_pictures(table: CaseTable, name: str) -> Iterable[Picture]:
     if table.description.design != GRID_DESIGN:
         spread = distribution_figure(table.numbers[name], name, SUMMARY[name])
-        yield picture(spread, f"{words(name)}: distribution")
-    for axis, effect in _all_effects(table, name):
-        figure = main_effect_figure(axis, effect, name, SUMMARY[name])
-        yield picture(figure, f"{words(name)} over {axis.name}")
+        yield picture(spread, f"{label_of(name)}: distribution")
+    effects = _all_effects(table, name)
+    alone = len(effects) == 1 and table.description.design == GRID_DESIGN
+    for axis, effect in effects:
+        for place, width in WIDTHS.items() if alone else [("", WIDTH)]:
+            figure = main_effect_figure(axis, effect, name, SUMMARY[name], width)
+            drawn = picture(figure, f"{label_of(name)} over {named(axis.name)}")
+            yield replace(drawn, place=place)
 
 
 def _surfaces(table: CaseTable, name: str) -> Iterable[Picture]:
-    """Pictures over pairs of the axes with the largest effects."""
+    """Pictures over pairs of the axes with the largest effects, in one scale of colours."""
     effects = sorted(_all_effects(table, name), key=lambda pair: -pair[1].fraction)
     pairs = itertools.combinations([axis for axis, _ in effects], 2)
-    return (_surface(table, pair, name) for pair in itertools.islice(pairs, MOST_SURFACES))
+    shown = list(itertools.islice(pairs, MOST_SURFACES))
+    if table.description.design != GRID_DESIGN:
+        return [_scattered(table, pair, name) for pair in shown]
+    numbers = table.numbers[name]
+    surfaces = [surface(table.axes, first.name, second.name, numbers) for first, second in shown]
+    means = np.concatenate([np.empty(0), *(each[2].ravel() for each in surfaces)])
+    ends = (float(np.nanmin(means)), float(np.nanmax(means))) if np.isfinite(means).any() else (0.0, 1.0)
+    return [_surface(table, pair, each, name, ends) for pair, each in zip(shown, surfaces, strict=True)]
 
 
 def _all_effects(table: CaseTable, name: str) -> list[tuple[Axis, MainEffect]]:
@@ -292,28 +295,37 @@ def _effect_row(axis: Axis, effect: MainEffect, name: str) -> list[str]:
     highest."""
     known = np.flatnonzero(np.isfinite(effect.mean))
     if known.size < 2:
-        return [axis.name, "", "", "", "", ""]
+        return [named(axis.name), "", "", "", ""]
     if effect.levels.dtype.kind != "f":
         known = known[np.argsort(effect.mean[known], kind="stable")]
     ends = [known[0], known[-1]]
     levels = [show_value(axis, effect.levels[at].item()) for at in ends]
     means = [SUMMARY[name].show(float(effect.mean[at])) for at in ends]
-    return [axis.name, *levels, *means, f"{effect.fraction:.0%}"]
+    return [named(axis.name), *levels, *means]
 
 
-def _surface(table: CaseTable, pair: tuple[Axis, Axis], name: str) -> Picture:
-    first, second = pair
-    quantity, numbers = SUMMARY[name], table.numbers[name]
-    if table.description.design == GRID_DESIGN:
-        means = surface(table.axes, first.name, second.name, numbers)
-        known = np.isfinite(numbers)
-        marks = (table.axes[first.name][known], table.axes[second.name][known], table.limited[known])
-        figure = surface_figure(first, second, means, name, quantity, marks)
-    else:
-        known = np.isfinite(numbers)
-        points = (table.axes[first.name][known], table.axes[second.name][known], numbers[known])
-        figure = scattered_figure(first, second, points, name, quantity, table.limited[known])
-    return picture(figure, f"{words(name)} over {first.name} and {second.name}")
+def _surface(
+    table: CaseTable,
+    pair: tuple[Axis, Axis],
+    means: Iterable[np.ndarray],
+    name: str,
+    ends: tuple[float, float],
+) -> Picture:
+    known, (first, second) = np.isfinite(table.numbers[name]), pair
+    marks = (table.axes[first.name][known], table.axes[second.name][known], table.limited[known])
+    figure = surface_figure(first, second, means, name, SUMMARY[name], marks, ends)
+    return picture(figure, _over(pair, name))
+
+
+def _scattered(table: CaseTable, pair: tuple[Axis, Axis], name: str) -> Picture:
+    known, (first, second) = np.isfinite(table.numbers[name]), pair
+    points = (table.axes[first.name][known], table.axes[second.name][known], table.numbers[name][known])
+    figure = scattered_figure(first, second, points, name, SUMMARY[name], table.limited[known])
+    return picture(figure, _over(pair, name))
+
+
+def _over(pair: tuple[Axis, Axis], name: str) -> str:
+    return f"{label_of(name)} over {' and '.join(named(axis.name) for axis in pair)}"
 
 
 def _sensitivity(table: CaseTable) -> list[Section]:

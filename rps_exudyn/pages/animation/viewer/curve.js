@@ -10,8 +10,8 @@ function ticks(low, high, most) {
   return out;
 }
 
-const shortly = (value) => {
-  const text = Number(value.toPrecision(4));
+const shortly = (value, digits = 4) => {
+  const text = Number(value.toPrecision(digits));
   return (Math.abs(text) < 1e-9 ? "0" : String(text)).replace("-", "−");
 };
 
@@ -95,6 +95,6 @@ function makeCurve(holder, onPick) {
       curve = CURVES.find((each) => each.signal === signal);
       draw();
     },
-    reading: (frame) => `${curve.name} ${shortly(curve.values[frame])} ${curve.unit}`,
+    reading: (frame) => `${curve.name} ${shortly(curve.values[frame], 3)} ${curve.unit}`,
   };
 }

@@ -55,12 +55,14 @@ function play(on) {
 function tell() {
   const degrees = (MOTION.pinion_angle[state.frame] * 180) / Math.PI;
   const when = `${TIME ? `${shortly(TIME[state.frame])} s, ` : ""}pinion at ${shortly(Math.round(degrees * 10) / 10)}°`;
+  const exact = DATA.factors[state.factors].every((factor) => factor === 1);
+  element("magnified").textContent = exact ? "" : `deflections: ${element("factors").selectedOptions[0].text}`;
   slider.value = state.frame;
   slider.setAttribute("aria-valuetext", `${when}, ${curve.reading(state.frame)}`);
   element("reading").textContent = `${when} · ${curve.reading(state.frame)}`;
   curve.show(state.frame);
   for (const arrow of DATA.arrows) {
-    element(`force-${arrow.signal}`).textContent = `${shortly(ALL.get(arrow.signal)[state.frame])} ${arrow.unit}`;
+    element(`force-${arrow.signal}`).textContent = `${shortly(ALL.get(arrow.signal)[state.frame], 3)} ${arrow.unit}`;
   }
 }
 

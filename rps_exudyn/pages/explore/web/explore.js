@@ -379,7 +379,10 @@ function chart() {
   const xs = answer.curves.flatMap((curve) => curve.x);
   const [begin, end] = [xs.reduce((a, b) => Math.min(a, b)), xs.reduce((a, b) => Math.max(a, b))];
   const shades = band ? band.band.flatMap((part) => [...part.low, ...part.high]) : [];
-  const ys = [...answer.curves, ...older, ...points].flatMap((curve) => curve.y);
+  const friction = answer.curves.every((curve) => curve.y.every((value) => value > 0)); // no load, spring or reversal
+  const begins = (part) => (friction ? part.at_reversal : 0); // rows before the torque runs
+  const ys = [...answer.curves, ...older].flatMap((curve) => curve.y);
+  for (const part of points) ys.push(...part.y.slice(begins(part)));
   const [low, high] = ordinate([...ys, ...shades]);
   const x = (value) => left + ((value - begin) / (end - begin || 1)) * (right - left);
   const y = (value) => bottom - ((value - low) / (high - low)) * (bottom - top);
@@ -412,7 +415,9 @@ function chart() {
     const some = Math.ceil(part.x.length / 400);
     part.x.forEach((value, k) => {
       const at = wrapped(value, [begin, end]);
-      if (k % some || at < begin || at > end) return;
+      if (at < begin || at > end) return;
+      if (k < begins(part)) drawn(svg, "path", { d: `M${x(at).toFixed(1)},${bottom}l-3.5,-6h7z`, class: "measured back" });
+      if (k < begins(part) || k % some) return;
       drawn(svg, "circle", { cx: x(at).toFixed(1), cy: y(part.y[k]).toFixed(1), r: part.direction > 0 ? 2 : 1.4, class: part.direction > 0 ? "measured" : "measured back" });
     });
   }
@@ -427,6 +432,7 @@ function chart() {
   if (answer.error && answer.curves.length === 1) parts.push("shaded: the mean with the error of the contact law");
   if (band) parts.push(`grey: ${band.levels[1]} % and ${band.levels[0]} % of ${band.gears} gears of a series`);
   if (points.length) parts.push(`dots: ${file.name}`);
+  if (points.some(begins)) parts.push("\u25bc: just after a reversal, beyond the axis");
   by("caption").textContent = parts.join("; ");
 }
 
@@ -465,7 +471,10 @@ async function take(chosen) {
     measured = found.measured;
     by("fit").hidden = by("forget").hidden = false;
     said([`${chosen.name}: ${found.assumed.join("; ")}.`]);
-    if (latest) chart();
+    if (new Set(measured.map(({ direction }) => direction)).size > 1 && !by("both-ways").checked) {
+      by("both-ways").checked = true; // as the file turns
+      fresh();
+    } else if (latest) chart();
   }, { measured: content });
 }
 
