@@ -2,7 +2,7 @@
 
 Every group, dataset and attribute of the file is described in docs/hdf5-format.md; names and units come
 from `quantities`. The file is plain HDF5 with dimension scales, so that other tools read it, for instance
-xarray: `xarray.open_dataset(path, group="signals", engine="h5netcdf")`.
+xarray: `xarray.open_dataset(path)`.
 """
 
 import json
@@ -35,7 +35,7 @@ MOST_NUMBERS = 6  # of the summary that a printed result shows
 DRAWING = "rps_exudyn.pages.charts.scene_figures:draw"  # looked up when drawn: charts stand above results
 
 FILETYPE = "rps_exudyn-result"
-VERSION = (1, 4)
+VERSION = (1, 5)
 """Major: old readers must refuse the file. Minor: something was added that they may leave unread."""
 
 
@@ -59,8 +59,7 @@ class MeasuredTorque:
         group.attrs["name"] = self.name
         for name in MEASURED_SIGNALS:
             dataset = group.create_dataset(name, data=np.asarray(self.signals[name], dtype=float))
-            dataset.attrs["units"] = SIGNALS[name].unit
-            dataset.attrs["long_name"] = SIGNALS[name].long_name
+            dataset.attrs.update(SIGNALS[name].attributes)
 
     @classmethod
     def read(cls, file: h5py.File) -> "MeasuredTorque | None":
@@ -206,8 +205,7 @@ class Result:
         from xarray import Dataset
 
         variables = {
-            name: ("time", values, {"units": SIGNALS[name].unit, "long_name": SIGNALS[name].long_name})
-            for name, values in self.signals.items()
+            name: ("time", values, SIGNALS[name].attributes) for name, values in self.signals.items()
         }
         about = {"scene": self.scene, "status": self.status.value, "message": self.message}
         return Dataset(variables, attrs={**about, **self.summary})
@@ -300,8 +298,7 @@ def attributes_of(result: Result) -> dict[str, Any]:
 
 def _put(file: h5py.File, group: str, name: str, value: Any) -> None:
     dataset = file[group].create_dataset(name, data=value)
-    dataset.attrs["units"] = GROUPS[group][name].unit
-    dataset.attrs["long_name"] = GROUPS[group][name].long_name
+    dataset.attrs.update(GROUPS[group][name].attributes)
 
 
 def _attach_time(signals: h5py.Group) -> None:

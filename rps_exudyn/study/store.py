@@ -56,7 +56,7 @@ class Store:
     def __init__(self, path: Path, description: Description) -> None:
         self.path = path
         self.description = description
-        self.blocks = Blocks(path / "blocks")
+        self.blocks = Blocks(path / "blocks", axes=description.axis_columns)
         self._read: dict[tuple[str, int, int], CaseRow] = {}  # by hash, size and time of change of a file
         self.skipped: list[tuple[Path, str]] = []
         """Files in cases/ and blocks/ that cannot be used, and why; filled by `rows` and `results`."""
