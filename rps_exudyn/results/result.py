@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
-from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.errors import InputError, check_kind
 from rps_exudyn.base.files import printable, read_json_tables, replacing, with_checksum
 from rps_exudyn.base.hdf5 import file_image, opened
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -197,6 +197,7 @@ class Result:
         """
         if not self.signals:
             raise InputError(f"The result has no signals to draw: {self.status}, {self.message}.")
+        check_kind("measured", measured, MeasuredTorque | None, "a curve of read_measured_torque")
         draw = resolve_name(DRAWING)
         return draw(self, path, measured, from_zero=from_zero)
 

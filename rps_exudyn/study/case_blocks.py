@@ -12,7 +12,7 @@ from pathlib import Path
 from time import monotonic
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import replacing
+from rps_exudyn.base.files import as_path, replacing
 from rps_exudyn.results.block import AxisColumns, Block, CaseRecord, packed
 from rps_exudyn.results.result import Result, read_result
 
@@ -155,7 +155,7 @@ def load(path: str | Path) -> Result:
         >>> rps.load("result.h5").scene
         'free-pinion-torque'
     """
-    path = Path(path)
+    path = as_path(path)
     if path.parent.name == "cases" and not path.exists() and (blocks := blocks_beside(path)).exist:
         return blocks.result(path.stem)
     return read_result(path)
