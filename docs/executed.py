@@ -6,6 +6,7 @@ for the same text by the same package is taken from build/executed.
 
 import hashlib
 import json
+import logging
 import os
 import re
 import subprocess
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parents[1]
 PLACE = ROOT / "build" / "executed"
+LOG = logging.getLogger("mkdocs.hooks.executed")
+HEADING = re.compile(r"^#+ (.+)$", re.MULTILINE)
 BLOCK = re.compile(r"^```(sh|python)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 ENVIRONMENT = {"PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}", "COLUMNS": "100"}
 
@@ -102,8 +105,11 @@ def run_blocks(name: str, markdown: str) -> tuple[Path, list[Shown]]:
     if not record.exists():
         folder.mkdir(parents=True, exist_ok=True)
         names: dict[str, Any] = {"__name__": "__main__"}
-        shown = []
+        shown, end = [], 0
         for block in BLOCK.finditer(markdown):
+            for heading in HEADING.findall(markdown, end, block.start()):
+                LOG.info("Running the blocks of %s: %s", name, heading)
+            end = block.end()
             before = {path: path.stat().st_mtime_ns for path in folder.glob("*.png")}
             text = _python(block[2], names, folder) if block[1] == "python" else _commands(block[2], folder)
             after = {path: path.stat().st_mtime_ns for path in folder.glob("*.png")}

@@ -22,9 +22,8 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.study.cases import describe, setup_of
-from rps_exudyn.study.definition import Axis, Study, Value
+from rps_exudyn.study.definition import Axis, Study, Value, axis_quantity
 from rps_exudyn.study.study_file import read_study
-from rps_exudyn.study.table import axis_quantity
 from verification.faceted import Surface, faceted_run, largest_deviation, meshed, shaped, spheres
 from verification.law_area import by_law
 from verification.references import Method, as_run, by_strips, over_generators, reference_of, still

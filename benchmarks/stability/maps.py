@@ -28,9 +28,8 @@ from rps_exudyn.simulate.run import simulate
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.study.cases import setup_of
-from rps_exudyn.study.definition import Axis, Case, Study
+from rps_exudyn.study.definition import Axis, Case, Study, axis_quantity
 from rps_exudyn.study.study_file import read_study
-from rps_exudyn.study.table import axis_quantity
 from rps_exudyn.tooth_contact.mean_depth import mean_depth
 from rps_exudyn.tooth_contact.spheres import sphere_radius
 from verification.law_area import by_law

@@ -4,6 +4,7 @@ A gear repeats its torque after each turn of the pinion. Where the simulation co
 stands for that angle plus or minus whole turns that was simulated: `turns_onto` returns how many.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,7 @@ from rps_exudyn.analysis.hysteresis import RUNNING
 from rps_exudyn.analysis.passes import Pass, Signals, common_angles, longest_pass, passes
 from rps_exudyn.analysis.result_comparison import SignalPair, signal_pair
 from rps_exudyn.analysis.torque import describe_torque
+from rps_exudyn.base.errors import check_kind
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.results.result import MeasuredTorque, Result
 
@@ -156,6 +158,8 @@ def compare_with_measured(measured: MeasuredTorque, signals: Signals, teeth: int
         >>> [each.direction for each in rps.compare_with_measured(itself, result.signals, 6)]
         [1]
     """
+    check_kind("measured", measured, MeasuredTorque, "a curve of read_measured_torque")
+    check_kind("signals", signals, Mapping, "the signals of a result")
     compared: list[AgainstMeasured] = []
     for direction in (+1, -1) if "pinion_torque" in signals else ():
         ours, theirs = (longest_pass(each, direction) for each in (signals, measured.signals))

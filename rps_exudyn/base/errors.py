@@ -2,6 +2,9 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from types import UnionType
+
+from rps_exudyn.base.units import shown
 
 
 class InputError(ValueError):
@@ -20,6 +23,16 @@ class InputError(ValueError):
     def __init__(self, problems: str | Iterable[str]) -> None:
         self.problems = [problems] if isinstance(problems, str) else list(problems)
         super().__init__("\n".join(self.problems))
+
+
+def check_kind(name: str, value: object, kinds: type | UnionType, allowed: str) -> None:
+    """Check that an argument is of the kinds that are allowed.
+
+    Raises:
+        InputError: it is another one.
+    """
+    if not isinstance(value, kinds):
+        raise InputError(f"{name} is {shown(value)}; it must be {allowed}.")
 
 
 # --- Clauses made sentences, and counts and lines in them

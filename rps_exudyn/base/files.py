@@ -9,7 +9,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.errors import InputError, check_kind
 from rps_exudyn.base.units import short
 
 RESULT_FILES = (".h5", ".hdf5")
@@ -23,12 +23,23 @@ LARGEST_FILE = 2**32
 """Bytes of the largest file that is read whole; a study of a million cases needs a tenth of it."""
 
 
+def as_path(path: object) -> Path:
+    """Return the path that a user names.
+
+    Raises:
+        InputError: it is neither text nor a path.
+    """
+    check_kind("path", path, str | os.PathLike, "text or a Path")
+    return Path(path)  # type: ignore[arg-type]
+
+
 def content_of(path: str | Path) -> bytes:
     """Return the bytes of a file that a user names: a regular one of bounded size, for others may never end.
 
     Raises:
         InputError: it cannot be read.
     """
+    as_path(path)
     try:
         descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
         with os.fdopen(descriptor, "rb", closefd=True) as file:
@@ -92,7 +103,8 @@ def check_writable(path: str | Path, suffixes: Sequence[str] = ()) -> Path:
     Raises:
         InputError: `path` cannot be written, or ends in none of the suffixes, if any are given.
     """
-    if suffixes and Path(path).suffix.lower() not in suffixes:
+    suffix = as_path(path).suffix.lower()
+    if suffixes and suffix not in suffixes:
         raise InputError(f"{path} cannot be written: its name must end in {' or '.join(suffixes)}.")
     target = _resolved(path)
     if target.exists() and not target.is_file():

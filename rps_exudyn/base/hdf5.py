@@ -10,6 +10,9 @@ import numpy as np
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import CHECKSUM_SIZE, HDF5_BEGIN, content_of, fits_checksum
 
+READ_WITH = 'xarray.open_datatree(FILE, engine="h5netcdf")'
+"""How a program without this package reads all groups of a file; every file states it."""
+
 MOST_EXPANSION = 1100
 """Most bytes of data for a byte of file: deflate stores 1032 zeros in one."""
 
@@ -20,6 +23,7 @@ def file_image(fill: Callable[[h5py.File], None]) -> bytes:
     It is made in memory: HDF5 itself does not recover from a full disk.
     """
     with h5py.File("in memory", "w", driver="core", backing_store=False) as file:
+        file.attrs["read_with"] = READ_WITH
         fill(file)
         file.flush()
         return bytes(file.id.get_file_image())
@@ -27,7 +31,7 @@ def file_image(fill: Callable[[h5py.File], None]) -> bytes:
 
 @contextmanager
 def opened(path: str | Path, filetype: str, what: str, version: tuple[int, int]) -> Iterator[h5py.File]:
-    """The file, if it is undamaged, of this type, and its major version is known.
+    """The file, if it is undamaged, of this type, and its major version is not newer than ours.
 
     Whatever goes wrong while it is read in the `with` block is the damage of a file without a checksum.
 
@@ -105,15 +109,17 @@ def _image(content: bytes, name: str | Path) -> h5py.File:
 
 
 def check_version(version: Iterable[object], path: str | Path, known: tuple[int, int]) -> None:
-    """Check the major number of the version in a file against the one that is known.
+    """Check that the major number of the version in a file is not above the one that is known.
 
     Raises:
-        InputError: it is another one, or missing.
+        InputError: it is, or it is missing.
     """
     numbers = list(version)
-    if numbers[:1] != [known[0]]:
+    majors = [[major] for major in range(1, known[0] + 1)]
+    if numbers[:1] not in majors:
         found = ".".join(map(str, numbers)) or "missing"
+        readable = " and ".join(f"{major}.x" for (major,) in majors)
         raise InputError(
-            f"{path} has format version {found}, and this rps-exudyn reads {known[0]}.x; "
+            f"{path} has format version {found}, and this rps-exudyn reads {readable}; "
             "use the rps-exudyn that wrote it, or a newer one."
         )

@@ -12,7 +12,8 @@ def collect(folder: Path, /, *, out: Path | None = None) -> int:
 
     Args:
         folder: Folder that `study` wrote.
-        out: Table (.h5, .csv, .parquet, .mat); default: table.h5 in the folder.
+        out: Table (.h5, .csv, .parquet, .mat), or netCDF over the axes (.nc); default: table.h5
+            in the folder.
     """
     from rps_exudyn.study.case_progress import groups
     from rps_exudyn.study.collected import SUFFIXES, write_table

@@ -25,6 +25,7 @@ from typing import Any
 
 import numpy as np
 
+from rps_exudyn.base.errors import check_kind
 from rps_exudyn.forces.bush import resting_segments
 from rps_exudyn.forces.external_load import TimedForce
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, stacked
@@ -37,7 +38,7 @@ from rps_exudyn.multibody.column import add_column, add_wheel_torque
 from rps_exudyn.multibody.general_contact import add_general_contacts
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear, check_gear
 from rps_exudyn.solvers.bent_rack import BentBar
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.gear_model import COLUMNS
@@ -81,6 +82,8 @@ def build_model(
     """
     import exudyn as exu
 
+    check_gear(gear)
+    check_kind("fidelity", fidelity, Fidelity, "a Fidelity, such as Fidelity.preset('flank')")
     if drive is None:
         drive = Steady("pinion", gear.test.start_angle, gear.test.direction * gear.test.speed)
     forces = gear_forces(gear, fidelity, rack_load)

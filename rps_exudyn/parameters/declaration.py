@@ -30,7 +30,7 @@ from pydantic_core import CoreSchema
 from pydantic_core.core_schema import no_info_before_validator_function
 
 from rps_exudyn.base import units
-from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.errors import InputError, check_kind
 from rps_exudyn.base.files import DEEPEST, check_depth, content_of
 from rps_exudyn.parameters.distribution import Distribution, is_distribution
 from rps_exudyn.parameters.retired import STORED, choice_instead
@@ -246,6 +246,8 @@ class Table(BaseModel):
         Raises:
             InputError: parameters that are wrong (all of them at once).
         """
+        check_kind("tables", tables, Mapping, 'a table of tables, such as {"yoke": {"preload": "400 N"}}')
+        check_settings(settings or {})
         merged = _merged(tables, settings or {})
         try:
             return cls.model_validate(merged, context=context)
@@ -270,6 +272,7 @@ class Table(BaseModel):
         Raises:
             InputError: an unknown path, or a value that is not allowed.
         """
+        check_settings(settings)
         context = None if any(choice_instead(*each) for each in settings.items()) else STORED
         if settings and all(self._stands_alone(path) for path in settings):
             with suppress(ValidationError):  # the whole is validated then, and its error stated
@@ -326,6 +329,7 @@ class Table(BaseModel):
         Raises:
             InputError: there is no such parameter or table.
         """
+        check_settings({path: None})
         declared = _all_declared(cls)
         if path in declared:
             return [declared[path]]
@@ -333,6 +337,20 @@ class Table(BaseModel):
         if not found:
             raise InputError(f"{path} is no parameter; {nearest(cls, path)}.")
         return found
+
+
+def check_settings(settings: object) -> None:
+    """Check that settings are a table whose keys are texts, without quotes or blanks around them.
+
+    Raises:
+        InputError: they are not.
+    """
+    check_kind("a change", settings, Mapping, 'path -> value, such as {"yoke.preload": "400 N"}')
+    assert isinstance(settings, Mapping)
+    for path in settings:
+        check_kind("a parameter's path", path, str, "text, such as yoke.preload")
+        if path != (plain := path.strip(" \t'\"")):
+            raise InputError(f"{units.shown(path)} is no parameter; write {plain}, without quotes.")
 
 
 @cache

@@ -15,7 +15,7 @@ from typing import Any, Literal, Self
 
 from pydantic import computed_field, model_validator
 
-from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.errors import InputError, check_kind
 from rps_exudyn.parameters.declaration import (
     DEG,
     Angle,
@@ -199,9 +199,18 @@ class Fidelity(Table):
         Raises:
             InputError: there is no such preset.
         """
-        if name not in PRESETS:
+        if not isinstance(name, str) or name not in PRESETS:
             raise InputError(unknown_preset(name))
         return cls.model_validate(preset_table(name))
+
+
+def check_fidelity(fidelity: object) -> None:
+    """Check that an argument is a name or a `Fidelity`.
+
+    Raises:
+        InputError: it is something else.
+    """
+    check_kind("fidelity", fidelity, str | Fidelity, f"one of {', '.join(PRESETS)}, or a Fidelity")
 
 
 def unknown_preset(name: str) -> str:

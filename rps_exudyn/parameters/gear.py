@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import PlainSerializer, WrapValidator, model_validator
 
+from rps_exudyn.base.errors import check_kind
 from rps_exudyn.base.units import mm
 from rps_exudyn.parameters import derived
 from rps_exudyn.parameters.conditions import Conditions, Grease, Housing
@@ -506,6 +507,8 @@ class SteeringGear(Table):
         Raises:
             InputError: parameters that are wrong (all of them at once).
         """
+        if not isinstance(tables, Mapping) or not isinstance(settings, Mapping | None):
+            return super().from_tables(tables, settings)  # which refuses them
         tables = {name: table for name, table in tables.items() if name not in (CORRELATION, POSTERIOR)}
         return super().from_tables(
             derived.without_followers(tables, settings or {}), settings, where, context
@@ -530,6 +533,16 @@ class SteeringGear(Table):
 
         rows = "".join(f"<li>{escape(change)}</li>" for change in self.changes_shown())
         return f"<b>SteeringGear</b>, {'by default but for' if rows else 'all as by default'}<ul>{rows}</ul>"
+
+
+def check_gear(gear: object) -> None:
+    """Check that an argument is a gear.
+
+    Raises:
+        InputError: it is something else.
+    """
+    example = 'a SteeringGear, for instance SteeringGear().replace({"yoke.preload": "400 N"})'
+    check_kind("gear", gear, SteeringGear, example)
 
 
 def _conflicts(gear: SteeringGear) -> Iterator[WrongValue]:

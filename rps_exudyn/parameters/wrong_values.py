@@ -103,7 +103,9 @@ def _problem(
     path = ".".join(str(part) for part in item["loc"])
     value = _value_in(given, item["loc"])
     shown = units.shown(value)
-    if item["type"] == "extra_forbidden":
+    if item["type"] == "extra_forbidden" and any("." in str(part) for part in item["loc"]):
+        sentence = f'"{units.short(path)}" is one key; write it without quotes, or as a table in a table.'
+    elif item["type"] == "extra_forbidden":
         kind = "table of parameters" if isinstance(value, Mapping) else "parameter"
         from_file = not WrongValue((path,), "").concerns(settings)
         meant = nearest(table, path, table.not_in_files if from_file else ())

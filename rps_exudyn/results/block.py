@@ -7,6 +7,7 @@
 docs/hdf5-format.md describes the file. A case in it is the same result as in a file of its own.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,11 +23,11 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.retired import STORED
 from rps_exudyn.results import provenance as origin
 from rps_exudyn.results.outcome import Status, codes_of
-from rps_exudyn.results.quantities import GROUPS
+from rps_exudyn.results.quantities import GROUPS, Quantity
 from rps_exudyn.results.result import Result, attributes_of
 
 FILETYPE = "rps_exudyn-block"
-VERSION = (1, 1)
+VERSION = (2, 0)
 """Major: old readers must refuse the file. Minor: something was added that they may leave unread."""
 
 TABLES = ("summary", "counters", "geometry")
@@ -41,7 +42,10 @@ TEXTS = (
     "findings",
     *origin.FIELDS,
 )
-TIMES = ("cpu_s", "wall_s")
+TIMES = {
+    "cpu_s": Quantity("s", "s", "CPU time of the simulation"),
+    "wall_s": Quantity("s", "s", "elapsed time of the simulation"),
+}
 FILTERS: dict[str, Any] = {"fletcher32": True, "shuffle": True, "compression": "gzip", "compression_opts": 1}
 
 
@@ -77,7 +81,9 @@ class CaseRecord:
     @classmethod
     def of(cls, case_hash: str, result: Result) -> "CaseRecord":
         """The record of a result."""
-        attributes = {name: value for name, value in attributes_of(result).items() if name in TEXTS + TIMES}
+        attributes = {
+            name: value for name, value in attributes_of(result).items() if name in (*TEXTS, *TIMES)
+        }
         tables = {group: dict(getattr(result, group)) for group in TABLES}
         return cls(case_hash, attributes, tables, result.signals)
 
@@ -121,50 +127,82 @@ class CaseRecord:
         return read_json_tables(self.attributes[name], name)
 
 
-def packed(records: Sequence[CaseRecord]) -> bytes:
+AxisColumns = Mapping[str, tuple[np.ndarray, Quantity]]
+"""Name of a study's axis -> its value in each case, and what it measures."""
+
+
+def packed(records: Sequence[CaseRecord], axes: AxisColumns | None = None) -> bytes:
     """Return the bytes of the block's file with its checksum."""
-    return with_checksum(file_image(lambda file: _fill(file, records)))
+    return with_checksum(file_image(lambda file: _fill(file, records, axes or {})))
 
 
-def _fill(file: h5py.File, records: Sequence[CaseRecord]) -> None:
+def _fill(file: h5py.File, records: Sequence[CaseRecord], axes: AxisColumns) -> None:
     file.attrs.update({"filetype": FILETYPE, "version": np.array(VERSION)})
+    samples = max((len(values) for record in records for values in record.signals.values()), default=0)
+    for name, length, of in (("case", len(records), "case in this file"), ("sample", samples, "sample")):
+        if length:
+            _put(file, name, np.arange(length), Quantity("", "", f"number of the {of}"))
     _put(file, "hash", np.array([record.hash.encode() for record in records]))
+    for name, (values, quantity) in axes.items():
+        _put(file, f"axes/{name}", values, quantity)
     for name in TEXTS:
         texts = [str(record.attributes[name]).encode() for record in records]
         _put(file, f"attributes/{name}", np.array([text + b"." for text in texts]))  # HDF5 strips zeros
-    for name in TIMES:
-        _put(file, f"attributes/{name}", np.array([float(record.attributes[name]) for record in records]))
+    for name, quantity in TIMES.items():
+        times = [float(record.attributes[name]) for record in records]
+        _put(file, f"attributes/{name}", np.array(times), quantity)
     for group in TABLES:
-        _put_table(file.create_group(group), [record.tables[group] for record in records])
-    _put_signals(file.create_group("signals"), [record.signals for record in records])
+        file.create_group(group)
+        _put_table(file, group, [record.tables[group] for record in records])
+    file.create_group("signals")
+    _put_signals(file, [record.signals for record in records], samples)
 
 
-def _put(group: h5py.Group, name: str, values: np.ndarray) -> None:
-    filters = FILTERS | {"chunks": values.shape} if values.size else {}
-    group.create_dataset(name, data=values, **filters)
+def _put(file: h5py.File, name: str, values: np.ndarray, quantity: Quantity | None = None) -> None:
+    """A dataset over the cases, or cases and samples; of these dimensions the scales have the names."""
+    filters: dict[str, Any] = FILTERS | {"chunks": values.shape} if values.size else {}
+    if values.dtype.kind == "U":
+        values, filters = values.astype(object), {"dtype": h5py.string_dtype()}
+    dataset = file.create_dataset(name, data=values, **filters)
+    dataset.attrs.update(quantity.attributes if quantity else {})
+    if name in ("case", "sample"):
+        dataset.make_scale(name)
+    else:
+        for dimension, scale in zip(dataset.dims, ("case", "sample"), strict=False):
+            dimension.attach_scale(file[scale])
 
 
-def _put_table(group: h5py.Group, rows: Sequence[Mapping[str, float]]) -> None:
+def _put_table(file: h5py.File, group: str, rows: Sequence[Mapping[str, float]]) -> None:
     """One column for each name; whole numbers stay whole, and a case may lack a number."""
     for name in dict.fromkeys(name for row in rows for name in row):
         has = np.array([name in row for row in rows])
         whole = all(isinstance(row[name], int) for row in rows if name in row)
-        column = np.array([row.get(name, 0) for row in rows], dtype=np.int64 if whole else float)
-        _put(group, name, column)
+        column = [row.get(name, 0 if whole else np.nan) for row in rows]
+        values = np.array(column, dtype=np.int64 if whole else float)
+        _put(file, f"{group}/{name}", values, GROUPS[group][name])
         if not has.all():
-            _put(group, f"{name} known", has)
+            _put(file, f"valid/{group}/{name}", has.astype(np.uint8))
 
 
-def _put_signals(group: h5py.Group, cases: Sequence[Mapping[str, np.ndarray]]) -> None:
-    """One row for each case, padded with nan; `length` is how many of them count."""
-    lengths = {name: [len(case.get(name, ())) for case in cases] for case in cases for name in case}
-    for name, counts in lengths.items():
-        rows = np.full((len(cases), max(counts)), np.nan)
+def _put_signals(file: h5py.File, cases: Sequence[Mapping[str, np.ndarray]], samples: int) -> None:
+    """One row for each case, padded with nan; `valid` is how many samples count, if not all do."""
+    for name in dict.fromkeys(name for case in cases for name in case):
+        counts = np.array([len(case.get(name, ())) for case in cases])
+        rows = np.full((len(cases), samples), np.nan)
         for row, case in zip(rows, cases, strict=True):
             values = case.get(name, np.zeros(0))
             row[: len(values)] = values
-        _put(group, name, rows)
-        _put(group, f"{name} length", np.array(counts))
+        _put(file, f"signals/{name}", rows, GROUPS["signals"][name])
+        if (counts < samples).any():
+            _put(file, f"valid/signals/{name}", counts)
+
+
+def _columns(file: h5py.File, group: str) -> dict[str, str]:
+    """Name of a column -> its dataset; "NAME valid" is what `valid` holds of it. Version 1 has that beside
+    it, as "NAME known" or "NAME length".
+    """
+    beside = {re.sub(" (known|length)$", " valid", name): f"{group}/{name}" for name in file[group]}
+    return beside | {f"{name} valid": f"valid/{group}/{name}" for name in file.get(f"valid/{group}", ())}
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,7 +222,10 @@ class Block:
         """
         with opened(path, FILETYPE, "block of cases", VERSION) as file:
             places = {name.decode(): row for row, name in enumerate(file["hash"][()].tolist())}
-            columns = {group: {name: data[()] for name, data in file[group].items()} for group in groups}
+            columns = {
+                group: {name: file[place][()] for name, place in _columns(file, group).items()}
+                for group in groups
+            }
             for name, values in ((name, each) for group in columns.values() for name, each in group.items()):
                 if len(values) != len(places):
                     raise ValueError(f"{name} has {len(values)} rows for {len(places)} cases")
@@ -204,13 +245,17 @@ class Block:
         return {
             name: columns[name][row].item()
             for name in GROUPS[group]
-            if name in columns and columns.get(f"{name} known", _ALL)[row]
+            if name in columns and columns.get(f"{name} valid", _ALL)[row]
         }
 
     def signals(self, case_hash: str) -> dict[str, np.ndarray]:
         """The signals of a case, each of its own length."""
         row, columns = self.places[case_hash], self.columns["signals"]
-        lengths = {name: columns[f"{name} length"][row] for name in GROUPS["signals"] if name in columns}
+        lengths = {
+            name: int(columns.get(f"{name} valid", {row: columns[name].shape[1]})[row])
+            for name in GROUPS["signals"]
+            if name in columns
+        }
         return {name: columns[name][row, :length].copy() for name, length in lengths.items() if length}
 
     def result(self, case_hash: str) -> Result:
@@ -257,10 +302,11 @@ def summaries(path: Path) -> list[Summary]:
     """
     with opened(path, FILETYPE, "block of cases", VERSION) as file:
         hashes = [name.decode() for name in _column(file, "hash")]
-        attributes, summary = file["attributes"], file["summary"]
-        about = {name: _column(attributes, name) for name in ("status", "message", *TIMES)}
-        columns = {name: _column(summary, name) for name in summary}
-        known_codes = _column(attributes, "codes") if "codes" in attributes else [None] * len(hashes)
+        about = {name: _column(file, f"attributes/{name}") for name in ("status", "message", *TIMES)}
+        columns = {name: _column(file, place) for name, place in _columns(file, "summary").items()}
+        known_codes = (
+            _column(file, "attributes/codes") if "codes" in file["attributes"] else [None] * len(hashes)
+        )
         known_as = {text: Status(text[:-1].decode()) for text in set(about["status"])}
         said = {text: " ".join(text[:-1].decode().split()) for text in set(about["message"])}
         pairs = [(said[text], known) for text, known in zip(about["message"], known_codes, strict=True)]
@@ -272,16 +318,16 @@ def summaries(path: Path) -> list[Summary]:
     values = zip(*(columns[name] for name in names), strict=True) if names else [()] * len(hashes)
     numbers = [dict(zip(names, row, strict=True)) for row in values]
     for name in names:
-        known = columns.get(f"{name} known", ())
+        known = columns.get(f"{name} valid", ())
         for row in (row for row, has in zip(numbers, known, strict=False) if not has):
             del row[name]
     rows = zip(hashes, statuses, messages, about["cpu_s"], about["wall_s"], numbers, codes, strict=True)
     return list(map(Summary._make, rows))
 
 
-def _column(group: h5py.Group, name: str) -> list[Any]:
+def _column(file: h5py.File, name: str) -> list[Any]:
     """Return a dataset's values by the library's lower interface, which costs a fifth of a short column."""
-    dataset = h5py.h5d.open(group.id, name.encode())
+    dataset = h5py.h5d.open(file.id, name.encode())
     values = np.empty(dataset.shape, dataset.dtype)
     dataset.read(h5py.h5s.ALL, h5py.h5s.ALL, values)
     return list(values.tolist())

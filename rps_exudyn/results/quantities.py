@@ -69,6 +69,11 @@ class Quantity:
     confirmed: Confirmation | None = None
     least: float = 0.0
 
+    @property
+    def attributes(self) -> dict[str, str]:
+        """Return what files and labelled arrays state of it: `units` and `long_name`."""
+        return {"units": self.unit, "long_name": self.long_name}
+
     def change(self, value: Any, right: Any, size: Any = 0.0) -> Any:
         """Return how far a metric is from the right value, over its tolerance; 0 without a confirmation.
 

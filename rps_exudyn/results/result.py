@@ -2,7 +2,7 @@
 
 Every group, dataset and attribute of the file is described in docs/hdf5-format.md; names and units come
 from `quantities`. The file is plain HDF5 with dimension scales, so that other tools read it, for instance
-xarray: `xarray.open_dataset(path, group="signals", engine="h5netcdf")`.
+xarray: `xarray.open_dataset(path)`.
 """
 
 import json
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
-from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.errors import InputError, check_kind
 from rps_exudyn.base.files import printable, read_json_tables, replacing, with_checksum
 from rps_exudyn.base.hdf5 import file_image, opened
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -59,8 +59,7 @@ class MeasuredTorque:
         group.attrs["name"] = self.name
         for name in MEASURED_SIGNALS:
             dataset = group.create_dataset(name, data=np.asarray(self.signals[name], dtype=float))
-            dataset.attrs["units"] = SIGNALS[name].unit
-            dataset.attrs["long_name"] = SIGNALS[name].long_name
+            dataset.attrs.update(SIGNALS[name].attributes)
 
     @classmethod
     def read(cls, file: h5py.File) -> "MeasuredTorque | None":
@@ -203,6 +202,7 @@ class Result:
         """
         if not self.signals:
             raise InputError(f"The result has no signals to draw: {self.status}, {self.message}.")
+        check_kind("measured", measured, MeasuredTorque | None, "a curve of read_measured_torque")
         draw = resolve_name(DRAWING)
         return draw(self, path, measured, from_zero=from_zero)
 
@@ -211,8 +211,7 @@ class Result:
         from xarray import Dataset
 
         variables = {
-            name: ("time", values, {"units": SIGNALS[name].unit, "long_name": SIGNALS[name].long_name})
-            for name, values in self.signals.items()
+            name: ("time", values, SIGNALS[name].attributes) for name, values in self.signals.items()
         }
         about = {"scene": self.scene, "status": self.status.value, "message": self.message}
         errors = {f"{name}_error": error for name, error in self.errors.items()}
@@ -308,8 +307,7 @@ def attributes_of(result: Result) -> dict[str, Any]:
 
 def _put(file: h5py.File, group: str, name: str, value: Any) -> None:
     dataset = file[group].create_dataset(name, data=value)
-    dataset.attrs["units"] = GROUPS[group][name].unit
-    dataset.attrs["long_name"] = GROUPS[group][name].long_name
+    dataset.attrs.update(GROUPS[group][name].attributes)
 
 
 def _attach_time(signals: h5py.Group) -> None:

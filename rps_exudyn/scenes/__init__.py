@@ -7,7 +7,7 @@ metrics.py and remarks.py describe what came out. A new scene is a new file and 
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.errors import InputError, check_kind
 
 if TYPE_CHECKING:
     from rps_exudyn.scenes.scene import Scene
@@ -50,6 +50,9 @@ def add_scene(scene: "Scene") -> None:
         >>> rps.run("my-test", fidelity="closed-form").scene
         'my-test'
     """
+    from rps_exudyn.scenes.scene import Scene
+
+    check_kind("scene", scene, Scene, "a Scene")
     if scene.name in SCENE_NAMES:
         raise InputError(f"{scene.name} is a scene of the package; give yours another name.")
     _OWN[scene.name] = scene
@@ -66,9 +69,9 @@ def scene_named(name: str) -> "Scene":
     Raises:
         InputError: there is no such scene.
     """
-    if name in _OWN:
+    if isinstance(name, str) and name in _OWN:
         return _OWN[name]
-    if name not in SCENE_NAMES:
+    if not isinstance(name, str) or name not in SCENE_NAMES:
         raise InputError(f"SCENE is {name!r}; it must be one of {', '.join((*SCENE_NAMES, *_OWN))}.")
     scene: Scene = import_module(f"{__name__}.{name.replace('-', '_')}").SCENE
     return scene

@@ -15,8 +15,10 @@ import numpy as np
 
 from rps_exudyn.analysis.passes import longest_pass
 from rps_exudyn.base.errors import InputError, raise_wrapped
-from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.base.units import shown
+from rps_exudyn.parameters.declaration import check_settings
+from rps_exudyn.parameters.fidelity import Fidelity, check_fidelity
+from rps_exudyn.parameters.gear import SteeringGear, check_gear
 from rps_exudyn.results.outcome import Status, joined_text
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.results.result import Result, failed
@@ -134,6 +136,9 @@ class Batch:
         """
         if name not in SIGNALS:
             raise InputError(f"{name!r} is no signal; `quantities` lists them, such as pinion_torque.")
+        angle = np.asarray(angle)
+        if angle.ndim != 1:
+            raise InputError(f"angle is {shown(angle.tolist())}; it must be a list of angles.")
         found = np.full((len(self.results), len(angle)), np.nan)
         for i, (row, result) in enumerate(zip(found, self.results, strict=True)):
             if result is None:
@@ -207,6 +212,9 @@ def batch_of(
     chosen_scene = scene_named(scene)
     if keep not in ("signals", "torque"):
         raise InputError(f"keep is {keep!r}; it must be signals or torque.")
+    check_gear(gear)
+    check_fidelity(fidelity)
+    check_settings(ranges or {})
     chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity)
     rows = rows_of(values)
     if "mesh.law" not in values:
@@ -249,15 +257,19 @@ def rows_of(values: Mapping[str, Sequence[Any] | np.ndarray]) -> list[dict[str, 
     Raises:
         InputError: no column, a path that is no parameter, or columns of different length.
     """
+    check_settings(values)
     for path in values:
         if len(SteeringGear.declared_at(path)) != 1:
             raise InputError(f"{path} is a table of parameters; each column must be a single parameter.")
+    for path, column in values.items():
+        if isinstance(column, str | Mapping) or np.array(column, dtype=object).ndim != 1:
+            raise InputError(f"{path} is {shown(column)}; a column must be a list, one value a row.")
     lengths = {path: len(column) for path, column in values.items()}
     if not lengths:
         raise InputError("the table of a batch has no column; give at least one parameter and its values.")
     if len(set(lengths.values())) > 1:
-        shown = ", ".join(f"{path} has {length}" for path, length in lengths.items())
-        raise InputError(f"the columns of a batch differ in length: {shown}; each must have one value a row.")
+        each = ", ".join(f"{path} has {length}" for path, length in lengths.items())
+        raise InputError(f"the columns of a batch differ in length: {each}; each must have one value a row.")
     if 0 in lengths.values():
         raise InputError(f"{next(iter(lengths))} has no value; a batch needs at least one row.")
     columns = [np.asarray(column).tolist() for column in values.values()]

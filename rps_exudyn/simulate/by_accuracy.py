@@ -221,14 +221,14 @@ def percent(text: str) -> float:
     Raises:
         InputError: anything else, or not above zero.
     """
-    match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*%\s*", text)
+    match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*%\s*", str(text))
     try:
         value = float(match[1]) if match else np.nan
     except ValueError:
         value = np.nan
     if not (0 < value < np.inf):
         raise InputError(
-            f"--accuracy is {short(text)}; it must be a percentage greater than 0, for instance 1%."
+            f"--accuracy is {short(str(text))}; it must be a percentage greater than 0, for instance 1%."
         )
     return value
 

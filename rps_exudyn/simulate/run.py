@@ -18,8 +18,8 @@ from typing import Any
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import Listener, following
 from rps_exudyn.gears.geometry_report import geometry_report
-from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.fidelity import Fidelity, check_fidelity
+from rps_exudyn.parameters.gear import SteeringGear, check_gear
 from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
@@ -74,14 +74,10 @@ def run(
         ('ok', 0.62)
     """
     limit = None if time_limit is None else TimeLimit.of(time_limit)
-    if gear is not None and not isinstance(gear, SteeringGear):
-        raise InputError(
-            f"gear is a {type(gear).__name__}; it must be a SteeringGear, for instance "
-            'SteeringGear().replace({"yoke.preload": "400 N"}).'
-        )
-    if not isinstance(fidelity, str | Fidelity | None):
-        raise InputError(f"fidelity is {fidelity!r}; it must be one of {', '.join(PRESETS)}, or a Fidelity.")
-    gear = gear or SteeringGear()
+    gear = SteeringGear() if gear is None else gear
+    check_gear(gear)
+    if fidelity is not None:
+        check_fidelity(fidelity)
     if test:
         gear = gear.replace({f"test.{name}": value for name, value in test.items()})
     with following(progress):
@@ -119,9 +115,10 @@ def simulate(
                 "accuracy chooses the model itself; give fidelity by the name of a preset, or leave it out."
             )
         limited = partial(simulate, scene, robust=robust, time_limit=time_limit)
-        gear = with_law(gear, Fidelity.preset(fidelity or "flank"), needed)
+        gear = with_law(gear, Fidelity.preset("flank" if fidelity is None else fidelity), needed)
         return _by_accuracy(limited, scene, gear, percent(accuracy), fidelity)
-    chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity or "flank")
+    fidelity = "flank" if fidelity is None else fidelity
+    chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity)
     gear = with_law(gear, chosen, needed)
     if time_limit is not None:
         return isolated_run(scene, gear, chosen, time_limit, robust=robust, options=options)

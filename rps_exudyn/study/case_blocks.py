@@ -6,13 +6,14 @@ last one counts.
 """
 
 from collections import OrderedDict
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 from pathlib import Path
 from time import monotonic
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import replacing
-from rps_exudyn.results.block import Block, CaseRecord, packed
+from rps_exudyn.base.files import as_path, replacing
+from rps_exudyn.results.block import AxisColumns, Block, CaseRecord, packed
 from rps_exudyn.results.result import Result, read_result
 
 CASES = 512  # in a block: 1e5 cases are 196 files
@@ -24,9 +25,13 @@ SHARE = 0.05  # of the time that writing takes at most: while that is quick, les
 class Blocks:
     """The blocks in one study's folder, and those cases that wait for the next one."""
 
-    def __init__(self, folder: Path, cases: int = CASES) -> None:
+    def __init__(
+        self, folder: Path, cases: int = CASES, axes: Callable[[Iterable[str]], AxisColumns] | None = None
+    ) -> None:
+        """`axes` returns the values of a study's axes in the cases of these hashes; only writers need it."""
         self.folder = folder
         self._cases = cases
+        self._axes = axes
         self._waiting: dict[str, CaseRecord] = {}
         self._filling: Path | None = None  # where those that wait have been written already
         self._written = float("-inf")
@@ -72,7 +77,9 @@ class Blocks:
             self._filling = self.folder / f"{last + 1:05d}.h5"
         begun = monotonic()
         with replacing(self._filling) as partial:
-            partial.write_bytes(packed(list(self._waiting.values())))
+            partial.write_bytes(
+                packed(list(self._waiting.values()), self._axes and self._axes(self._waiting))
+            )
         self._written, self._seen = monotonic(), 0
         self._took = self._written - begun
 
@@ -148,7 +155,7 @@ def load(path: str | Path) -> Result:
         >>> rps.load("result.h5").scene
         'free-pinion-torque'
     """
-    path = Path(path)
+    path = as_path(path)
     if path.parent.name == "cases" and not path.exists() and (blocks := blocks_beside(path)).exist:
         return blocks.result(path.stem)
     return read_result(path)

@@ -1,4 +1,5 @@
 """A whole study in one table, as HDF5, CSV, Parquet or .mat: one row per case, in the order of the design.
+Or as netCDF, over the study's axes.
 
     write_table(CaseTable.of(store), "table.h5")
     read_table("table.h5")["summary"]["torque_mean"]
@@ -23,10 +24,10 @@ from rps_exudyn.base.hdf5 import file_image, opened
 from rps_exudyn.study.table import CaseTable, TableColumn
 
 FILETYPE = "rps_exudyn-table"
-VERSION = (1, 1)
+VERSION = (1, 2)
 """Major: old readers must refuse the file. Minor: something was added that they may leave unread."""
 
-SUFFIXES = (".h5", ".hdf5", ".csv", ".parquet", ".mat")
+SUFFIXES = (".h5", ".hdf5", ".csv", ".parquet", ".mat", ".nc")
 
 GROUPS = ("axes", "outcome", "summary")
 
@@ -79,7 +80,7 @@ def _write_parquet(table: CaseTable, path: Path) -> None:
         pyarrow.field(
             column.name,
             pyarrow.string() if column.values.dtype.kind == "U" else pyarrow.float64(),
-            metadata={"units": column.quantity.unit, "long_name": column.quantity.long_name},
+            metadata=column.quantity.attributes,
         )
         for column in columns
     ]
@@ -107,7 +108,14 @@ def _field_name(name: str, taken: Container[str]) -> str:
     return next(each for at in count() if (each := f"{plain}_{at}" if at else plain) not in taken)
 
 
-_WRITERS = {".csv": _write_csv, ".parquet": _write_parquet, ".mat": _write_mat}
+def _write_netcdf(table: CaseTable, path: Path) -> None:
+    """The dataset of `rps.open_study` without signals: its dimensions are the axes of a grid."""
+    from rps_exudyn.study.dataset import cube
+
+    cube(table).to_netcdf(path, engine="h5netcdf")
+
+
+_WRITERS = {".csv": _write_csv, ".parquet": _write_parquet, ".mat": _write_mat, ".nc": _write_netcdf}
 
 
 def _cell(value: Any) -> Any:
@@ -143,7 +151,7 @@ def _put(group: h5py.Group, column: TableColumn) -> None:
         data=values.astype(object) if text else values,
         dtype=h5py.string_dtype() if text else None,
     )
-    dataset.attrs.update({"units": column.quantity.unit, "long_name": column.quantity.long_name})
+    dataset.attrs.update(column.quantity.attributes)
     dataset.dims[0].attach_scale(group["case"])
 
 

@@ -27,12 +27,12 @@ from xarray.core.indexing import (
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.hdf5 import opened
 from rps_exudyn.results.block import Keep
-from rps_exudyn.results.quantities import SIGNALS, Quantity
+from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import FILETYPE, VERSION
 from rps_exudyn.study.case_blocks import blocks_beside
-from rps_exudyn.study.definition import Description
+from rps_exudyn.study.definition import Description, axis_quantity
 from rps_exudyn.study.store import Store
-from rps_exudyn.study.table import CaseTable, TableColumn, axis_quantity
+from rps_exudyn.study.table import CaseTable, TableColumn
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -56,15 +56,18 @@ def open_study(path: str | Path) -> Dataset:
         ('preload', 'friction')
     """
     table = _table(path)
+    return cube(table).assign(_signals(table, _Layout(table)))
+
+
+def cube(table: CaseTable) -> Dataset:
+    """Outcomes and numbers of a study over its axes, without signals; see `open_study`."""
     layout = _Layout(table)
     variables = {
         column.name: layout.variable(column)
         for column in table.columns()
         if column.group == "summary" or column.name in ("hash", "status", "cpu_s")
     }
-    return Dataset(
-        variables | _signals(table, layout), coords=layout.coordinates(), attrs=_origin(table.description)
-    )
+    return Dataset(variables, coords=layout.coordinates(), attrs=_origin(table.description))
 
 
 def study_frame(path: str | Path) -> "DataFrame":
@@ -124,7 +127,7 @@ class _Layout:
     def variable(self, column: TableColumn) -> Variable:
         """A column over the dimensions; points of a grid without a case have the status "absent"."""
         absent = {"hash": "", "status": "absent"}.get(column.name, np.nan)
-        return Variable(self.dimensions, self.arranged(column.values, absent), _attributes(column.quantity))
+        return Variable(self.dimensions, self.arranged(column.values, absent), column.quantity.attributes)
 
     def coordinates(self) -> Coordinates:
         """The axes' values along their dimensions."""
@@ -132,7 +135,7 @@ class _Layout:
         for axis in table.description.axes:
             values = np.array(axis.values) if self.is_grid else table.axes[axis.name]
             along = axis.name if self.is_grid else CASE
-            attributes = _attributes(axis_quantity(axis)) | {"paths": " ".join(axis.paths)}
+            attributes = axis_quantity(axis).attributes | {"paths": " ".join(axis.paths)}
             found[axis.name] = Variable((along,), values, attributes)
         return Coordinates(found)
 
@@ -180,7 +183,7 @@ def _signals(table: CaseTable, layout: _Layout) -> dict[str, Variable]:
         name: Variable(
             (*layout.dimensions, SAMPLE),
             LazilyIndexedArray(_Signal(name, files, longest)),
-            _attributes(SIGNALS[name]),
+            SIGNALS[name].attributes,
         )
         for name in SIGNALS
         if name in lengths
@@ -215,10 +218,6 @@ def _read_signals(path: Path, names: Iterable[str], read: Callable[[Any], T]) ->
     except InputError as error:
         warnings.warn(f"{error} Its signals are nan.", stacklevel=2)
         return {}
-
-
-def _attributes(quantity: Quantity) -> dict[str, str]:
-    return {"units": quantity.unit, "long_name": quantity.long_name}
 
 
 def _origin(description: Description) -> dict[str, str]:

@@ -6,19 +6,21 @@ the study file and without computing anything.
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import Field, TypeAdapter, ValidationError
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of, read_json_tables
 from rps_exudyn.base.hdf5 import check_version
 from rps_exudyn.parameters.gear import Setup
-from rps_exudyn.results.block import Keep
+from rps_exudyn.results.block import AxisColumns, Keep
+from rps_exudyn.results.quantities import Quantity
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.law_by_scene import SERIES, with_law
 
@@ -71,6 +73,24 @@ class Case:
     values: Mapping[str, Value]
 
 
+def axis_quantity(axis: Axis) -> Quantity:
+    """Unit, display unit and meaning of the parameters that an axis varies."""
+    declared = Setup.declared_at(axis.paths[0])[0] if axis.paths else None
+    unit = declared.unit.si if declared and declared.unit else ""
+    display = axis.unit or (declared.unit.display if declared and declared.unit else "")
+    meaning = declared.meaning if declared else ""
+    others = [*axis.paths[1:], *axis.along]
+    return Quantity(unit, display, f"{meaning}; with it {', '.join(others)}" if others else meaning)
+
+
+def axis_values(axis: Axis, cases: Iterable[Case]) -> np.ndarray:
+    """The axis' value in each case: numbers in SI, or words."""
+    values = [case.values[axis.name] for case in cases]
+    if any(isinstance(value, str) for value in values):
+        return np.array([str(value) for value in values], dtype=np.str_)
+    return np.array(values, dtype=float)
+
+
 @dataclass(frozen=True)
 class Description:
     """A study: what is simulated, what is varied, and every case; in SI units.
@@ -98,6 +118,12 @@ class Description:
     def hashes(self) -> dict[str, Case]:
         """Hash -> case, each once, in the order of the design."""
         return {case.hash: case for case in self.cases}
+
+    def axis_columns(self, hashes: Iterable[str]) -> AxisColumns:
+        """Values and meaning of each axis in the cases of these hashes."""
+        known = self.hashes
+        cases = [known[name] for name in hashes]
+        return {axis.name: (axis_values(axis, cases), axis_quantity(axis)) for axis in self.axes}
 
     def settings(self, case: Case) -> dict[str, Value]:
         """Path -> value of every parameter in which the case differs from the study's base."""

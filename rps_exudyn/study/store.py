@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TextIO
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import check_writable, number_existing, replacing
+from rps_exudyn.base.files import as_path, check_writable, number_existing, replacing
 from rps_exudyn.results.block import CaseRecord, summaries
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result, read_result
@@ -56,7 +56,7 @@ class Store:
     def __init__(self, path: Path, description: Description) -> None:
         self.path = path
         self.description = description
-        self.blocks = Blocks(path / "blocks")
+        self.blocks = Blocks(path / "blocks", axes=description.axis_columns)
         self._read: dict[tuple[str, int, int], CaseRow] = {}  # by hash, size and time of change of a file
         self.skipped: list[tuple[Path, str]] = []
         """Files in cases/ and blocks/ that cannot be used, and why; filled by `rows` and `results`."""
@@ -68,7 +68,7 @@ class Store:
         Raises:
             InputError: no study there, a damaged one, or one of another format version.
         """
-        folder = Path(path)
+        folder = as_path(path)
         if not folder.is_dir():
             raise InputError(f"{path} is no study's folder: there is no such folder.")
         return cls(folder, Description.read(folder / "study.json"))

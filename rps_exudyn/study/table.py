@@ -16,10 +16,11 @@ import numpy as np
 
 from rps_exudyn.base.units import pretty
 from rps_exudyn.parameters.gear import Setup
+from rps_exudyn.results.block import TIMES
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY, Quantity
 from rps_exudyn.scenes.remarks import met_limit
-from rps_exudyn.study.definition import Axis, Case, Description, Value
+from rps_exudyn.study.definition import Axis, Case, Description, Value, axis_quantity, axis_values
 from rps_exudyn.study.store import CaseRow, Store
 
 PENDING = "pending"
@@ -29,8 +30,7 @@ OUTCOME = {
     "hash": Quantity("", "", "name of the case, without .h5"),
     "status": Quantity("", "", "how the case ended, or pending"),
     "message": Quantity("", "", "cause of a failure, or remarks of an ok case"),
-    "cpu_s": Quantity("s", "s", "CPU time of the simulation"),
-    "wall_s": Quantity("s", "s", "elapsed time of the simulation"),
+    **TIMES,
 }
 """The columns of every table beside its axes and numbers."""
 
@@ -90,8 +90,7 @@ class CaseTable:
     @cached_property
     def axes(self) -> dict[str, np.ndarray]:
         """Axis name -> SI values, or the words of a choice."""
-        axes = self.description.axes
-        return {axis.name: _column([case.values[axis.name] for case in self.cases]) for axis in axes}
+        return {axis.name: axis_values(axis, self.cases) for axis in self.description.axes}
 
     @cached_property
     def numbers(self) -> dict[str, np.ndarray]:
@@ -152,16 +151,6 @@ class CaseTable:
         return np.array([np.nan if value is None else value for value in usable], dtype=float)
 
 
-def axis_quantity(axis: Axis) -> Quantity:
-    """Unit, display unit and meaning of the parameters that an axis varies."""
-    declared = Setup.declared_at(axis.paths[0])[0] if axis.paths else None
-    unit = declared.unit.si if declared and declared.unit else ""
-    display = axis.unit or (declared.unit.display if declared and declared.unit else "")
-    meaning = declared.meaning if declared else ""
-    others = [*axis.paths[1:], *axis.along]
-    return Quantity(unit, display, f"{meaning}; with it {', '.join(others)}" if others else meaning)
-
-
 def show_value(axis: Axis, value: Value, digits: int = 6) -> str:
     """The value as text: in the axis' unit with so many significant digits, or the word itself."""
     if isinstance(value, str):
@@ -171,9 +160,3 @@ def show_value(axis: Axis, value: Value, digits: int = 6) -> str:
         return unit.zero
     quantity = axis_quantity(axis)
     return f"{quantity.displayed(value):.{digits}g} {pretty(quantity.display)}".strip()
-
-
-def _column(values: list[Value]) -> np.ndarray:
-    if any(isinstance(value, str) for value in values):
-        return np.array([str(value) for value in values], dtype=np.str_)
-    return np.array(values, dtype=float)

@@ -59,6 +59,16 @@ def test_tutorial_has_eight_pages_and_the_gallery_twenty_entries() -> None:
     assert {entry.scene for entry in executed.GALLERY} <= set(SCENE_NAMES)
 
 
+def test_build_names_each_page_and_entry_as_it_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(executed := module_of("executed"), "PLACE", tmp_path)
+    caplog.set_level("INFO", "mkdocs")
+    page = "# Page\n\n```python\n# no heading\n```\n\n## Entry\n\n```python\n```\n```python\n```\n"
+    executed.run_blocks("page", page)
+    assert [line.rpartition(": ")[2] for line in caplog.messages] == ["Page", "Entry"]
+
+
 def test_executed_blocks_show_what_they_print_and_draw(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -162,7 +162,9 @@ def test_level_0_has_the_bar_of_levels_0_and_1() -> None:
     )
     assert coarse["time"].size == usual["time"].size // 2 + 1
     assert coarse.findings["level"] == 0
-    assert coarse.errors["torque_peak_to_peak"] == pytest.approx(usual.errors["torque_peak_to_peak"], rel=0.05)
+    assert coarse.errors["torque_peak_to_peak"] == pytest.approx(
+        usual.errors["torque_peak_to_peak"], rel=0.05
+    )
 
 
 @pytest.mark.parametrize(("lost", "printed", "known"), [((0,), 2, True), ((0, 2), 1, False)])
@@ -199,7 +201,9 @@ def test_a_motion_that_inertia_changes_altogether_is_no_equilibrium() -> None:
 
 
 def test_formulas_have_the_bar_of_their_model() -> None:
-    formula, still = (rps.run("free-pinion-torque", fidelity=name) for name in ("closed-form", "quasi-static"))
+    formula, still = (
+        rps.run("free-pinion-torque", fidelity=name) for name in ("closed-form", "quasi-static")
+    )
     off = abs(formula.summary["torque_mean"] - still.summary["torque_mean"])
     assert 0 < off <= formula.errors["torque_mean"]
 
@@ -221,7 +225,10 @@ def test_bars_of_gears_together_are_those_of_single_runs() -> None:
         ({"level": True}, "level is True; it must be a whole number"),
         ({"level": 1, "fidelity": "closed-form"}, "closed-form, which has no level"),
         ({"level": 1, "accuracy": "1%"}, "accuracy chooses the level itself"),
-        ({"level": 1, "fidelity": STILL.replace({"step_angle": "2 deg"})}, "level decides fidelity.step_angle"),
+        (
+            {"level": 1, "fidelity": STILL.replace({"step_angle": "2 deg"})},
+            "level decides fidelity.step_angle",
+        ),
     ],
 )
 def test_wrong_levels_get_one_sentence(asked: dict[str, Any], said: str) -> None:

@@ -1,6 +1,7 @@
 """A study in blocks is the same study: rows, results, table and Dataset as with one file per case."""
 
 import dataclasses
+import gzip
 import os
 import pickle
 import warnings
@@ -8,17 +9,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray
 
 import rps_exudyn as rps
 from made_up_study import description, grid_points, make_study
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.results.block import Block, CaseRecord, packed
+from rps_exudyn.base.hdf5 import READ_WITH
+from rps_exudyn.results.block import TABLES, Block, CaseRecord, packed, summaries
 from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import GROUPS
 from rps_exudyn.results.result import Result
 from rps_exudyn.study.case_blocks import Blocks
 from rps_exudyn.study.collected import write_table
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable
+from rps_exudyn.study.xarray_backend import Backend
 from shell import Command
 from study_files import write_grid, write_stand_in
 
@@ -56,18 +61,56 @@ def test_results_and_rows_are_the_same_bit_for_bit(twins: tuple[Store, Store]) -
     assert not blocks.skipped
 
 
-def test_results_of_unlike_shape_stand_in_one_block(made_up_result: Result, tmp_path: Path) -> None:
+def unlike_results(made_up_result: Result) -> list[Result]:
     """Shorter records, other signals, missing and whole numbers, a text that ends in zeros, no signals."""
     short = {name: values[:7] for name, values in made_up_result.signals.items() if name != "rack_roll"}
-    unlike = [
+    return [
         made_up_result,
         dataclasses.replace(made_up_result, signals=short, summary={"torque_mean": float("inf")}),
         dataclasses.replace(made_up_result, signals={}, summary={}, counters={}, message="µ\0\0"),
     ]
-    path = tmp_path / "00000.h5"
+
+
+def test_results_of_unlike_shape_stand_in_one_block(made_up_result: Result, tmp_path: Path) -> None:
+    unlike, path = unlike_results(made_up_result), tmp_path / "00000.h5"
     path.write_bytes(packed([CaseRecord.of(f"{at:016x}", result) for at, result in enumerate(unlike)]))
     block = Block.read(path)
     assert all(same(result, block.result(f"{at:016x}")) for at, result in enumerate(unlike))
+    assert [row.summary for row in summaries(path)] == [result.summary for result in unlike]
+
+
+def test_block_of_version_1_is_read(made_up_result: Result, tmp_path: Path) -> None:
+    """The same results as rps-exudyn 1.0 wrote them: "NAME length" and "NAME known" beside the columns."""
+    path = tmp_path / "00000.h5"
+    path.write_bytes(gzip.decompress(Path(__file__).with_name("block_1_1.h5.gz").read_bytes()))
+    origin = dict.fromkeys(made_up_result.provenance, "") | {"package_version": "1.0.0"}
+    expected = unlike_results(dataclasses.replace(made_up_result, provenance=origin))
+    block = Block.read(path)
+    assert all(same(result, block.result(f"{at:016x}")) for at, result in enumerate(expected))
+    assert [row.summary for row in summaries(path)] == [result.summary for result in expected]
+
+
+def test_block_is_labelled_for_other_programs(twins: tuple[Store, Store], made_up_result: Result) -> None:
+    """Units, axes and named dimensions; a number that a case lacks is nan."""
+    _, store = twins
+    short = {name: values[:7] for name, values in made_up_result.signals.items()}
+    case = store.description.cases[4]
+    store.add(CaseRecord.of(case.hash, dataclasses.replace(made_up_result, signals=short, summary={})))
+    store.add(CaseRecord.of(store.description.cases[5].hash, made_up_result))
+    store.blocks.flush()
+    with xarray.open_datatree(path := store.blocks.paths[-1], engine="h5netcdf") as tree:
+        assert tree.attrs["read_with"] == READ_WITH
+        assert tree["axes/preload"].attrs["units"] == "N"
+        assert tree["axes/friction"].values.tolist() == [0.1, 0.2]
+        assert tree["signals/pinion_torque"].dims == ("case", "sample")
+        assert tree["signals/pinion_torque"].attrs["units"] == "N*m"
+        assert np.isnan(tree["summary/torque_mean"].values).tolist() == [True, False]
+        assert tree["valid/signals/time"].values.tolist() == [7, 121]
+        for group in tree.subtree:
+            assert set(group.dims) <= {"case", "sample"}
+            assert all(name in GROUPS[group.name] for name in group.data_vars if group.name in TABLES)
+    with xarray.open_dataset(path, engine=Backend) as cases:
+        assert {"preload", "torque_mean", "pinion_torque"} < set(cases)
 
 
 def test_table_and_dataset_are_the_same(twins: tuple[Store, Store], tmp_path: Path) -> None:

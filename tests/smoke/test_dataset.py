@@ -3,7 +3,9 @@
 import csv
 import dataclasses
 import sys
+import tomllib
 from pathlib import Path
+from pkgutil import resolve_name
 
 import h5py
 import numpy as np
@@ -18,6 +20,7 @@ from rps_exudyn.results.result import Result
 from rps_exudyn.study.collected import read_table, write_table
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable
+from rps_exudyn.study.xarray_backend import Backend
 from shell import Command
 
 POINTS = [{"preload": 110.0 + 7 * at, "friction": 0.1 + 0.01 * (at % 3)} for at in range(12)]
@@ -162,6 +165,29 @@ def test_collected_table_opens_in_xarray(made_up_result: Result, tmp_path: Path,
     with xarray.open_dataset(tmp_path / "s" / "table.h5", group="summary", engine="h5netcdf") as table:
         assert table.torque_mean.dims == ("case",)
         assert table.torque_mean.attrs["units"] == "N*m"
+
+
+def test_collected_cube_has_the_axes_as_dimensions(
+    made_up_result: Result, tmp_path: Path, command: Command
+) -> None:
+    """Without an option of xarray; the table of columns, too, where the package is installed."""
+    make_study(tmp_path / "s", made_up_result, pending=[5])
+    assert command(["collect", "s", "--out", "cube.nc"]).status == 0
+    with xarray.open_dataset("cube.nc") as cube:
+        assert cube.torque_mean.dims == ("preload", "friction")
+        assert cube.torque_mean.sel(preload=200, friction=0.2).item() == pytest.approx(0.4)
+        assert (cube.preload.attrs["units"], cube.status.values[-1, -1]) == ("N", "pending")
+    command(["collect", "s"])
+    assert Backend().guess_can_open("s/table.h5")
+    assert not Backend().guess_can_open("cube.nc")
+    with xarray.open_dataset("s/table.h5", engine=Backend) as table:
+        assert table.torque_mean.dims == table.preload.dims == ("case",)
+
+
+def test_xarray_finds_the_backend_of_the_package() -> None:
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())["project"]
+    (place,) = project["entry-points"]["xarray.backends"].values()
+    assert resolve_name(place) is Backend
 
 
 def test_collect_names_what_it_leaves_out(made_up_result: Result, tmp_path: Path, command: Command) -> None:

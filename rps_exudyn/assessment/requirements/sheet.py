@@ -244,7 +244,8 @@ def borne_under(gear: SteeringGear, torque: float) -> FaceLoading:
         )
     if result.status is not Status.OK or "face_load_factor" not in result.summary:
         return FaceLoading(
-            1.0, f"face load factor is 1, because contact forces are missing: {result.status} {result.message}"
+            1.0,
+            f"face load factor is 1, because contact forces are missing: {result.status} {result.message}",
         )
     pair, summary = GearPair.of(gear), result.summary
     factor = max(1.0, summary["face_load_factor"] * bearing_face(pair) / pair.face_width)

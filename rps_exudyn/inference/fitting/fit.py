@@ -14,7 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.errors import InputError, check_kind
+from rps_exudyn.base.units import shown
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.inference.fitting.bench_tests import (
     BenchTest,
@@ -46,7 +47,7 @@ from rps_exudyn.inference.fitting.unknowns import (
     settings_of,
     unknowns_of,
 )
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear, check_gear
 from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.scenes.checks.before_run import largest_angle
 from rps_exudyn.simulate.cases.run_cases import CaseRunner, cpu_time
@@ -71,7 +72,7 @@ def fit(
     """Estimate parameters of a gear from measured curves.
 
     Args:
-        files: measured files, "FILE" or "TEST=FILE" (`bench_tests.KINDS`); or a `Measurement`.
+        files: measured files, or one, "FILE" or "TEST=FILE" (`bench_tests.KINDS`); or a `Measurement`.
         gear: what is known of it; the expected values of all priors unless `priors` has others.
         free: parameters that are fitted, of `unknowns.FREEABLE`; bow and angle error, whose ripple preload
             and friction scale, alone are fitted beside the usual ones.
@@ -95,7 +96,19 @@ def fit(
         >>> round(found.estimate("yoke.preload").value, -1)
         300.0
     """
-    began, gear = cpu_time(), gear or SteeringGear()
+    began, gear = cpu_time(), SteeringGear() if gear is None else gear
+    check_gear(gear)
+    files = [files] if isinstance(files, str | Path) else files
+    free = [free] if isinstance(free, str) else free
+    check_kind("files", files, Iterable | Measurement, "a list of files")
+    check_kind("free", free, Iterable, "a list of parameters")
+    check_kind("jobs", jobs, int, "a whole number")
+    check_kind("time_limit", time_limit, int | float, "a number of seconds")
+    check_kind("priors", priors, Mapping | None, "path -> (value, deviation), in SI")
+    for path, prior in (priors or {}).items():
+        if np.shape(prior) != (2,) or np.asarray(prior).dtype.kind not in "if":
+            raise InputError(f"the prior of {path} is {shown(prior)}; it must be (value, deviation), in SI.")
+    check_kind("like", like, Fit | Series | None, "the fit of another gear")
     measurement = files if isinstance(files, Measurement) else read_measurement(files, columns, gear)
     check_sizes(measurement, gear)
     free = (*USUAL, *free) if free and {*free} <= {*CURVED} else free

@@ -21,7 +21,7 @@ import numpy as np
 
 from rps_exudyn.analysis.measured import FEWEST
 from rps_exudyn.analysis.passes import is_in_random_order, passes
-from rps_exudyn.base.errors import InputError, are, lines_in_words
+from rps_exudyn.base.errors import InputError, are, check_kind, lines_in_words
 from rps_exudyn.base.files import content_of
 from rps_exudyn.base.units import short
 from rps_exudyn.gears.gear_pair import GearPair
@@ -51,7 +51,7 @@ from rps_exudyn.inference.measured.turning import (
     recorded,
     spread_evenly,
 )
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear, check_gear
 from rps_exudyn.results.result import MeasuredTorque
 
 TORQUE = ("pinion_angle", "pinion_torque")
@@ -83,6 +83,8 @@ def read_measured_torque(
         >>> rps.read_measured_torque("bench.csv").signals["pinion_torque"].size
         361
     """
+    if gear is not None:
+        check_gear(gear)
     return read_curve(path, TORQUE, columns, None if gear is None else float(GearPair.of(gear).gain))
 
 
@@ -100,7 +102,10 @@ def read_curve(
     Raises:
         InputError: as of `read_measured_torque`.
     """
+    check_kind("columns", columns, Mapping | None, 'quantity -> "TITLE [unit]"')
     chosen = dict(columns or {})
+    for name, title in chosen.items():
+        check_kind(f"the column of {name}", title, str, 'text such as "TITLE [unit]"')
     if unknown := [name for name in chosen if name not in (*TORQUE, *PUSH)]:
         raise InputError(f"--column {unknown[0]} is no quantity; there are {', '.join((*TORQUE, *PUSH))}.")
     content = content_of(path)

@@ -16,9 +16,8 @@ from rps_exudyn.base.units import words
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.names import named
 from rps_exudyn.results.quantities import LABELS, Quantity
-from rps_exudyn.study.definition import Axis
+from rps_exudyn.study.definition import Axis, axis_quantity
 from rps_exudyn.study.effects import MainEffect
-from rps_exudyn.study.table import axis_quantity
 
 WIDTH, HEIGHT = 3.4, 2.6  # [in]; two of them on a sheet of A4
 MOST_TICKS = 5  # levels of a grid that are all labelled

@@ -62,10 +62,10 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.names import GEAR_FACTS, named
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.study import sensitivity
-from rps_exudyn.study.definition import GRID_DESIGN, Axis
+from rps_exudyn.study.definition import GRID_DESIGN, Axis, axis_quantity
 from rps_exudyn.study.effects import MainEffect, grid_effect, sampled_effect, surface
 from rps_exudyn.study.store import Store
-from rps_exudyn.study.table import PENDING, CaseTable, axis_quantity, show_value
+from rps_exudyn.study.table import PENDING, CaseTable, show_value
 
 OPEN, LEADING = 2, 3  # numbers whose folds are open; with their best and worst cases
 WITH_PICTURES = 6  # numbers whose effects are drawn, too
