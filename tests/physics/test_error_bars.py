@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -44,10 +45,10 @@ ODD = SteeringGear().replace({"pinion.teeth": 7, "pinion.runout": "20 um", "test
 )
 @pytest.mark.quick
 def test_a_level_has_all_instants_of_the_level_below(maneuver: Callable[[], Any]) -> None:
-    """So that signals of two levels are compared where both have a value; no level moves the record's ends."""
+    """So that signals of two levels are compared where both have a value; the record keeps its ends."""
     usual = maneuver()
     levels = [usual.halved(level - 1) for level in range(3)]
-    for coarse, fine in zip(levels, levels[1:], strict=False):
+    for coarse, fine in pairwise(levels):
         assert fine.time[::2] == pytest.approx(coarse.time, abs=1e-12 * coarse.time[-1])
         assert fine.record_start == pytest.approx(coarse.record_start)
 
@@ -57,7 +58,7 @@ def test_a_level_has_all_instants_of_the_level_below(maneuver: Callable[[], Any]
 def test_each_level_is_finer_in_every_knob(preset: str) -> None:
     fidelity = Fidelity.preset(preset)
     levels = [model_at(level, fidelity) for level in range(4)]
-    for coarse, fine in zip(levels, levels[1:], strict=False):
+    for coarse, fine in pairwise(levels):
         for name in {"tolerance", "zone_ratio"}:
             assert getattr(fine, name) == pytest.approx(getattr(coarse, name) / 2)
         for name in {*KNOBS} - {"tolerance", "zone_ratio", "step_angle", "swing_steps", "torque_tolerance"}:
@@ -144,7 +145,7 @@ def test_bars_of_many_records_are_those_of_each() -> None:
 # --- runs --------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("scene", ["free-pinion-torque", "reversal", "rack-lift"])
 def test_metrics_of_a_finer_level_lie_within_the_bars(scene: str) -> None:
-    """Level 3 halves the steps twice more; its own bars of the main metric are no wider than those of level 1."""
+    """Level 3 halves the steps twice more; its bar of the main metric is no wider than that of level 1."""
     gear = SteeringGear().replace(SHORT | {"pinion.runout": "20 um"})
     usual, fine = (rps.run(scene, gear, fidelity="quasi-static", level=level) for level in (1, 3))
     assert (usual.findings["level"], fine.findings["level"]) == (1, 3)

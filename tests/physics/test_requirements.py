@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import rps_exudyn as rps
-from rps_exudyn.assessment.requirements.limits import REQUIRED, Limit, read_limits
+from rps_exudyn.assessment.requirements.limits import REQUIRED, read_limits
 from rps_exudyn.assessment.requirements.sheet import (
     FaceLoading,
     RequirementRow,
