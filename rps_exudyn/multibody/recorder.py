@@ -11,6 +11,7 @@ from rps_exudyn.forces.bush import stored_in_chain
 from rps_exudyn.forces.external_load import axis_velocity
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
 from rps_exudyn.forces.friction import TIME
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_limits import largest_lift
 from rps_exudyn.multibody.solve import StepRefusedError
 from rps_exudyn.multibody.steering_model import SteeringModel
@@ -98,7 +99,21 @@ class Recorder:
         return True
 
     def _stop_out_of_mesh(self, t: float) -> None:
-        """End a run whose rack leaves the teeth: what follows is not the gear's motion."""
+        """End a run whose rack leaves the teeth: what follows is not the gear's motion.
+
+        Teeth that touch alike are a pitch away. Where lines of contact begin or end at once, a step's first
+        guess may part all flanks; from there Newton's method may run into another space between teeth.
+        """
+        angle, along = self.steps[-1].coordinates[self._angle_and_travel].tolist()
+        skipped, pitch = abs(along + self._pair.gain * angle), self._pair.rack_pitch
+        if not skipped <= pitch / 2:
+            raise StepRefusedError(
+                f"a time step moved the rack {1e3 * skipped:.4g} mm against the pinion (limit "
+                f"{1e3 * pitch / 2:.4g} mm, half a pitch) at {self.model.drive.shown(t)}: "
+                "lower fidelity.step_angle",
+                Status.DIVERGED,
+                Code.OUT_OF_BOUNDS,
+            )
         if self._lift_bound() <= self._allowed_lift:
             return
         places, rates = (each[None, self._columns] for each in self.steps[-1][1:3])
@@ -154,6 +169,14 @@ class Recorder:
     @cached_property
     def _rack_columns(self) -> np.ndarray:
         return self._columns[COORDINATE_BLOCKS["rack"]]
+
+    @cached_property
+    def _angle_and_travel(self) -> np.ndarray:
+        return self._columns[[COORDINATE_BLOCKS["pinion"].start, COORDINATE_BLOCKS["rack"].start]]
+
+    @cached_property
+    def _pair(self) -> GearPair:
+        return GearPair.of(self.model.gear)
 
     @cached_property
     def _allowed_lift(self) -> float:

@@ -5,9 +5,12 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import Force, MarkerBodyRigid
 
+from part_law import PartLaw
 from rps_exudyn.forces.bush import Chain, Tube, resting_segments, stored_in_chain
 from rps_exudyn.multibody.bodies import add_chain
+from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.gear_forces import gear_forces
 
 GEAR = SteeringGear()
 TUBE, LENGTH = Tube.of(GEAR), GEAR.bush.length
@@ -60,6 +63,21 @@ def test_exudyn_chain_of_25_is_a_timoshenko_beam() -> None:
     deflection = static_tip_deflection(chain, load := 10.0)
     assert deflection / (load * tip_compliance(TUBE)[LATERAL]) == pytest.approx(1, abs=0.015)
     assert deflection == pytest.approx(load * chain.compliance_at(LENGTH)[LATERAL], rel=1e-6)
+
+
+@pytest.mark.parametrize("place", [(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)])
+def test_a_bar_in_the_bush_is_held_as_by_a_cantilever(place: tuple[int, ...]) -> None:
+    """A bar moved by y, z and turned about Y, Z bends a cantilever that is held at X = d + L and free at
+    X = d: a force there along Y turns the end by -L^2 / 2EI about Z, one along Z by +L^2 / 2EI about Y."""
+    law = PartLaw.of(gear_forces(GEAR.replace({"bush.drag": 0.0}), Fidelity.preset("quasi-static")), "bush")
+    y, z, b, c = 1e-7 * np.array(place)
+    d, lateral = GEAR.bush.distance, tip_compliance(TUBE)[LATERAL]
+    swing, turn = LENGTH**2 / (2 * TUBE.bending), LENGTH / TUBE.bending
+    f_y, m_z = np.linalg.solve([[lateral, -swing], [-swing, turn]], [y + d * c, c])
+    f_z, m_y = np.linalg.solve([[lateral, swing], [swing, turn]], [z - d * b, b])
+    expected = -np.array([0, f_y, f_z, 0, m_y - d * f_z, m_z + d * f_y])
+    force = law.evaluate(np.array([0, y, z, 0, b, c]), np.zeros(6))[:6]
+    assert force == pytest.approx(expected, abs=1e-5 * np.abs(expected).max())
 
 
 def test_resting_segments_agree_with_the_compliance_and_the_energy() -> None:
