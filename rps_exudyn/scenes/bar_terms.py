@@ -18,11 +18,20 @@ from rps_exudyn.analysis.passes import number_of
 from rps_exudyn.analysis.rack_motion import transmission_error
 from rps_exudyn.analysis.work_balance import largest_work, missing_work
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.results.quantities import EXTREMES, FIRST_ORDERS, LOST_MOTIONS, SPREADS, SUMMARY, WANDERING
+from rps_exudyn.results.quantities import (
+    EXTREMES,
+    FIRST_ORDERS,
+    LOSS_SHARES,
+    LOST_MOTIONS,
+    RACK_RANGES,
+    SPREADS,
+    SUMMARY,
+    WANDERING,
+)
 from rps_exudyn.scenes.checks.after_run import least_work
-from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses, beside_travel
+from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses, beside_travel, ringing, with_inertia
 from rps_exudyn.scenes.error_bars import Metrics
-from rps_exudyn.scenes.metric_confirmation import by_inertia
+from rps_exudyn.scenes.metric_confirmation import DRIVES, ERROR, PRESSED, RINGS
 from rps_exudyn.scenes.run_maneuver import left_open
 from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.scenes.scene_run import Signals
@@ -33,6 +42,8 @@ FORCES = {"N", "N*m", "J"}
 MODEL_BIAS = {"closed-form": 0.02, "general-contact": 0.003}
 """Model -> share of its metrics by which 95 % of random gears differ from one with equilibria and strips."""
 
+MOVES = 12.5  # times the inertia beside the travel, over the yoke's force, that ranges of the rack change ...
+SHARES = 1 / 6  # ... and shares of losses
 MOST_OF_WORK = 0.05  # that may be missing in the balance: more is no error, but another motion
 MOST_OF_TERMS = 0.2  # of the scene's main metric that inertia may change: more is another motion, too
 
@@ -77,19 +88,22 @@ def _model(fidelity: Fidelity, size: Terms) -> Terms:
 
 
 def _work(signals: Signals, size: Terms) -> Terms:
-    share = number_of(work_error(signals))
+    edges = np.abs(signals.get("work_mesh_edges", np.zeros(1))[..., -1])
+    share = missing_share(signals) + _share(edges, signals)
     return {name: share * each for name, each in size.items()}
 
 
-def work_error(signals: Signals) -> Any:
-    """Return the share of the work that is missing in its balance, or lost at tooth edges, where it is not so
-    little that it is none. A number, or of many gears (n,)."""
-    if "stored_energy" not in signals or "pinion_angle" not in signals:
+def missing_share(signals: Signals) -> Any:
+    """Return the share of the work that is missing in its balance; a number, or of many gears (n,)."""
+    return _share(np.abs(missing_work(signals)), signals) if "stored_energy" in signals else 0.0
+
+
+def _share(work: Any, signals: Signals) -> Any:
+    """Return work over what drive or load did, 0 of so little that it is none."""
+    if "pinion_angle" not in signals:
         return 0.0
-    largest, least = largest_work(signals), least_work(signals)
-    edges = signals.get("work_mesh_edges", np.zeros(1))[..., -1]
-    wrong = sum(np.where(each > least, each, 0.0) for each in (np.abs(missing_work(signals)), np.abs(edges)))
-    return wrong / np.maximum(largest, least)
+    least = least_work(signals)
+    return number_of(np.where(work > least, work, 0.0) / np.maximum(largest_work(signals), least))
 
 
 def _start(findings: Mapping[str, Any], size: Terms, of_run: Terms) -> Terms:
@@ -108,16 +122,32 @@ def _start(findings: Mapping[str, Any], size: Terms, of_run: Terms) -> Terms:
 def _inertia(
     masses: MovedMasses, metrics: Metrics, signals: Signals, values: Mapping[str, Any], size: Terms
 ) -> Terms:
-    if "mesh_normal_force" not in signals:
+    """What the drive overcomes along the travel changes as its metrics show; what varies by the range of that
+    at most. Beside the travel, inertia presses on the yoke: all forces change by its usual share, ranges of
+    the rack and shares of losses by its largest."""
+    drive = next((name for name in DRIVES if name in signals), "")
+    if not drive or "mesh_normal_force" not in signals:
         return {}
-    changed = by_inertia(lambda each: dict(metrics(each)), signals, values, masses)
-    _, usual = beside_travel(signals, masses)
-    return {name: (usual + changed.get(name, 0.0) * _tolerance(name)) * each for name, each in size.items()}
+    beside, usual = beside_travel(signals, masses)
+    added = with_inertia(signals, masses)
+    shifted = metrics(added)
+    varies = np.ptp(added[drive] - signals[drive], axis=-1) + beside * np.abs(signals[drive]).mean(axis=-1)
+    depth = PRESSED * beside * np.mean(signals["mesh_penetration"], axis=-1)
 
+    def change(name: str, each: Any) -> Any:
+        if name == ERROR:
+            return np.maximum(depth, RINGS * ringing(signals, masses))
+        if name in DRIVES[drive]:
+            return varies
+        if name in RACK_RANGES:
+            return MOVES * beside * each
+        if name in LOSS_SHARES:
+            return SHARES * beside * each
+        return np.abs(shifted.get(name, values[name]) - values[name])
 
-def _tolerance(name: str) -> float:
-    how = SUMMARY[name].confirmed
-    return how.tolerance if how else 0.0
+    changes = {name: usual * each + change(name, each) for name, each in size.items()}
+    # a motion that inertia has changed has another inertia, by the same share
+    return {name: each * (1 + each / size[name]) for name, each in changes.items()}
 
 
 def _open_cycle(masses: MovedMasses, signals: Signals, size: Terms) -> Terms:

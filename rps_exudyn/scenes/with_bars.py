@@ -21,10 +21,10 @@ from rps_exudyn.scenes.bar_terms import (
     MOST_OF_WORK,
     bar_terms,
     leaves_inertia_out,
-    work_error,
+    missing_share,
 )
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses
-from rps_exudyn.scenes.error_bars import error_bars
+from rps_exudyn.scenes.error_bars import Metrics, error_bars
 from rps_exudyn.scenes.ladder import gear_at, model_at
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun
@@ -72,9 +72,11 @@ def _barred(
     scene: Scene, gear: SteeringGear, fidelity: Fidelity, printed: SceneRun, fine: SceneRun, coarse: SceneRun
 ) -> SceneRun:
     """Return the printed run with the bars of two levels."""
-    assert fine.metrics is not None
-    curves = not (scene.at_rest or scene.has_impacts)
-    bars = error_bars(fine.metrics, fine.signals, fine.summary, coarse.signals, coarse.summary, curves=curves)
+    if len(fine.signals["time"]) == len(coarse.signals["time"]):  # a scene that leaves out its options
+        return _with_terms(scene, gear, fidelity, printed, None)
+    curves = fine.metrics is not None and not (scene.at_rest or scene.has_impacts)
+    metrics, values, fewer = metrics_of(fine), fine.summary, coarse.summary
+    bars = error_bars(metrics, fine.signals, values, coarse.signals, fewer, curves=curves)
     return _with_terms(scene, gear, fidelity, printed, bars)
 
 
@@ -82,10 +84,12 @@ def _with_terms(
     scene: Scene, gear: SteeringGear, fidelity: Fidelity, run: SceneRun, bars: Mapping[str, Any] | None
 ) -> SceneRun:
     """Return a run whose bars have their terms added; None: no level serves, all bars are unknown (nan)."""
-    if run.metrics is None or not run.signals:
+    if not run.signals:
         return run
     masses = MovedMasses.of(gear)
-    terms = bar_terms(scene, fidelity, run.metrics, run.signals, run.summary, run.outcome.findings, masses)
+    terms = bar_terms(
+        scene, fidelity, metrics_of(run), run.signals, run.summary, run.outcome.findings, masses
+    )
     if bars is None:
         errors = dict.fromkeys(terms, np.nan)
     else:
@@ -94,7 +98,7 @@ def _with_terms(
     run = replace(run, errors=errors)
     if not run.ok:
         return run
-    if (missing := work_error(run.signals)) > MOST_OF_WORK:
+    if (missing := missing_share(run.signals)) > MOST_OF_WORK:
         text = f"the error of the work balance is {missing:.1%} (limit {MOST_OF_WORK:.0%})"
         return run.invalid(Code.WORK_MISSING, f"{text}; lower fidelity.step_angle")
     size = abs(run.summary.get(scene.figure, 0.0))
@@ -105,3 +109,8 @@ def _with_terms(
             Code.TURN_TOO_FAST, f"{text} {share:.0%} (limit {MOST_OF_TERMS:.0%}); choose generalized-alpha"
         )
     return run
+
+
+def metrics_of(run: SceneRun) -> Metrics:
+    """Return the function of a run's metrics; of a scene that states none, its summary of any signals."""
+    return run.metrics or (lambda signals: run.summary)

@@ -19,7 +19,7 @@ from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Remark
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.bar_terms import MOST_OF_TERMS, MOST_OF_WORK, bar_terms, work_error
+from rps_exudyn.scenes.bar_terms import MOST_OF_TERMS, MOST_OF_WORK, bar_terms, missing_share
 from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses, of_many
 from rps_exudyn.scenes.error_bars import error_bars
@@ -354,7 +354,7 @@ class _Followed:
         preload = np.array([gear.yoke.preload for gear in self.gears])[:, None]
         middle = replace(MovedMasses.of(family.gear), gain=self.gain[:, None], preload=preload)
         masses = middle if self.common.alike else of_many([MovedMasses.of(gear) for gear in self.gears])
-        findings = {"start_unsettled": family.unsettled}
+        findings = {} if family.maneuver.closes else {"start_unsettled": family.unsettled}
         terms = bar_terms(
             self.common.scene, family.fidelity, self.metrics, self.signals, values, findings, masses
         )
@@ -369,7 +369,7 @@ class _Followed:
         if not self.gears or test is None:
             return NO_GEARS
         bars, holds = self.bars(coarse)
-        holds = holds & (work_error(self.signals) < SAFE * MOST_OF_WORK)
+        holds = holds & (missing_share(self.signals) < SAFE * MOST_OF_WORK)
         if not holds.all():
             return self.some(holds).described(coarse.some(holds))
         summary = dict(self.summary)
