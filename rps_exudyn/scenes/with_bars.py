@@ -15,7 +15,8 @@ import numpy as np
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Code, Interrupted
+from rps_exudyn.results.outcome import Code, Interrupted, Remark
+from rps_exudyn.results.quantities import EXTREMES, SPREADS
 from rps_exudyn.scenes.bar_terms import (
     MOST_OF_TERMS,
     MOST_OF_WORK,
@@ -26,8 +27,15 @@ from rps_exudyn.scenes.bar_terms import (
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses
 from rps_exudyn.scenes.error_bars import Metrics, error_bars
 from rps_exudyn.scenes.ladder import gear_at, model_at
+from rps_exudyn.scenes.remarks import GROWN
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun
+
+EXCITED = (
+    "friction excites a vibration that grows {:.3g} times over a pass and that the steps damp: the errors of "
+    "peak to peak values, ranges, largest and smallest values are unknown"
+)
+MOST_POWER = 20.0  # of e, that a sentence states
 
 
 def run_with_bars(scene: Scene, gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
@@ -95,6 +103,10 @@ def _with_terms(
     else:
         errors = {name: float(bars.get(name, 0.0) + each) for name, each in terms.items()}
     errors = {name: each if np.isfinite(each) else float("nan") for name, each in errors.items()}
+    if (grown := run.outcome.findings.get("vibration_grows", 0.0)) > GROWN:
+        errors |= dict.fromkeys(errors.keys() & (SPREADS | EXTREMES), float("nan"))
+        times = np.exp(min(grown, MOST_POWER))
+        run = run.noting(Remark(Code.PEAKS_UNRESOLVED, EXCITED.format(times)))
     run = replace(run, errors=errors)
     if not run.ok:
         return run
