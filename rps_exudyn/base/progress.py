@@ -45,10 +45,12 @@ class _Follower:
     first: tuple[float, float] = (0.0, 0.0)  # instant and share from which the rate is taken
     part: int = 0
     parts: int = 1
+    stage: tuple[float, float] = (0.0, 1.0)  # shares of the whole between which the present run lies
 
     def reached(self, fraction: float, place: Callable[[], str]) -> None:
         """Report it, unless it is too early, or nothing is done from which the time left would follow."""
-        now, whole = monotonic(), min((self.part + fraction) / self.parts, 1.0)
+        begin, end = self.stage
+        now, whole = monotonic(), begin + (end - begin) * min((self.part + fraction) / self.parts, 1.0)
         if whole < self.last:  # the first step, or another run or part begins
             self.first = now, whole
         self.last, (since, before) = whole, self.first
@@ -79,6 +81,12 @@ def begin_part(part: int, parts: int) -> None:
     """Note that one part of a run of several begins, the first of them 0."""
     if (follower := _following.get()) is not None:
         follower.part, follower.parts = part, parts
+
+
+def begin_stage(begin: float, end: float) -> None:
+    """Note that one run of several begins, between two shares of the whole."""
+    if (follower := _following.get()) is not None:
+        follower.stage = begin, end
 
 
 def reached(fraction: float, place: Callable[[], str]) -> None:

@@ -140,8 +140,8 @@ class Result:
         for group, known in GROUPS.items():
             if unknown := set(getattr(self, group)) - set(known):
                 raise ValueError(f"quantities.py declares no {group} named {', '.join(sorted(unknown))}")
-        if unknown := self.errors.keys() - self.summary.keys():
-            raise ValueError(f"the summary has no number for the error of {', '.join(sorted(unknown))}")
+        if unknown := self.errors.keys() - SUMMARY.keys():
+            raise ValueError(f"quantities.py declares no summary named {', '.join(sorted(unknown))}")
         shapes = {np.shape(values) for values in self.signals.values()}
         if self.signals and ("time" not in self.signals or len(shapes) > 1 or len(shapes.pop()) != 1):
             raise ValueError("signals must be one-dimensional, of one length, and hold the time")
@@ -278,8 +278,8 @@ def _write(result: Result, file: h5py.File) -> None:
     for group in ("summary", "geometry"):
         for name, value in getattr(result, group).items():
             _put(file, group, name, float(value))
-    for name, error in result.errors.items():
-        file["summary"][name].attrs["error"] = float(error)
+    for name in result.errors.keys() & result.summary.keys():
+        file["summary"][name].attrs["error"] = float(result.errors[name])
     for name, count in result.counters.items():
         _put(file, "counters", name, count)
     if result.measured is not None:

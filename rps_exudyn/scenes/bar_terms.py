@@ -42,6 +42,7 @@ FORCES = {"N", "N*m", "J"}
 MODEL_BIAS = {"closed-form": 0.02, "general-contact": 0.003}
 """Model -> share of its metrics by which 95 % of random gears differ from one with equilibria and strips."""
 
+MAGNIFIED = 5  # times the same most of the time, that forces change: a rack that swings on yoke and teeth
 MOVES = 12.5  # times the inertia beside the travel, over the yoke's force, that ranges of the rack change ...
 SHARES = 1 / 6  # ... and shares of losses
 MOST_OF_WORK = 0.05  # that may be missing in the balance: more is no error, but another motion
@@ -145,7 +146,7 @@ def _inertia(
             return SHARES * beside * each
         return np.abs(shifted.get(name, values[name]) - values[name])
 
-    changes = {name: usual * each + change(name, each) for name, each in size.items()}
+    changes = {name: MAGNIFIED * usual * each + change(name, each) for name, each in size.items()}
     # a motion that inertia has changed has another inertia, by the same share
     return {name: each * (1 + each / size[name]) for name, each in changes.items()}
 

@@ -23,6 +23,7 @@ class SceneRun:
         summary: name -> metric.
         errors: name -> half width of the metric's error bar.
         metrics: the function that gave the summary of the signals.
+        unsure: metrics whose errors no finer run shows.
     """
 
     outcome: Outcome
@@ -30,6 +31,7 @@ class SceneRun:
     summary: dict[str, float] = field(default_factory=dict)
     errors: dict[str, float] = field(default_factory=dict)
     metrics: Callable[[Signals], dict[str, float]] | None = None
+    unsure: frozenset[str] = frozenset()
 
     @property
     def ok(self) -> bool:
@@ -64,6 +66,10 @@ class SceneRun:
         """Return the run without some of its metrics."""
         kept = {name: value for name, value in self.summary.items() if name not in left_out}
         return replace(self, summary=kept)
+
+    def unsure_of(self, names: Collection[str]) -> "SceneRun":
+        """Return the run with metrics whose errors no finer run shows."""
+        return replace(self, unsure=self.unsure | frozenset(names))
 
     def described(self, figures: Callable[[Signals], dict[str, float]]) -> "SceneRun":
         """Return the run with the summary that `figures` reads from its signals, if there are any."""

@@ -53,7 +53,9 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
     else:
         run = run_swing(turned, fidelity, maneuver, options, metrics, SCENE.figure)
     if options.level is not None:
-        return run.noting(*remarks(gear, run.signals), _held(gear))
+        if branched := _branches(gear, fidelity, "the errors of {} are unknown"):
+            run = run.unsure_of(SPREADS | EXTREMES | LOSS_SHARES)
+        return run.noting(*remarks(gear, run.signals), _held(gear), branched)
     figure = "breakaway_torque" if gear.test.steer_shape == "ramp" else "angle_dead_band"
     depend = (
         "the rack's gain, the yoke's largest and smallest force and shares of losses are omitted: they and "
@@ -61,12 +63,12 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
     )
     if remark := wide_zone(gear, fidelity, depend, WIDEST_ZONE):
         run = run.without(EXTREMES | LOSS_SHARES | {"rack_gain"})  # where friction lets go in one jerk
-    if branched := _branches(gear, fidelity):
+    if branched := _branches(gear, fidelity, "{} are omitted"):
         run = run.without(SPREADS | EXTREMES | LOSS_SHARES)
     return run.noting(*remarks(gear, run.signals), _held(gear), remark, branched)
 
 
-def _branches(gear: SteeringGear, fidelity: Fidelity) -> Remark | None:
+def _branches(gear: SteeringGear, fidelity: Fidelity, then: str) -> Remark | None:
     """Return a remark on what the motion after breakaway leaves open for equilibria where friction falls with
     speed: the rack may come to rest rolled one way or the other, with shares of losses 6 % apart."""
     falls = any(getattr(gear, part).surplus > 0 for part in RUBBING_PARTS)
@@ -74,9 +76,9 @@ def _branches(gear: SteeringGear, fidelity: Fidelity) -> Remark | None:
         return None
     return Remark(
         Code.METRIC_NOT_CONFIRMED,
-        "shares of losses, ranges, largest and smallest values are omitted: friction is larger at rest, so "
-        "that equilibria have more than one state after breakaway; choose the solver generalized-alpha for "
-        "them",
+        then.format("shares of losses, ranges, largest and smallest values")
+        + ": friction is larger at rest, so that equilibria have more than one state after breakaway; choose "
+        "the solver generalized-alpha for them",
     )
 
 

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from rps_exudyn.base.progress import begin_stage
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Remark
@@ -35,6 +36,7 @@ EXCITED = (
     "friction excites a vibration that grows {:.3g} times over a pass and that the steps damp: the errors of "
     "peak to peak values, ranges, largest and smallest values are unknown"
 )
+FINE_SHARE = 2 / 3  # of the time of two levels, that the finer one takes
 MOST_POWER = 20.0  # of e, that a sentence states
 
 
@@ -49,6 +51,7 @@ def run_with_bars(scene: Scene, gear: SteeringGear, fidelity: Fidelity, options:
     level = options.level
 
     def run_at(each: int) -> SceneRun:
+        begin_stage(*((0.0, FINE_SHARE) if each == level else (FINE_SHARE, 1.0)))
         return scene.run(gear_at(each, gear), model_at(each, fidelity), options.at(each))
 
     first = run_at(level)
@@ -70,9 +73,15 @@ def run_with_bars(scene: Scene, gear: SteeringGear, fidelity: Fidelity, options:
 
 
 def _described(run: SceneRun, level: int, companion: SceneRun | None = None) -> SceneRun:
-    """Return a run with the level that it has, and the time of both runs."""
-    cpu = run.outcome.cpu_s + (companion.outcome.cpu_s if companion else 0.0)
-    outcome = replace(run.outcome, cpu_s=cpu, findings={**run.outcome.findings, "level": level})
+    """Return a run with the level that it has, and what both runs took."""
+    both = [each.outcome for each in (run, companion) if each]
+    names = dict.fromkeys(name for each in both for name in each.counters)
+    outcome = replace(
+        run.outcome,
+        cpu_s=sum(each.cpu_s for each in both),
+        counters={name: sum(each.counters.get(name, 0) for each in both) for name in names},
+        findings={**run.outcome.findings, "level": level},
+    )
     return replace(run, outcome=outcome)
 
 
@@ -104,9 +113,9 @@ def _with_terms(
         errors = {name: float(bars.get(name, 0.0) + each) for name, each in terms.items()}
     errors = {name: each if np.isfinite(each) else float("nan") for name, each in errors.items()}
     if (grown := run.outcome.findings.get("vibration_grows", 0.0)) > GROWN:
-        errors |= dict.fromkeys(errors.keys() & (SPREADS | EXTREMES), float("nan"))
-        times = np.exp(min(grown, MOST_POWER))
-        run = run.noting(Remark(Code.PEAKS_UNRESOLVED, EXCITED.format(times)))
+        remark = Remark(Code.PEAKS_UNRESOLVED, EXCITED.format(np.exp(min(grown, MOST_POWER))))
+        run = run.noting(remark).unsure_of(SPREADS | EXTREMES)
+    errors |= dict.fromkeys(errors.keys() & run.unsure, float("nan"))
     run = replace(run, errors=errors)
     if not run.ok:
         return run

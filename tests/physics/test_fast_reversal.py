@@ -74,26 +74,31 @@ def test_the_racks_inertia_loads_the_teeth() -> None:
 
 @pytest.mark.parametrize("rpm", [150, 600])
 def test_equilibria_follow_a_swing_that_shakes_the_rack(rpm: float) -> None:
-    """All metrics are those of dynamics within 1 %, the torque's jump, which is confirmed to 5 %, within 3 %.
+    """All metrics are those of dynamics within the error bars of both, works and gain within 1 %.
     Without the inertia of rolling and tilting the torque of the slower swing is 7 % off, RMS."""
     still, moving = (reversal(model, rpm, 5) for model in ("quasi-static", "flank"))
     assert still.status is moving.status is Status.OK, still.message
     compared = (still.summary.keys() & moving.summary.keys()) - {"energy_residual"}
     assert {"hysteresis_area", "rack_gain", "yoke_force_max"} <= compared
     for name in compared:
-        within = 0.03 if name == "torque_jump" else 0.01
-        assert still.summary[name] == pytest.approx(moving.summary[name], rel=within), name
+        apart = abs(still.summary[name] - moving.summary[name])
+        assert apart <= still.errors[name] + moving.errors[name], name
+    for name in ("hysteresis_area", "rack_gain"):
+        assert still.summary[name] == pytest.approx(moving.summary[name], rel=0.01), name
 
 
-def test_a_turn_that_shakes_the_rack_is_refused() -> None:
+def test_bars_of_equilibria_grow_with_the_turn_that_shakes_the_rack() -> None:
     """A heavy rack over 50 um of runout: dynamics take the same torque at 600 rpm, 13 % more at 1200 rpm,
-    and then the rack leaves its teeth."""
+    and then the rack leaves its teeth; at 2400 rpm equilibria are no answer."""
     gear = SteeringGear().replace({"pinion.runout": "50 um", "rack.density": "40000 kg/m^3", "test.turns": 2})
-    slow, fast = (gear.replace({"test.speed": each}) for each in ("600 rpm", "1200 rpm"))
+    slow, fast, faster = (gear.replace({"test.speed": f"{each} rpm"}) for each in (600, 1200, 2400))
     still, moving = (rps.run("free-pinion-torque", slow, fidelity=each) for each in ("quasi-static", "flank"))
     assert still.status is Status.OK, still.message
     assert still.summary["torque_mean"] == pytest.approx(moving.summary["torque_mean"], rel=3e-3)
-    refused = rps.run("free-pinion-torque", fast, fidelity="quasi-static")
+    shaken = rps.run("free-pinion-torque", fast, fidelity="quasi-static")
+    assert still.errors["torque_mean"] < 0.04 * still.summary["torque_mean"]
+    assert shaken.errors["torque_mean"] > 0.1 * shaken.summary["torque_mean"]
+    refused = rps.run("free-pinion-torque", faster, fidelity="quasi-static")
     assert (refused.status, refused.codes) == (Status.INVALID, (Code.TURN_TOO_FAST,))
 
 

@@ -17,7 +17,6 @@ from rps_exudyn.pages.report.sheet import sheet_of
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.quantities import EXTREMES, LOSS_SHARES, SPREADS
 from rps_exudyn.results.result import Result
 from rps_exudyn.simulate.run import run
 from rps_exudyn.solvers.closed_form import closed_form, torque_per_preload
@@ -222,23 +221,14 @@ def test_chain_and_condensed_bush_give_the_same_torque(pitch: Result, condensed_
     assert pitch.summary["torque_mean"] == pytest.approx(condensed, rel=1e-3)
 
 
-def test_spheres_show_means_and_no_ripple(pitch: Result) -> None:
-    """On the preset's grid the default gear's ripple is 23 % too large over a pitch."""
-    assert "torque_mean" in pitch.summary
-    assert not SPREADS & pitch.summary.keys()
-    (reason,) = (row.words for row in sheet_of(pitch).rows if row.value == "remark")
-    assert "20 % and more off" in reason
-    assert "more: --all" not in reason
+def test_spheres_show_a_ripple_with_a_wide_bar(pitch: Result) -> None:
+    """On the preset's grid the default gear's ripple is 23 % too large over a pitch; the mean is sure."""
+    lines = rps.run("free-pinion-torque", pitch.gear, fidelity="quasi-static")
+    ripple = "torque_peak_to_peak"
+    assert pitch.errors["torque_mean"] < 0.01 * pitch.summary["torque_mean"]
+    assert pitch.errors[ripple] > 0.1 * pitch.summary[ripple]
+    assert abs(pitch.summary[ripple] - lines.summary[ripple]) <= pitch.errors[ripple]
     assert not any("on centre" in row.words for row in sheet_of(pitch).rows)
-
-
-def test_part_of_a_pitch_shows_spheres_no_largest_value(condensed_pitch: Result) -> None:
-    """They share the load otherwise than lines of contact: a yoke's largest force was 7 % off."""
-    part = turned(CONDENSED, PITCH / 4)
-    assert "torque_mean" in part.summary
-    assert (EXTREMES | LOSS_SHARES) & condensed_pitch.summary.keys()
-    assert not (EXTREMES | LOSS_SHARES) & part.summary.keys()
-    assert "less than a pitch" in part.message
 
 
 def test_torque_is_nearly_even_in_the_sense_of_rotation(condensed_pitch: Result) -> None:

@@ -207,7 +207,7 @@ def test_long_slow_steps_begin_near_their_equilibria(stiffness: float, zone: flo
     assert means[0] == pytest.approx(means[1], rel=5e-3)
 
 
-def test_too_few_teeth_before_the_start_leave_the_peak_to_peak_out() -> None:
+def test_too_few_teeth_before_the_start_widen_the_bar_of_the_peak_to_peak() -> None:
     """From lock to lock the rack has teeth for one pitch before the start. The first pitch of the record owes
     6 % to that: the difference from equilibria that begin where the teeth do. The run looks at 48 places of
     that pitch, between which the largest may be a tenth larger. With parallel axes it is 1e-4."""
@@ -225,8 +225,7 @@ def test_too_few_teeth_before_the_start_leave_the_peak_to_peak_out() -> None:
     apart = np.abs(real - run["pinion_torque"][: time.size]).max() / np.abs(real).max()
     assert apart > 0.05
     assert run.findings["start_unsettled"] == pytest.approx(apart, rel=0.1)
-    assert "torque_peak_to_peak" not in run.summary
-    assert "depends on where the motion began" in run.message
+    assert run.errors["torque_peak_to_peak"] > 0.9 * apart * np.abs(run["pinion_torque"]).mean()
     parallel = rps.run(
         "free-pinion-torque", gear.replace({"installation.angle_error": 0.0}), fidelity=FIDELITY
     )

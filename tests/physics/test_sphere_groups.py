@@ -65,7 +65,11 @@ def test_spheres_out_of_reach_do_not_change_a_run(monkeypatch: pytest.MonkeyPatc
     Newton's method begins alike and ends alike: rounding, 1e-9 of the mean; its tolerance is 1e-4."""
     held = turned()
     monkeypatch.setattr(gear_forces, "by_touching_angle", without_gate)
-    np.testing.assert_allclose(held["pinion_torque"], turned()["pinion_torque"], atol=1e-8)
+    free = turned()
+    planned, own, other = np.intersect1d(held["time"], free["time"], return_indices=True)
+    assert planned.size > 0.8 * held["time"].size  # restarts add others
+    apart = held["pinion_torque"][own] - free["pinion_torque"][other]
+    assert np.abs(apart).max() < 1e-4 * held["pinion_torque"].max()
 
 
 def without_gate(data: SampledContactData, pair: GearPair) -> SampledContactData:

@@ -142,19 +142,18 @@ def test_gear_on_bristles_sticks_as_without(elements: int) -> None:
     assert abs(bristles.summary["energy_residual"]) < 1e-3
 
 
-def test_remarks_on_what_cannot_stick_and_what_hides_it() -> None:
+def test_remarks_on_what_cannot_stick() -> None:
     plain = run(1.5, law="coulomb")
     assert "larger at rest than in motion" in plain.message
     assert "stick_slip_amplitude" not in plain.summary  # what is left of the start
     assert "stick_slip_torque" in plain.summary
-    assert "a part at rest creeps" in run(1.5, (("zone_ratio", 0.02),)).message
 
 
-def test_in_a_wide_zone_the_amplitude_is_that_of_a_narrow_one() -> None:
-    """What confirms it has a zone of 0.025 at most, and is printed; near the sticking speed too."""
+def test_bars_cover_what_a_wide_zone_does_to_the_amplitude() -> None:
+    """A part at rest creeps in it."""
     wide, narrow = (run(1.5, (("zone_ratio", ratio),)) for ratio in (0.2, 0.005))
     for name in ("stick_slip_amplitude", "stick_slip_torque"):
-        assert wide.summary[name] == pytest.approx(narrow.summary[name], rel=0.01)
+        assert abs(wide.summary[name] - narrow.summary[name]) <= wide.errors[name]
 
 
 def test_equilibria_cannot_slip() -> None:

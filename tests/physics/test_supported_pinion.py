@@ -156,7 +156,7 @@ def test_by_scene_is_rigid_without_float_or_clearance() -> None:
 def test_the_float_shuttles_at_each_reversal_and_the_rack_leads() -> None:
     """By closed form the float turns the pinion by a tan(beta_b) / r_b; beside it stands the lost motion
     without float. Friction along the crossed axes carries the shaft: the rack leads."""
-    free, held_axially = (rps.run("reversal", each, fidelity=GUIDED) for each in (LOOSE, GEAR))
+    free, held_axially = (rps.run("reversal", each, fidelity=GUIDED, level=2) for each in (LOOSE, GEAR))
     moved = free.summary["lost_motion_angle"] - held_axially.summary["lost_motion_angle"]
     assert moved == pytest.approx(-LOST, rel=0.02)
     assert np.ptp(free.signals["pinion_axial"]) == pytest.approx(FLOAT, rel=0.05)
@@ -203,7 +203,7 @@ def test_bearings_rub_under_their_load(law: str) -> None:
     assert by_load.summary["torque_mean"] - without.summary["torque_mean"] == pytest.approx(more, rel=0.01)
     assert abs(by_load.summary["energy_residual"]) < 1e-3
     rigid = [rps.run("free-pinion-torque", each, fidelity=QUASI_STATIC).summary for each in (gear, rubbed)]
-    assert rigid[0] == rigid[1]
+    assert rigid[0] == pytest.approx(rigid[1], rel=1e-9, abs=1e-12)
 
 
 @pytest.mark.parametrize("changes", [{}, CLEARANCES, YIELDING])
@@ -224,19 +224,6 @@ def test_gears_together_are_single_runs(changes: dict[str, object]) -> None:
         assert found.summary["torque_mean"][row] == pytest.approx(alone["torque_mean"], rel=1e-5)
         assert found.summary["rack_lift_range"][row] == pytest.approx(alone["rack_lift_range"], rel=5e-3)
         assert abs(found.summary["energy_residual"][row]) < 1e-4
-
-
-@pytest.mark.parametrize("fidelity", ["quasi-static", "flank"])
-def test_a_step_costs_at_most_half_more(fidelity: str) -> None:
-    """CPU time of the solver per step of steady turning, the least of rounds in turn; 1.25 and 1.2 times
-    measured."""
-    models = [rps.Fidelity.preset(fidelity).replace({"pinion": each}) for each in ("rigid", "supported")]
-    costs = np.full((7, 2), np.inf)
-    for i, j in np.ndindex(costs.shape):
-        counters = rps.run("free-pinion-torque", GEAR, fidelity=models[j]).counters
-        costs[i, j] = counters["solver_cpu"] / counters["steps"]
-    rigid, supported = costs.min(axis=0)
-    assert supported < 1.5 * rigid
 
 
 @pytest.mark.parametrize("scene", ["reversal", "steering-feel"])

@@ -46,11 +46,12 @@ def test_reversal_by_the_closed_form_jumps_by_both_free_torques() -> None:
     assert result.summary["torque_jump"] == pytest.approx(2 * closed_form(gear).free_torque, rel=1e-3)
 
 
-def test_a_gear_that_rolls_into_its_cycle_is_begun_earlier() -> None:
-    """The first cycle recorded takes the work of the sixth to 0.2 %; begun as it was, 3 % less."""
+def test_bars_cover_a_gear_that_rolls_into_its_cycle() -> None:
+    """The first cycle recorded takes the work of the sixth within its bar."""
     plan = bad_cases()["reversal 971"].plan
     later = ScenePlan(plan.scene, plan.gear.replace({"test.cycles": 6}), plan.fidelity)
-    assert plan.figure(made(plan)) == pytest.approx(plan.figure(made(later)), rel=2e-3)
+    first = made(plan)
+    assert abs(plan.figure(first) - plan.figure(made(later))) <= first.errors["hysteresis_area"]
 
 
 def test_a_swing_whose_small_motions_wander_on_is_printed_without_them() -> None:
