@@ -8,6 +8,7 @@ stretch over which the elastic ripple of mesh and torque cancels.
 import numpy as np
 import pytest
 
+import rps_exudyn as rps
 from rps_exudyn.forces.yoke import seat_wedge_factor
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.multibody.model import build_model
