@@ -1,7 +1,25 @@
-"""`python -m rps_exudyn` is `rps-exudyn`."""
+"""`python -m rps_exudyn` is `rps-exudyn`: a command, which Ctrl-C ends in a sentence."""
 
+import signal
 import sys
 
-from rps_exudyn.cli.main import main
+from rps_exudyn.base.interrupts import arm, disarm
 
-sys.exit(main())
+
+def main() -> int:
+    """Run the command of `sys.argv` and return the exit status."""
+    try:
+        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # a background job ignores it
+            arm()
+        from rps_exudyn.cli.main import main as command
+
+        status = command()
+        disarm()
+    except KeyboardInterrupt as interrupt:
+        print(f"rps-exudyn: {str(interrupt) or 'interrupted; nothing was written.'}", file=sys.stderr)
+        status = 130
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

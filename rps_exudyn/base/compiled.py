@@ -6,6 +6,7 @@ cost no counting of references, and many gears are an array of records.
 
 from collections.abc import Callable
 from functools import cache
+from threading import RLock
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ NUMBER, WHOLE = types.float64, types.int64
 
 _NOT_FROM_PYTHON = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 _signatures: dict[Any, Any] = {}
+_one_at_a_time = RLock()  # numba's own lock does not hold until `disable_compile`
 
 
 def kernel(function: Callable[..., Any]) -> Any:
@@ -59,12 +61,13 @@ def pointer(*arguments: Any, result: Any = types.none) -> Any:
 @cache
 def ready(made: Any) -> Any:
     """Return a kernel of `kernel_of`, compiled or loaded for its types."""
-    if not made.signatures:
-        with compiling(made):
-            made.compile(_signatures[made])
-        made.disable_compile()  # other types of arguments are an error, not another compilation
-        if made.stats.cache_misses:
-            kernel_cache.stamp()
+    with _one_at_a_time:
+        if not made.signatures:
+            with compiling(made):
+                made.compile(_signatures[made])
+            made.disable_compile()  # other types of arguments are an error, not another compilation
+            if made.stats.cache_misses:
+                kernel_cache.stamp()
     return made
 
 
@@ -73,7 +76,7 @@ def called(made: Any, *arguments: Any) -> Any:
     first come."""
     if made.signatures:
         return made(*arguments)
-    with compiling(made):
+    with _one_at_a_time, compiling(made):
         returned = made(*arguments)
     if made.stats.cache_misses:  # at once: a process that is killed stamps nothing at its end
         kernel_cache.stamp()

@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 from rps_exudyn.base.progress import duration
 
 EVERY = 0.25  # [s] between counts
-LOADING = 1.0  # [s] that kernels take at most where a cache holds them
 USUAL_BYTES, USUAL_SECONDS = 1.5e5, 20.0  # of code: what a gear with law "line" needs, in double
 OWN_SHARE = 0.5  # of the time, for the kernel itself behind those that it calls: all of them are in its code
 
@@ -80,12 +79,12 @@ class _Count:
 
     @contextmanager
     def running(self, kernel: Any) -> Iterator[None]:
-        """Publish steps while a kernel is compiled, as long as that takes longer than to load it."""
+        """Publish steps while a kernel is compiled; none where a cache holds it."""
         own, begun, ended = called(kernel), perf_counter(), Event()
         new = {name: each for name, each in own.items() if name not in self._needed}
         self._needed |= new
         weights = {name: len(each.py_func.__code__.co_code) for name, each in new.items()}
-        whole, shown = sum(weights.values()) or 1, False  # none is new after an interrupted compilation
+        whole = sum(weights.values()) or 1  # none is new after an interrupted compilation
 
         def step() -> CompileStep:
             seconds = perf_counter() - begun
@@ -97,10 +96,8 @@ class _Count:
             )
 
         def count() -> None:
-            nonlocal shown
             while not ended.wait(EVERY):
-                if perf_counter() - begun > LOADING:
-                    shown = True
+                if kernel.stats.cache_misses:
                     publish(step())
 
         thread = Thread(target=count, daemon=True)
@@ -110,10 +107,11 @@ class _Count:
         finally:
             ended.set()
             thread.join()
-            if shown:
+            if kernel.stats.cache_misses:
                 last = step()
                 self._seconds = last.seconds
-                publish(last._replace(done=last.total) if kernel.signatures else last)
+                compiled = sum(bool(each.stats.cache_misses) for each in self._needed.values())
+                publish(last._replace(done=compiled, total=compiled) if kernel.signatures else last)
 
 
 compiling = _Count().running

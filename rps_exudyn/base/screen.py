@@ -236,7 +236,7 @@ class _Compiling:
         self._screen, self._row, self._shown = screen, CompilingProgress(), False
 
     def take(self, step: CompileStep) -> None:
-        """Count a step; show the row where it takes long."""
+        """Count a step, and show the row until all are done."""
         self._row.take(step)
         if self._row.is_done:
             self._screen.remove(self._row)
@@ -249,7 +249,7 @@ class _Compiling:
     def end(self) -> None:
         """Print what was compiled, and where it is kept."""
         self._screen.remove(self._row)
-        if self._shown:
+        if self._row.step.done:
             from rps_exudyn.base.kernel_cache import cache_folders
 
             step = self._row.step

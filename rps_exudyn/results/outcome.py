@@ -189,5 +189,5 @@ class Interrupted(KeyboardInterrupt):
     """
 
     def __init__(self, recorded: Any) -> None:
-        super().__init__("interrupted")
+        super().__init__()
         self.recorded = recorded

@@ -52,7 +52,8 @@ def bare(tmp_path: Path) -> Path:
     shutil.copy(ROOT / "README.md", tmp_path)
     (tmp_path / "broken").touch()
     stand_in = '#!/bin/sh\necho "${0##*/} $*"\nif grep -qx "${0##*/} $1" broken; then exit 3; fi\n'
-    fill = f"mkdir -p $3/bin; for tool in {' '.join(TOOLS)}; do cp stand-in $3/bin/$tool; done\n"
+    copies = f"mkdir -p $3/bin; for tool in {' '.join(TOOLS)}; do cp stand-in $3/bin/$tool; done"
+    fill = f'if [ "$2" = venv ]; then {copies}; fi\n'
     for name, script in {"stand-in": stand_in, "python3": stand_in + fill, "chromium": stand_in}.items():
         (tmp_path / name).write_text(script)
         (tmp_path / name).chmod(0o755)

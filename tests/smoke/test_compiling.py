@@ -4,13 +4,16 @@ import io
 import re
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 from pathlib import Path
+from threading import Barrier
 from time import monotonic, sleep
 
 import pytest
 
 import rps_exudyn.base.compiling
+from rps_exudyn.base import compiled
 from rps_exudyn.base.compiled import NUMBER, kernel, kernel_of, ready
 from rps_exudyn.base.compiling import CompileStep, CompilingProgress, called, listening, publish
 from rps_exudyn.base.errors import InputError
@@ -18,10 +21,11 @@ from rps_exudyn.base.progress import Progress, passed_on
 from rps_exudyn.base.screen import TextRow, open_screen, shown_progress
 from rps_exudyn.pages.explore.server import Explorer
 from rps_exudyn.results.result import Result
+from rps_exudyn.simulate.cases.processes import cpu_of
 from shell import Command, reader_environment
 
 COUNT = re.compile(r"Compiling force laws, once: (\d+) of (\d+), .* left")
-SILENCE = 8.0  # [s] at most between lines, which come every 2 s where nothing else is done
+SILENCE = 8.0  # [s] of CPU time at most between lines, which come every 2 s where nothing else is done
 PATIENCE = 60.0  # [s] for a thread on a busy machine
 
 
@@ -47,7 +51,6 @@ def test_what_a_kernel_calls_is_read_from_its_code() -> None:
 
 
 def test_count_rises_to_its_total(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rps_exudyn.base.compiling, "LOADING", 0.0)
     monkeypatch.setattr(rps_exudyn.base.compiling, "EVERY", 0.001)
     steps: list[CompileStep] = []
     with listening(steps.append):
@@ -60,25 +63,49 @@ def test_count_rises_to_its_total(monkeypatch: pytest.MonkeyPatch) -> None:
     assert steps[-1].left == 0
 
 
+@kernel_of(NUMBER, result=NUMBER)
+def shared(x):  # type: ignore[no-untyped-def]
+    return innermost(x) * 3
+
+
+def test_threads_may_need_the_same_kernel_first() -> None:
+    begun = Barrier(16)
+
+    def run(x: float) -> float:
+        begun.wait()
+        returned: float = ready(shared)(x)
+        return returned
+
+    with ThreadPoolExecutor(begun.parties) as threads:
+        assert list(threads.map(run, range(begun.parties))) == [3 * (x + 1) for x in range(begun.parties)]
+
+
 @kernel
 def interrupted(x):  # type: ignore[no-untyped-def]
     return innermost(x) - 1
 
 
+@kernel
+def loaded(x):  # type: ignore[no-untyped-def]
+    return innermost(x) + 2
+
+
 def test_interrupted_compilation_counts_what_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rps_exudyn.base.compiling, "LOADING", 0.0)
-    monkeypatch.setattr(rps_exudyn.base.compiling, "EVERY", 0.001)
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(interrupted._compiler, "compile", interrupt)
     steps: list[CompileStep] = []
-
-    def interrupt() -> None:
-        with listening(steps.append), rps_exudyn.base.compiling.compiling(interrupted):
-            while not steps:
-                sleep(0.001)
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        interrupt()
+    with listening(steps.append), pytest.raises(KeyboardInterrupt):
+        compiled.called(interrupted, 1.0)
     assert steps[-1].done < steps[-1].total
+
+
+def test_what_is_only_loaded_is_not_counted_however_long_that_takes() -> None:
+    steps: list[CompileStep] = []
+    with listening(steps.append), rps_exudyn.base.compiling.compiling(loaded):
+        sleep(1.1)  # as on a busy machine
+    assert not steps
 
 
 def test_row_says_count_and_time() -> None:
@@ -114,7 +141,9 @@ def test_terminal_shows_a_bar_that_goes_away(monkeypatch: pytest.MonkeyPatch) ->
     progress = CompilingProgress()
     progress.take(CompileStep(1, 3, 2.0, 7.0))
     with open_screen() as screen, screen.row(progress), screen.row(TextRow("sample 3 of 20", 0.15)):
-        sleep(0.6)
+        end = monotonic() + PATIENCE
+        while "sample 3 of 20" not in terminal.getvalue() and monotonic() < end:
+            sleep(0.01)
     shown = terminal.getvalue()
     assert "Compiling force laws, once: 1 of 3, 7 s left" in shown
     assert "sample 3 of 20" in shown
@@ -205,7 +234,7 @@ def test_every_command_shows_what_it_compiles(line: str, command: Command, made_
 def test_first_use_is_never_silent_and_its_total_is_right(command: Command, tmp_path: Path) -> None:
     """`animate` compiled for 30 s without a word. Lines go to standard error, results alone to the other."""
     assert command(["run", "--fidelity", "quasi-static", "--out", "r.h5"]).status == 0
-    at, lines = [monotonic()], []
+    at, lines = [0.0], []
     with subprocess.Popen(
         [sys.executable, "-m", "rps_exudyn", "animate", "r.h5"],
         env={**reader_environment(), "NUMBA_CACHE_DIR": str(tmp_path / "cache")},
@@ -216,9 +245,9 @@ def test_first_use_is_never_silent_and_its_total_is_right(command: Command, tmp_
         assert process.stdout
         assert process.stderr
         for line in process.stderr:
-            at.append(monotonic())
+            at.append(cpu_of(process.pid))
             lines.append(line)
-        at.append(monotonic())
+        at.append(cpu_of(process.pid))
         out = process.stdout.read()
     assert (process.returncode, out) == (0, "written: r-animation.html\n")
     silence = max(later - earlier for earlier, later in pairwise(at))

@@ -10,6 +10,7 @@ from exudyn.itemInterface import Force, MarkerNodePosition
 
 import rps_exudyn as rps
 from rps_exudyn import load
+from rps_exudyn.base.screen import silent
 from rps_exudyn.multibody import model as model_of_gear
 from rps_exudyn.multibody.recorder import RecordedStep, Recorder
 from rps_exudyn.multibody.steering_model import SteeringModel
@@ -88,7 +89,8 @@ def ctrl_c(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("ctrl_c")
 @pytest.mark.parametrize("scene", ["free-pinion-torque", "load-test"])
 def test_ctrl_c_ends_a_run_and_keeps_what_was_recorded(command: Command, scene: str) -> None:
-    answer = command(["run", scene, *SETTINGS, "--out", "a.h5"])
+    with silent():
+        answer = command(["run", scene, *SETTINGS, "--out", "a.h5"])
     assert answer.status == 130
     assert answer.err == "rps-exudyn: interrupted; the record until then is kept in a.h5.\n"
     result = load("a.h5")

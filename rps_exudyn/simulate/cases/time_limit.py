@@ -71,7 +71,7 @@ def alarm(seconds: float) -> Iterator[None]:
             yield
         return
     before = signal.signal(signal.SIGALRM, signal.default_int_handler)
-    with unwrapped_interrupts(), _dropped_interrupt_rings_again():
+    with unwrapped_interrupts(), _dropped_interrupt_rings_again(monotonic() + seconds):
         signal.setitimer(signal.ITIMER_REAL, max(seconds, 1e-6))
         try:
             yield
@@ -81,8 +81,8 @@ def alarm(seconds: float) -> Iterator[None]:
 
 
 @contextmanager
-def _dropped_interrupt_rings_again() -> Iterator[None]:
-    """Ring a little later where Python dropped an interrupt.
+def _dropped_interrupt_rings_again(end: float) -> Iterator[None]:
+    """Ring a little later where Python dropped an interrupt after the end; one before it was Ctrl-C.
 
     It drops what is raised in callbacks of the garbage collector and of weak references and in `__del__`,
     and reports it to `sys.unraisablehook`.
@@ -90,7 +90,7 @@ def _dropped_interrupt_rings_again() -> Iterator[None]:
     report = sys.unraisablehook
 
     def ring_again(dropped: "sys.UnraisableHookArgs") -> None:
-        if issubclass(dropped.exc_type, KeyboardInterrupt):
+        if issubclass(dropped.exc_type, KeyboardInterrupt) and monotonic() >= end:
             signal.setitimer(signal.ITIMER_REAL, LATER)
         else:
             report(dropped)

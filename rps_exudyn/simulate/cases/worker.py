@@ -11,19 +11,19 @@ no task's clock. When standard input ends, because whoever started it has ended,
 import os
 import pickle
 import queue
-import signal
 import sys
 import threading
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
+from rps_exudyn.base.interrupts import arm
 from rps_exudyn.simulate.cases.frames import frame_of, frames_in
 
 
 def main() -> None:
     """Answer tasks until the input ends."""
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
+    arm()  # also where a shell's background job ignores Ctrl-C
     say = _private_output()
     frames: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     threading.Thread(target=_read, args=(frames,), daemon=True).start()
