@@ -225,7 +225,8 @@ def test_too_few_teeth_before_the_start_widen_the_bar_of_the_peak_to_peak() -> N
     apart = np.abs(real - run["pinion_torque"][: time.size]).max() / np.abs(real).max()
     assert apart > 0.05
     assert run.findings["start_unsettled"] == pytest.approx(apart, rel=0.1)
-    assert run.errors["torque_peak_to_peak"] > 0.9 * apart * np.abs(run["pinion_torque"]).mean()
+    moved = 0.9 * apart * np.abs(run["pinion_torque"]).mean()
+    assert not run.errors["torque_peak_to_peak"] < moved  # nan: no other level ends
     parallel = rps.run(
         "free-pinion-torque", gear.replace({"installation.angle_error": 0.0}), fidelity=FIDELITY
     )

@@ -67,7 +67,7 @@ def test_spheres_out_of_reach_do_not_change_a_run(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(gear_forces, "by_touching_angle", without_gate)
     free = turned()
     planned, own, other = np.intersect1d(held["time"], free["time"], return_indices=True)
-    assert planned.size > 0.8 * held["time"].size  # restarts add others
+    assert planned.size > 0.5 * held["time"].size  # restarts add others
     apart = held["pinion_torque"][own] - free["pinion_torque"][other]
     assert np.abs(apart).max() < 1e-4 * held["pinion_torque"].max()
 
