@@ -88,12 +88,11 @@ class _Count:
 
         def step() -> CompileStep:
             seconds = perf_counter() - begun
-            done = sum(bool(each.signatures) for each in self._needed.values())
+            there = [bool(each.stats.cache_misses) for each in self._needed.values() if each.signatures]
             ready = sum(weight for name, weight in weights.items() if new[name].signatures)
             ahead = 0.0 if kernel.signatures else whole / (1 - OWN_SHARE) - ready
-            return CompileStep(
-                done, len(self._needed), self._seconds + seconds, time_left(ahead, ready, seconds)
-            )
+            done, total = sum(there), len(self._needed) - there.count(False)  # some are only loaded
+            return CompileStep(done, total, self._seconds + seconds, time_left(ahead, ready, seconds))
 
         def count() -> None:
             while not ended.wait(EVERY):
@@ -110,8 +109,10 @@ class _Count:
             if kernel.stats.cache_misses:
                 last = step()
                 self._seconds = last.seconds
-                compiled = sum(bool(each.stats.cache_misses) for each in self._needed.values())
-                publish(last._replace(done=compiled, total=compiled) if kernel.signatures else last)
+                publish(last._replace(done=last.total) if kernel.signatures else last)
+            else:
+                for name in new:  # loaded with all that it calls
+                    del self._needed[name]
 
 
 compiling = _Count().running
