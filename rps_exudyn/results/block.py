@@ -23,7 +23,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.retired import STORED
 from rps_exudyn.results import provenance as origin
 from rps_exudyn.results.outcome import Status, codes_of
-from rps_exudyn.results.quantities import GROUPS, Quantity
+from rps_exudyn.results.quantities import COLUMNS, GROUPS, SUMMARY, Quantity
 from rps_exudyn.results.result import Result, attributes_of
 
 FILETYPE = "rps_exudyn-block"
@@ -75,7 +75,7 @@ class CaseRecord:
 
     hash: str
     attributes: Mapping[str, Any]
-    tables: Mapping[str, Mapping[str, float]]
+    tables: Mapping[str, Mapping[str, float]]  # of `COLUMNS`
     signals: Mapping[str, np.ndarray]
 
     @classmethod
@@ -85,6 +85,7 @@ class CaseRecord:
             name: value for name, value in attributes_of(result).items() if name in (*TEXTS, *TIMES)
         }
         tables = {group: dict(getattr(result, group)) for group in TABLES}
+        tables["summary"] |= {f"{name}_error": error for name, error in result.errors.items()}
         return cls(case_hash, attributes, tables, result.signals)
 
     @property
@@ -103,7 +104,7 @@ class CaseRecord:
         Raises:
             InputError: its parameters are wrong.
         """
-        about, fidelity = self.attributes, self._tables("fidelity")
+        about, fidelity, numbers = self.attributes, self._tables("fidelity"), self.tables["summary"]
         gear, message = of_this_version(self._tables("parameters"), fidelity, about["message"])
         return Result(
             scene=about["scene"],
@@ -115,7 +116,8 @@ class CaseRecord:
             message=message,
             codes=self.codes,
             signals=self.signals,
-            summary=self.tables["summary"],
+            summary={name: number for name, number in numbers.items() if name in SUMMARY},
+            errors={name: numbers[error] for name in SUMMARY if (error := f"{name}_error") in numbers},
             counters=self.tables["counters"],
             geometry=self.tables["geometry"],
             cpu_s=about["cpu_s"],
@@ -179,7 +181,7 @@ def _put_table(file: h5py.File, group: str, rows: Sequence[Mapping[str, float]])
         whole = all(isinstance(row[name], int) for row in rows if name in row)
         column = [row.get(name, 0 if whole else np.nan) for row in rows]
         values = np.array(column, dtype=np.int64 if whole else float)
-        _put(file, f"{group}/{name}", values, GROUPS[group][name])
+        _put(file, f"{group}/{name}", values, COLUMNS[group][name])
         if not has.all():
             _put(file, f"valid/{group}/{name}", has.astype(np.uint8))
 
@@ -244,7 +246,7 @@ class Block:
         columns = self.columns[group]
         return {
             name: columns[name][row].item()
-            for name in GROUPS[group]
+            for name in COLUMNS[group]
             if name in columns and columns.get(f"{name} valid", _ALL)[row]
         }
 
@@ -290,7 +292,7 @@ class Summary(NamedTuple):
     message: str  # on one line
     cpu_s: float
     wall_s: float
-    summary: dict[str, float]
+    summary: dict[str, float]  # of `COLUMNS`
     codes: tuple[str, ...]
 
 
@@ -314,7 +316,7 @@ def summaries(path: Path) -> list[Summary]:
     statuses = [known_as[text] for text in about["status"]]
     messages = [message for message, _ in pairs]
     codes = [of_pair[pair] for pair in pairs]
-    names = [name for name in GROUPS["summary"] if name in columns]
+    names = [name for name in COLUMNS["summary"] if name in columns]
     values = zip(*(columns[name] for name in names), strict=True) if names else [()] * len(hashes)
     numbers = [dict(zip(names, row, strict=True)) for row in values]
     for name in names:

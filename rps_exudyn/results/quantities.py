@@ -650,6 +650,18 @@ GEOMETRY = {
 GROUPS = {"signals": SIGNALS, "summary": SUMMARY, "counters": COUNTERS, "geometry": GEOMETRY}
 """Group of the HDF5 file -> what it may hold."""
 
+COLUMNS = GROUPS | {
+    "summary": {
+        column: quantity
+        for name, each in SUMMARY.items()
+        for column, quantity in (
+            (name, each),
+            (f"{name}_error", Quantity(each.unit, each.display, f"numerical error of {name}")),
+        )
+    }
+}
+"""Group of a table of many results -> its columns: beside each number of the summary stands its error."""
+
 
 def is_work(name: str) -> bool:
     """Return whether a signal counts energy from the start of recording."""

@@ -38,7 +38,7 @@ class CaseRow:
     message: str
     cpu_s: float  # CPU time [s]
     wall_s: float  # elapsed time [s]
-    summary: Mapping[str, float]
+    summary: Mapping[str, float]  # with errors, see `quantities.COLUMNS`
     codes: tuple[str, ...] = ()  # of the message, see `outcome.Code`
 
     @classmethod

@@ -18,7 +18,7 @@ from rps_exudyn.base.units import pretty
 from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.block import TIMES
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.quantities import SUMMARY, Quantity
+from rps_exudyn.results.quantities import COLUMNS, SUMMARY, Quantity
 from rps_exudyn.scenes.remarks import met_limit
 from rps_exudyn.study.definition import Axis, Case, Description, Value, axis_quantity, axis_values
 from rps_exudyn.study.store import CaseRow, Store
@@ -97,6 +97,12 @@ class CaseTable:
         """Every summary quantity that some ok case has; nan where it is unknown."""
         return {name: values for name in SUMMARY if np.isfinite(values := self._summary(name)).any()}
 
+    @cached_property
+    def errors(self) -> dict[str, np.ndarray]:
+        """Half widths of the error bars of those numbers that have some; nan where one is unknown."""
+        kept = {name for row in self.rows if row for name in row.summary}
+        return {name: self._summary(error) for name in self.numbers if (error := f"{name}_error") in kept}
+
     def times(self, name: str) -> np.ndarray:
         """`cpu_s` or `wall_s` of the finished cases [s], else nan."""
         return np.array([getattr(row, name) if row else np.nan for row in self.rows], dtype=float)
@@ -111,10 +117,16 @@ class CaseTable:
             "wall_s": self.times("wall_s"),
         }
         axes = self.description.axes
+        numbers = self.numbers | {f"{name}_error": errors for name, errors in self.errors.items()}
+        declared = COLUMNS["summary"].items()
         return [
             *(TableColumn("axes", axis.name, self.axes[axis.name], axis_quantity(axis)) for axis in axes),
             *(TableColumn("outcome", name, outcome[name], quantity) for name, quantity in OUTCOME.items()),
-            *(TableColumn("summary", name, values, SUMMARY[name]) for name, values in self.numbers.items()),
+            *(
+                TableColumn("summary", name, numbers[name], each)
+                for name, each in declared
+                if name in numbers
+            ),
         ]
 
     def ended(self) -> Iterator[tuple[Case, CaseRow]]:

@@ -17,7 +17,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.hdf5 import READ_WITH
 from rps_exudyn.results.block import TABLES, Block, CaseRecord, packed, summaries
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.quantities import GROUPS
+from rps_exudyn.results.quantities import COLUMNS
 from rps_exudyn.results.result import Result
 from rps_exudyn.study.case_blocks import Blocks
 from rps_exudyn.study.collected import write_table
@@ -66,8 +66,8 @@ def unlike_results(made_up_result: Result) -> list[Result]:
     short = {name: values[:7] for name, values in made_up_result.signals.items() if name != "rack_roll"}
     return [
         made_up_result,
-        dataclasses.replace(made_up_result, signals=short, summary={"torque_mean": float("inf")}),
-        dataclasses.replace(made_up_result, signals={}, summary={}, counters={}, message="µ\0\0"),
+        dataclasses.replace(made_up_result, signals=short, summary={"torque_mean": float("inf")}, errors={}),
+        dataclasses.replace(made_up_result, signals={}, summary={}, errors={}, counters={}, message="µ\0\0"),
     ]
 
 
@@ -76,7 +76,10 @@ def test_results_of_unlike_shape_stand_in_one_block(made_up_result: Result, tmp_
     path.write_bytes(packed([CaseRecord.of(f"{at:016x}", result) for at, result in enumerate(unlike)]))
     block = Block.read(path)
     assert all(same(result, block.result(f"{at:016x}")) for at, result in enumerate(unlike))
-    assert [row.summary for row in summaries(path)] == [result.summary for result in unlike]
+    first, *others = unlike
+    errors = {f"{name}_error": error for name, error in first.errors.items()}
+    expected = [{**first.summary, **errors}, *(result.summary for result in others)]
+    assert [row.summary for row in summaries(path)] == expected
 
 
 def test_block_of_version_1_is_read(made_up_result: Result, tmp_path: Path) -> None:
@@ -84,7 +87,7 @@ def test_block_of_version_1_is_read(made_up_result: Result, tmp_path: Path) -> N
     path = tmp_path / "00000.h5"
     path.write_bytes(gzip.decompress(Path(__file__).with_name("block_1_1.h5.gz").read_bytes()))
     origin = dict.fromkeys(made_up_result.provenance, "") | {"package_version": "1.0.0"}
-    expected = unlike_results(dataclasses.replace(made_up_result, provenance=origin))
+    expected = unlike_results(dataclasses.replace(made_up_result, provenance=origin, errors={}))
     block = Block.read(path)
     assert all(same(result, block.result(f"{at:016x}")) for at, result in enumerate(expected))
     assert [row.summary for row in summaries(path)] == [result.summary for result in expected]
@@ -94,8 +97,8 @@ def test_block_is_labelled_for_other_programs(twins: tuple[Store, Store], made_u
     """Units, axes and named dimensions; a number that a case lacks is nan."""
     _, store = twins
     short = {name: values[:7] for name, values in made_up_result.signals.items()}
-    case = store.description.cases[4]
-    store.add(CaseRecord.of(case.hash, dataclasses.replace(made_up_result, signals=short, summary={})))
+    short = dataclasses.replace(made_up_result, signals=short, summary={}, errors={})
+    store.add(CaseRecord.of(store.description.cases[4].hash, short))
     store.add(CaseRecord.of(store.description.cases[5].hash, made_up_result))
     store.blocks.flush()
     with xarray.open_datatree(path := store.blocks.paths[-1], engine="h5netcdf") as tree:
@@ -108,9 +111,9 @@ def test_block_is_labelled_for_other_programs(twins: tuple[Store, Store], made_u
         assert tree["valid/signals/time"].values.tolist() == [7, 121]
         for group in tree.subtree:
             assert set(group.dims) <= {"case", "sample"}
-            assert all(name in GROUPS[group.name] for name in group.data_vars if group.name in TABLES)
+            assert all(name in COLUMNS[group.name] for name in group.data_vars if group.name in TABLES)
     with xarray.open_dataset(path, engine=Backend) as cases:
-        assert {"preload", "torque_mean", "pinion_torque"} < set(cases)
+        assert {"preload", "torque_mean", "torque_mean_error", "pinion_torque"} < set(cases)
 
 
 def test_table_and_dataset_are_the_same(twins: tuple[Store, Store], tmp_path: Path) -> None:

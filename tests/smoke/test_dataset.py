@@ -113,10 +113,12 @@ def test_collected_table_has_every_case(
         with (tmp_path / name).open(encoding="utf-8", newline="") as file:
             rows = list(csv.DictReader(file))
         means = [float(row["torque_mean [N*m]"] or "nan") for row in rows]
+        assert rows[0]["torque_mean_error [N*m]"] == "0.0012"
         statuses, messages = [row["status"] for row in rows], [row["message"] for row in rows]
     elif name.endswith("parquet"):
         frame = pandas.read_parquet(tmp_path / name)
         means, statuses, messages = frame.torque_mean, frame.status.tolist(), frame.message.tolist()
+        assert frame.torque_mean_error[0] == 0.0012
     elif name.endswith("mat"):
         groups = loadmat(tmp_path / name, squeeze_me=True, struct_as_record=False)
         means, units = groups["summary"].torque_mean, groups["units"]
@@ -176,6 +178,7 @@ def test_collected_cube_has_the_axes_as_dimensions(
     with xarray.open_dataset("cube.nc") as cube:
         assert cube.torque_mean.dims == ("preload", "friction")
         assert cube.torque_mean.sel(preload=200, friction=0.2).item() == pytest.approx(0.4)
+        assert cube.torque_mean_error.sel(preload=200, friction=0.2).item() == 0.0012
         assert (cube.preload.attrs["units"], cube.status.values[-1, -1]) == ("N", "pending")
     command(["collect", "s"])
     assert Backend().guess_can_open("s/table.h5")

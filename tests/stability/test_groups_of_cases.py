@@ -15,6 +15,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.block import CaseRecord
 from rps_exudyn.results.outcome import Status
+from rps_exudyn.scenes.error_bars import error_bars
 from rps_exudyn.simulate.cases.case_group import CaseGroup
 from rps_exudyn.simulate.cases.processes import Processes
 from rps_exudyn.simulate.cases.run_cases import Here
@@ -151,6 +152,17 @@ def test_members_of_a_group_are_followed_together(tmp_path: Path, keep: str) -> 
         for name in ("time", "pinion_angle"):
             assert ours.signals[name] == pytest.approx(theirs.signals[name], abs=1e-9)
         assert ours.signals["pinion_torque"] == pytest.approx(theirs.signals["pinion_torque"], rel=1e-3)
+
+
+def test_unknown_error_bar_of_a_member_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def bars(*given: Any) -> dict[str, Any]:
+        known = error_bars(*given)
+        return known | {"torque_mean": known["torque_mean"] * np.nan}
+
+    monkeypatch.setattr("rps_exudyn.simulate.together.error_bars", bars)
+    group = group_of(next(tasks_of(tmp_path, FEWEST, "[set]\ntest.turns = 0.2\n")))
+    record = next(each for each in group.records() if each.found_together)
+    assert np.isnan(record.result().errors["torque_mean"])
 
 
 def test_time_of_a_group_that_is_over_gives_no_records(tmp_path: Path) -> None:

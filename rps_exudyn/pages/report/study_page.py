@@ -61,6 +61,7 @@ from rps_exudyn.pages.report.study_sections import (
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.names import GEAR_FACTS, named
 from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.results.rounding import rounded, with_error
 from rps_exudyn.study import sensitivity
 from rps_exudyn.study.definition import GRID_DESIGN, Axis, axis_quantity
 from rps_exudyn.study.effects import MainEffect, grid_effect, sampled_effect, surface
@@ -238,8 +239,8 @@ def _effects(table: CaseTable) -> Iterable[PageBlock]:
     yield Text(f"Dots are cases; the line {line}{bars}")
     more: list[PageBlock] = []
     for place, name in enumerate(names):
-        blocks: list[PageBlock] = [Text(f"{SUMMARY[name].long_name}.")]
         effects = _all_effects(table, name)
+        blocks: list[PageBlock] = [Text(f"{SUMMARY[name].long_name}.{_below_bars(table, name, effects)}")]
         if len(effects) > 1:
             blocks.append(_shares(effects))
         if place < WITH_PICTURES:
@@ -252,6 +253,16 @@ def _effects(table: CaseTable) -> Iterable[PageBlock]:
             more.append(Fold(words(name), blocks))
     if more:
         yield Fold(f"Effects on {count(len(more), 'other number')}", more)
+
+
+def _below_bars(table: CaseTable, name: str, effects: Sequence[tuple[Axis, MainEffect]]) -> str:
+    """The sentence about effects that are smaller than the cases' error bars."""
+    bars = table.errors.get(name, np.empty(0))
+    bar = float(np.median(bars[np.isfinite(bars)])) if np.isfinite(bars).any() else 0.0
+    small = " and ".join(named(axis.name) for axis, effect in effects if effect.span < bar)
+    size = float(np.nanmax(np.abs(table.numbers[name])))
+    shown = f"median ± {rounded(SUMMARY[name], bar, like=size)}"
+    return f" The cases' error bars ({shown}) are larger than the main effect of {small}." if small else ""
 
 
 def _effect_pictures(table: CaseTable, name: str) -> Iterable[Picture]:
@@ -383,9 +394,8 @@ def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[PageBloc
     rows: list[Sequence[Cell]] = []
     results = {}
     for end, label in _ends(name).items():
-        case, number = table.cases[places[end]], float(numbers[places[end]])
-        row = case_link(table, case)
-        rows.append([label, SUMMARY[name].show(number), *settings(table, case), row])
+        case = table.cases[places[end]]
+        rows.append([label, _shown(table, name, places[end]), *settings(table, case), case_link(table, case)])
         try:
             results[end] = store.result(case)
         except InputError as error:
@@ -398,6 +408,13 @@ def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[PageBloc
         yield Pictures([picture(figure, f"Cases with the lowest, median and highest {words(name)}")])
 
 
+def _shown(table: CaseTable, name: str, at: int) -> str:
+    """A number of a case with its error bar; nothing where it is unknown."""
+    value, errors = float(table.numbers[name][at]), table.errors.get(name)
+    error = None if errors is None else float(errors[at])
+    return with_error(SUMMARY[name], value, error) if np.isfinite(value) else ""
+
+
 def _all_cases(table: CaseTable, store: Store) -> Iterable[PageBlock]:
     names = (ranked(table) or list(table.numbers))[:LEADING]
     remarked, seen = {case.hash for case, _ in table.remarked()}, set[str]()
@@ -405,8 +422,7 @@ def _all_cases(table: CaseTable, store: Store) -> Iterable[PageBlock]:
     rows: list[Sequence[Cell]] = []
     ids = []
     for at, case in enumerate(table.cases[:MOST_ROWS]):
-        known = {name: float(table.numbers[name][at]) for name in names}
-        shown = [SUMMARY[name].show(value) if np.isfinite(value) else "" for name, value in known.items()]
+        shown = [_shown(table, name, at) for name in names]
         status = table.status[at].item() + ", remark" * (case.hash in remarked)
         name: Cell = Links([Link(case.hash, curve_id(table, case))]) if case.hash in drawn else case.hash
         rows.append([*settings(table, case), status, *shown, name])

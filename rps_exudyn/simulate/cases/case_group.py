@@ -106,7 +106,7 @@ class CaseGroup:
                 codes=each_once(remark.code for remark in found.remarks[row]),
                 signals=found.signals_of(row),
                 summary=own,
-                errors=errors,
+                errors={name: errors.get(name, np.nan) for name in own if name in found.errors},
                 counters={name: int(count) for name, count in counted.items()},
                 geometry=geometry_report(varied).numbers,
                 cpu_s=cpu,
