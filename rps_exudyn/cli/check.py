@@ -107,6 +107,7 @@ def _as_dict(sheet: "Sequence[RequirementRow]", law: str) -> dict[str, object]:
         each.name: {
             "verdict": each.verdict,
             "nominal": _known(each.value),
+            "error": _known(each.error) if each.is_known else None,
             "band": [_known(each.low), _known(each.high)],
             "unit": REQUIRED[each.name].unit,
             "limit": each.limit.show(REQUIRED[each.name]),
@@ -123,11 +124,13 @@ def _as_dict(sheet: "Sequence[RequirementRow]", law: str) -> dict[str, object]:
 def _print(sheet: "Sequence[RequirementRow]", torque: float, law: str, files: Sequence[Path]) -> None:
     from rps_exudyn.assessment.requirements.limits import REQUIRED
     from rps_exudyn.assessment.requirements.sheet import ASSURED
+    from rps_exudyn.results.rounding import with_error
 
     rows = []
     for each in sheet:
         show = REQUIRED[each.name].show
-        nominal, band = show(each.value) if each.is_known else "", each.band_shown(show)
+        nominal = with_error(REQUIRED[each.name], each.value, each.error) if each.is_known else ""
+        band = each.band_shown(show)
         share = f"{each.share:.0%}" if band else ""
         rows.append((each.name, each.limit.show(REQUIRED[each.name]), nominal, band, share, each.verdict))
     put_table(COLUMNS, rows)

@@ -41,6 +41,7 @@ from rps_exudyn.parameters.fidelity import MEAN_STEP
 from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import MeasuredTorque
+from rps_exudyn.results.rounding import with_error
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.law_by_scene import with_law
 from rps_exudyn.simulate.cases.run_cases import checked_jobs
@@ -132,7 +133,10 @@ def print_band(band: Band, files: Iterable[Path]) -> None:
     for cause, number in band.drawn.failures.items():
         put(f"{number} x {cause}")
     put_table(_HEAD, list(_figure_rows(band)))
-    put("At medians: the run at median inputs. Errors: standard errors of the quantiles.")
+    put(
+        "At medians: the run at median inputs, ± its numerical error. Errors: standard errors of the "
+        "quantiles; numerical: by how far they move if all samples are wrong by their error bars."
+    )
     name = scene_named(band.nominal.scene).figure
     if (shares := band.contributions.get(name)) is not None:
         largest = list(shares.fractions.items())[:SHOWN]
@@ -148,15 +152,20 @@ def print_band(band: Band, files: Iterable[Path]) -> None:
     print_files(files)
 
 
-_HEAD = ("quantity", "at medians", "5 %", "median", "95 %", "error at 5 %", "error at 95 %")
+_HEAD = (
+    *("quantity", "at medians", "5 %", "median", "95 %", "error at 5 %", "error at 95 %"),
+    *("numerical at 5 %", "at 95 %"),
+)
 
 
 def _figure_rows(band: Band) -> Iterable[tuple[str, ...]]:
     for name, found in band.figures.items():
         show = SUMMARY[name].show
+        of_level = band.drawn.numerical.get(name)
         errors = [show(float(found.errors[at])) for at in (0, -1)]
+        errors += ["" if of_level is None else show(float(of_level.of_quantiles[at])) for at in (0, -1)]
         nominal = band.nominal.summary.get(name)
-        shown = "" if nominal is None else show(nominal)
+        shown = "" if nominal is None else with_error(SUMMARY[name], nominal, band.nominal.errors.get(name))
         yield name, shown, show(found.low), show(found.median), show(found.high), *errors
 
 
@@ -168,8 +177,8 @@ def _beside(band: Band, name: str) -> str:
     """What the band does not contain: errors of the solution and of the contact law."""
     half = band.figures[name].half_width if name in band.figures else float("nan")
     parts = [f"half the band of 90 % of {name} is {SUMMARY[name].show(half)}"]
-    if name in band.numerical:
-        parts.append(f"half the steps change it by {SUMMARY[name].show(band.numerical[name])}")
+    if name in band.drawn.numerical:
+        parts.append(f"the numerical error of a gear is {_end(name, band.drawn.numerical[name].of_sample)}")
     if band.law is not None:
         low, high = (100 * each for each in band.law.mean_torque)
         parts.append(f"the contact law {band.law.law} deviates by {low:+.2g} to {high:+.2g} %")

@@ -18,6 +18,7 @@ from rps_exudyn.inference.fitting.findings import fit_as_dict, gear_text, open_s
 from rps_exudyn.inference.fitting.fit import fit
 from rps_exudyn.inference.fitting.fitted import Estimate, Fit, shape_claims, with_others
 from rps_exudyn.inference.fitting.identifiability import LevelData, advice_of, more_runs
+from rps_exudyn.inference.fitting.level_fit import LevelModel, fitted_levels
 from rps_exudyn.inference.fitting.nonlinear import OtherEnd
 from rps_exudyn.inference.fitting.posterior import SAMPLES
 from rps_exudyn.inference.fitting.series import read_series, write_series
@@ -28,6 +29,7 @@ from rps_exudyn.inference.uncertainty.samples import Samples
 from rps_exudyn.pages.report.fit_page import fit_head
 from rps_exudyn.parameters.gear import SteeringGear, gear_file
 from rps_exudyn.results.judged_row import Verdict
+from rps_exudyn.scenes.error_bars import FACTOR, FLOOR
 from rps_exudyn.solvers.closed_form import GRAVITY
 from verification.made_up_curves import (
     DISTURBANCES,
@@ -105,6 +107,24 @@ def test_shape_would_claim_what_the_fit_does_not_print() -> None:
     claims, found = shape_claims(free_fit()), free_fit().estimate("yoke.preload")
     assert claims["yoke.preload"] < 0.5 * found.sd
     assert found.sd > 0.5 * LEVEL["yoke.preload"].sd
+
+
+def test_interval_without_noise_is_that_of_the_numerical_error() -> None:
+    problem = free_fit().problem
+    rows = replace(problem.rows, covariance=1e-12 * problem.rows.covariance)
+    drag = [each for each in problem.unknowns if each.path == "bush.drag"]
+    model = LevelModel.of(rows, drag, SteeringGear())
+    begin = np.array([drag[0].before])
+    done = fitted_levels(model, problem.prediction, problem.rows_of, lambda gear, _: gear, begin)
+    assert done.end.converged
+    of_level = float(np.abs(done.model.slopes(done.end.u)[0, 0]) * np.sqrt(done.end.covariance[0, 0]))
+    coarse = replace(problem.prediction, level=0).simulated(
+        done.model.gear.replace(settings_of(drag, done.end.u))
+    )
+    change = problem.rows_of(done.values - coarse)[0]
+    assert of_level > 0.99 * max(
+        abs(change), FLOOR / FACTOR * rows.values[0]
+    )  # 0.99: the prior knows a little
 
 
 def test_next_gear_of_a_series_takes_three_simulations() -> None:

@@ -109,6 +109,17 @@ def test_share_of_gears_is_that_below_the_limit(tmp_path: Path) -> None:
     assert first.verdict == "fail"
 
 
+def test_a_number_within_its_error_bar_of_a_limit_says_so(sheet: dict[str, RequirementRow]) -> None:
+    free = sheet["free_torque"]
+    assert 0 < free.error < 0.01 * free.value
+    assert not free.is_close
+    at = Limit(-np.inf, free.value + free.error / 2, "own")
+    first = next(judge(GEAR, INPUTS, read_limits() | {"free_torque": at}, samples=8))
+    assert first.remark.startswith("Too close to the limit to tell within the numerical error, ± ")
+    assert sheet["rated_flank"].error > 0
+    assert sheet["travel"].error == 0
+
+
 def test_what_cannot_be_computed_is_not_evaluated(monkeypatch: pytest.MonkeyPatch) -> None:
     """A gear whose runs fail, and a root that the standard does not know: the sheet says so of each."""
 
@@ -201,7 +212,7 @@ def test_command_judges_and_says_so_by_its_status(command: Command, monkeypatch:
     assert command(["report", "sheet.json"]).out == "written: sheet.html\n"
     page = Path("sheet.html").read_text(encoding="utf-8")
     assert page.count('class="row not-kept"') == 2
-    assert "not kept · at least" in page
+    assert "not\xa0kept · at\xa0least" in page
     assert command(["check", "--quiet", "--out", "direct.html"]).out == ""
     direct = Path("direct.html").read_text(encoding="utf-8")
     assert direct.count('class="row kept"') == page.count('class="row kept"') == 1

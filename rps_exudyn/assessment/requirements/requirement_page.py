@@ -100,5 +100,5 @@ def _judged(each: RequirementRow, torque: float) -> Judgement:
         show,
         (each.limit.least, each.limit.most),
         f"{WORDS[mark]} · {each.limit.show(quantity)}".replace(" ", "\xa0").replace("\xa0·\xa0", " · "),
-        f"{each.remark}." if each.remark and mark is not Mark.KEPT else "",
+        f"{each.remark}." if each.remark and (each.is_close or mark is not Mark.KEPT) else "",
     )

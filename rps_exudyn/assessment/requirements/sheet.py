@@ -12,6 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from rps_exudyn.assessment.requirements.limits import REQUIRED
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_limits import transverse_contact_ratio
@@ -38,7 +39,7 @@ from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.scenes.law_by_scene import SERIES, with_law
 from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
 from rps_exudyn.scenes.rack_lift import SCENE as RACK_LIFT
-from rps_exudyn.scenes.scene import RunOptions
+from rps_exudyn.scenes.scene import WITH_BARS
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.solvers.closed_form import GRAVITY, load_test
 
@@ -61,6 +62,12 @@ class RequirementRow(JudgedRow):
 
     limit: Limit
     share: float  # of the gears that keep the limit
+    error: float = 0.0  # half width of the number's error bar, nan: unknown
+
+    @property
+    def is_close(self) -> bool:
+        """Whether the number lies within its error bar of a limit."""
+        return any(abs(self.value - end) < self.error for end in (self.limit.least, self.limit.most))
 
 
 def requirement_row(
@@ -155,9 +162,14 @@ def law_of_sheet(gear: SteeringGear) -> str:
 def _row(name: str, limits: Mapping[str, Limit], computed: Callable[[], RequirementRow]) -> RequirementRow:
     """Return one requirement, not evaluated with the cause where computing it fails."""
     try:
-        return computed()
+        row = computed()
     except InputError as error:
         return _not_evaluated(name, limits, error)
+    if not row.is_close:
+        return row
+    half = REQUIRED[name].show(row.error)
+    close = f"Too close to the limit to tell within the numerical error, ± {half}"
+    return replace(row, remark="; ".join(each for each in (close, row.remark) if each))
 
 
 def _not_evaluated(name: str, limits: Mapping[str, Limit], error: InputError) -> RequirementRow:
@@ -186,7 +198,7 @@ def _of_turning(
             samples,
             on_progress=on_progress,
             jobs=jobs,
-            options=RunOptions(figures=frozenset(TURNING.values())),
+            options=replace(WITH_BARS, figures=frozenset(TURNING.values())),
         )
     except InputError as error:
         yield from (_not_evaluated(name, limits, error) for name in TURNING)
@@ -212,7 +224,7 @@ def _of_efficiency(
         samples,
         on_progress=on_progress,
         jobs=jobs,
-        options=RunOptions(figures=frozenset({"efficiency_ratio"})),
+        options=replace(WITH_BARS, figures=frozenset({"efficiency_ratio"})),
     )
     judged = _from_band("efficiency_ratio", "efficiency_ratio", band, limits)
     weight = f"With {gear.test.load_mass:.4g} kg; the ratio is about 1 − (T₀ / W s′)²"
@@ -229,6 +241,7 @@ class FaceLoading:
 
     factor: float  # K_H-beta; 1 where it is not known
     words: str
+    error: float = 0.0  # numerical, of the factor
 
 
 def borne_under(gear: SteeringGear, torque: float) -> FaceLoading:
@@ -251,7 +264,8 @@ def borne_under(gear: SteeringGear, torque: float) -> FaceLoading:
     factor = max(1.0, summary["face_load_factor"] * bearing_face(pair) / pair.face_width)
     found = [f"{text} {SUMMARY[name].show(summary[name])}" for name, text in LABELS_OF_FACE.items()]
     how = f"by the contact forces under {mass:.3g} kg, law {result.gear.mesh.law}"
-    return FaceLoading(factor, f"face load factor {factor:.2f} {how}: {', '.join(found)}")
+    moved = result.errors.get("face_load_factor", 0.0) * bearing_face(pair) / pair.face_width
+    return FaceLoading(factor, f"face load factor {factor:.2f} {how}: {', '.join(found)}", moved)
 
 
 def _of_root(
@@ -265,7 +279,9 @@ def _of_root(
     """The standard's stress times K_F-beta, and what was chosen for it."""
     pair = GearPair.of(gear)
     factor = root_load_factor(pair, form, bears.factor)
-    row = _exact(name, factor * root_stress(gear, form, torque), limits)
+    stress = root_stress(gear, form, torque)
+    error = (root_load_factor(pair, form, bears.factor + bears.error) - factor) * stress
+    row = _exact(name, factor * stress, limits, error)
     inclined = f"Y_beta of this part's {np.degrees(form.helix):.3g} deg, load at the tip of a tooth"
     known = f"factor {factor:.2f} at the root of face load factor {bears.factor:.2f}, all other K = 1"
     return replace(row, remark=f"{_face(pair)}, {inclined}, {known}")
@@ -276,7 +292,8 @@ def _of_flank(
 ) -> RequirementRow:
     """The standard's stress times the root of K_H-beta, and what was chosen for it."""
     pair = GearPair.of(gear)
-    row = _exact("rated_flank", float(np.sqrt(bears.factor)) * flank_stress(gear, torque), limits)
+    stress = float(np.sqrt(bears.factor)) * flank_stress(gear, torque)
+    row = _exact("rated_flank", stress, limits, stress * bears.error / (2 * bears.factor))
     shared = (
         f"Z_epsilon {flank_sharing(pair):.3g} for a contact ratio of {transverse_contact_ratio(pair):.2g}"
     )
@@ -322,9 +339,9 @@ def weight_for_ratio(gear: SteeringGear, ratio: float) -> float | None:
     return None
 
 
-def _exact(name: str, value: float, limits: Mapping[str, Limit]) -> RequirementRow:
+def _exact(name: str, value: float, limits: Mapping[str, Limit], error: float = 0.0) -> RequirementRow:
     limit, value = limits[name], float(value)
-    return requirement_row(name, limit, (value,) * 3, float(limit.keeps(value)))
+    return replace(requirement_row(name, limit, (value,) * 3, float(limit.keeps(value))), error=error)
 
 
 def _from_band(name: str, figure: str, band: Band, limits: Mapping[str, Limit]) -> RequirementRow:
@@ -339,6 +356,7 @@ def _from_band(name: str, figure: str, band: Band, limits: Mapping[str, Limit]) 
     missing = numbers.size - known.size
     cause = next(iter(band.drawn.failures), "")
     remark = f"{missing} of {numbers.size} samples failed, most often {cause}" if missing else ""
-    return requirement_row(
+    row = requirement_row(
         name, limit, (nominal, found.low, found.high), share, missing / numbers.size, remark
     )
+    return replace(row, error=band.nominal.errors.get(figure, 0.0))

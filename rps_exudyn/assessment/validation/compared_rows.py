@@ -12,7 +12,7 @@ from rps_exudyn.assessment.validation.calculations import CALCULATIONS
 from rps_exudyn.assessment.validation.row import Procedure, ValidationRow
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.geometry_report import geometry_report
-from rps_exudyn.inference.uncertainty.band import Band, band_of_runs, numerical_error
+from rps_exudyn.inference.uncertainty.band import Band, band_of_runs
 from rps_exudyn.inference.uncertainty.input_sets import carried, uncertain_inputs
 from rps_exudyn.inference.uncertainty.quick_band import SCENE, quick_band
 from rps_exudyn.inference.uncertainty.statistics import MEDIAN
@@ -254,9 +254,8 @@ def _simulated(procedure: Procedure) -> dict[str, Simulated]:
     result = simulate(procedure.scene, gear, fidelity)
     if result.status is not Status.OK:
         return {"": _missing(f"the run ended {result.status}: {result.message}")}
-    change = numerical_error(result, fidelity)
     return {
-        name: Simulated(value, change.get(name, 0.0), 0.0, value, value, result.message)
+        name: Simulated(value, result.errors.get(name, 0.0) / 2, 0.0, value, value, result.message)
         for name, value in result.summary.items()
     }
 
@@ -272,7 +271,9 @@ def _of_band(band: Band) -> dict[str, Simulated]:
     failed = f"{band.drawn.failed} of {len(band.drawn.samples)} samples failed" if band.drawn.failed else ""
     found = {}
     for name, each in band.figures.items():
-        error = float(np.hypot(each.errors[MEDIAN], band.numerical.get(name, 0.0)))
+        of_runs = band.drawn.numerical.get(name)
+        half = float(of_runs.of_quantiles[MEDIAN]) if of_runs else 0.0
+        error = float(np.hypot(each.errors[MEDIAN], half / 2))  # a bar is two standard uncertainties
         drawn = tuple(band.drawn.numbers[name].tolist())
         found[name] = Simulated(each.median, error, each.standard, each.low, each.high, failed, drawn)
     return found

@@ -14,6 +14,7 @@ from rps_exudyn.inference.fitting.prediction import NoPredictionError, Predictio
 from rps_exudyn.inference.fitting.problem import LevelRows
 from rps_exudyn.inference.fitting.unknowns import LEVEL, Unknown, nuisances_of, settings_of
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.error_bars import FACTOR, FLOOR
 from rps_exudyn.solvers.closed_form import unloading_force
 
 ENOUGH = 0.02  # of a standard error: a smaller step ends the steps
@@ -35,6 +36,9 @@ class LevelModel:
     factors: np.ndarray  # of the closed form's rows, (rows,)
     terms: np.ndarray  # added to them, (rows,)
     near: np.ndarray  # deviations, of the values, where a flank is about to lift, (rows,)
+    numerical: np.ndarray | None = (
+        None  # numerical error of the simulated rows, a standard uncertainty (rows,)
+    )
 
     @classmethod
     def of(cls, rows: LevelRows, unknowns: Sequence[Unknown], gear: SteeringGear) -> "LevelModel":
@@ -77,11 +81,17 @@ class LevelModel:
 
     @property
     def covariance(self) -> np.ndarray:
-        """Covariance of the rows, and of what simulation and closed form differ by under weights."""
+        """Covariance of the rows, of what simulation and closed form differ by under weights, and of the
+        numerical error: as one bias of all rows, which tests do not average out, and as each row's own,
+        so that no row measures the bias of the others."""
         weighted = np.array([test.of_kind.weighted for test in self.rows.tests])
         apart = BETWEEN_MODELS * np.where(weighted, (self.factors - 1) * self.rows.values, 0.0)
         near = np.diag((self.near * self.rows.values) ** 2)
-        return self.rows.covariance + np.outer(apart, apart) + near
+        known = self.rows.covariance + np.outer(apart, apart) + near
+        if self.numerical is None:
+            return known
+        own = np.fmax(np.abs(self.numerical), FLOOR / FACTOR * np.abs(self.rows.values))
+        return known + np.outer(self.numerical, self.numerical) + np.diag(own**2)
 
     def believing(self, factor: float, nuisances: float | None = None) -> "LevelModel":
         """The same with deviations of all beliefs times a factor, and at least as usual: what somebody gave
@@ -221,6 +231,13 @@ def fitted_levels(
         else:
             raise NoPredictionError("no equilibrium between the expected gear and the fitted one")
         model = model.corrected(u, rows_of(values))
+        if model.numerical is None:
+            try:
+                change = prediction.numerical(gear, nuisances_of(unknowns, u), values)
+            except NoPredictionError as error:
+                why = f"the numerical error is unknown: {error}"
+                return LevelFit(model, replace(last, converged=False, why=why), values)
+            model = replace(model, numerical=rows_of(change))
         end = stepped(model, u)
         moved = float(np.max(np.abs(end.u - u) * np.sqrt(np.diag(end.information)), initial=0.0))
         if moved < agreed:

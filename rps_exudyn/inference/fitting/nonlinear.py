@@ -242,7 +242,20 @@ def shape_of(
     """
     values = problem.prediction.simulated(gear.replace(settings_of(problem.unknowns, u)))
     start = State(u, found_offset(problem, values)[0], values, np.zeros((values.size, u.size)))
-    return searched(problem, gear, start) if search else (damped_steps(problem, gear, start), [])
+    solved, others = searched(problem, gear, start) if search else (damped_steps(problem, gear, start), [])
+    state, equations = solved.state, solved.equations
+    fitted = gear.replace(settings_of(problem.unknowns, state.u))
+    try:
+        change = problem.prediction.numerical(fitted, {}, problem.prediction.simulated(fitted))
+    except NoPredictionError as error:
+        return replace(solved, converged=False, why=f"the numerical error is unknown: {error}"), others
+    moved = linearised(problem, replace(state, values=state.values - change)).gradient - equations.gradient
+    covariance = np.linalg.inv(equations.information)
+    shift = (
+        covariance @ moved
+    )  # of the unknowns, by the numerical error: a bias that points do not average out
+    information = np.linalg.inv(covariance + np.outer(shift, shift))
+    return replace(solved, equations=replace(equations, information=information)), others
 
 
 SHIFTING = ("bush.drag", "bearing.friction_torque")

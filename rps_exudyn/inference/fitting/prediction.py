@@ -8,7 +8,7 @@ for its pinion, what is left of a gear are formulas of drag, bearing and plunger
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -21,10 +21,12 @@ from rps_exudyn.inference.fitting.unknowns import BY_LOAD, LARGEST, LOAD_OF_NUIS
 from rps_exudyn.parameters.fidelity import FOR_MEANS, MEAN_STEP, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.checks.before_run import largest_angle
+from rps_exudyn.scenes.ladder import gear_at, model_at
 from rps_exudyn.scenes.maneuver import steady_maneuver
 from rps_exudyn.scenes.rack_on_rollers import SCENE as RACK_ON_ROLLERS
 from rps_exudyn.scenes.rack_on_rollers import on_rollers
 from rps_exudyn.scenes.run_maneuver import run_maneuver
+from rps_exudyn.scenes.scene import WITH_BARS
 from rps_exudyn.simulate.cases.run_cases import CaseRunner
 from rps_exudyn.simulate.cases.task import Task
 from rps_exudyn.solvers.closed_form import GRAVITY, mean_state, pushing_force
@@ -79,6 +81,7 @@ class Prediction:
 
     blocks: Sequence[CurveBlock]
     fidelity: Fidelity = FOR_MEANS
+    level: int = 1  # of the ladder
     simulations: int = 0  # of all tests together
     runner: CaseRunner = field(default_factory=CaseRunner)
 
@@ -100,7 +103,11 @@ class Prediction:
         """
         self.simulations += 1
         tasks = [
-            Task(partial(pass_values, block, gear_in(block.test, gear, nuisances), self.fidelity, sense))
+            Task(
+                partial(
+                    pass_values, block, gear_in(block.test, gear, nuisances), self.fidelity, sense, self.level
+                )
+            )
             for block in self.blocks
             for sense in (1, -1)
         ]
@@ -110,6 +117,16 @@ class Prediction:
         except InputError as error:
             raise NoPredictionError(" ".join(error.problems)) from None
 
+    def numerical(self, gear: SteeringGear, nuisances: Mapping[str, float], values: np.ndarray) -> np.ndarray:
+        """Numerical error of values (m,) of this level: their change from the level below, as a standard
+        uncertainty (a bar is twice the change).
+
+        Raises:
+            NoPredictionError: the level below has no equilibrium.
+        """
+        self.simulations += 1
+        return values - replace(self, level=self.level - 1).simulated(gear, nuisances)
+
     def by_formula(self, gear: SteeringGear) -> np.ndarray:
         """Means of all tests by the closed form, on the same grids, shape (m,)."""
         return np.concatenate(
@@ -117,8 +134,11 @@ class Prediction:
         )
 
 
-def pass_values(block: CurveBlock, gear: SteeringGear, fidelity: Fidelity, sense: int) -> np.ndarray:
-    """Return the values of one direction of a block: along its grid, or their mean, shape (n,).
+def pass_values(
+    block: CurveBlock, gear: SteeringGear, fidelity: Fidelity, sense: int, level: int = 1
+) -> np.ndarray:
+    """Return the values of one direction of a block at a level of the ladder: along its grid, or their mean,
+    shape (n,).
 
     Raises:
         InputError: no such gear, or a test that it does not allow.
@@ -127,9 +147,10 @@ def pass_values(block: CurveBlock, gear: SteeringGear, fidelity: Fidelity, sense
     test, gear = block.test, tested_gear(gear)
     if test.kind in ("yoke-out", "bearing", RACK_ON_ROLLERS.name):
         return np.array([formula_means(gear, test)[0 if sense > 0 else 1]])
+    gear, fidelity, options = gear_at(level, gear), model_at(level, fidelity), WITH_BARS.at(level)
     if test.of_kind.by_angle:
         first, last = (float(angle) for angle in block.grid[[0, -1]][::sense])
-        run = run_maneuver(gear, fidelity, steady_maneuver(gear, "pinion", first, last, MEAN_STEP))
+        run = run_maneuver(gear, fidelity, steady_maneuver(gear, "pinion", first, last, MEAN_STEP), options)
         if not run.ok:
             raise NoPredictionError(run.outcome.message)
         angle, torque = run.signals["pinion_angle"], run.signals["pinion_torque"]
@@ -142,7 +163,8 @@ def pass_values(block: CurveBlock, gear: SteeringGear, fidelity: Fidelity, sense
     if gear.pinion.runout < SEEN:
         true, half, step = true.replace({"pinion.runout": 0.0}), half / gear.pinion.teeth, MEAN_STEP
     body: DrivenBody = "rack" if test.pushed else "pinion"
-    run = run_maneuver(true, fidelity, steady_maneuver(true, body, -half, half, step).under(test.load))
+    maneuver = steady_maneuver(true, body, -half, half, step).under(test.load)
+    run = run_maneuver(true, fidelity, maneuver, options)
     if not run.ok:
         raise NoPredictionError(f"{test.title}: {run.outcome.message}")
     signal = "rack_force" if body == "rack" else "pinion_torque"

@@ -3,8 +3,8 @@
     band = band_of_runs("free-pinion-torque", gear, fidelity, inputs, samples=256)
     band.figures["torque_mean"].values      # quantiles at LEVELS [N m]
 
-Beside the band stand what it is made of (contributions) and what it does not contain: the error of the
-solution, by the same gear in half the steps, and that of the contact law.
+Beside the band stand what it is made of (contributions) and what it does not contain: the numerical error, by
+the error bars of its runs, and the error of the contact law.
 """
 
 from collections import Counter
@@ -22,8 +22,10 @@ from rps_exudyn.inference.uncertainty.samples import Samples, runs_at
 from rps_exudyn.inference.uncertainty.statistics import (
     LEVELS,
     Contributions,
+    NumericalError,
     Polynomials,
     Quantiles,
+    numerical_error,
     quantiles,
 )
 from rps_exudyn.parameters.distribution import Distribution
@@ -34,7 +36,6 @@ from rps_exudyn.results.outcome import Interrupted, Status, alike
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.law_by_scene import SERIES, with_law
-from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.scene import WITH_BARS, RunOptions
 from rps_exudyn.simulate.batch import Batch
 from rps_exudyn.simulate.run import simulate
@@ -60,12 +61,23 @@ class Drawn:
 
     samples: Samples
     numbers: Mapping[str, np.ndarray]  # figure -> shape (n,)
+    bars: Mapping[str, np.ndarray]  # figure that has error bars -> half widths (n,), nan: unknown
     failures: Mapping[str, int]  # cause, of its first sample -> number of samples
 
     @cached_property
     def failed(self) -> int:
         """Samples that gave no numbers."""
         return sum(self.failures.values())
+
+    @cached_property
+    def numerical(self) -> dict[str, NumericalError]:
+        """Numerical errors of the figures that have bars."""
+        found = {}
+        for name, bars in self.bars.items():
+            known = np.isfinite(self.numbers[name])
+            if known.any():
+                found[name] = numerical_error(self.numbers[name][known], bars[known])
+        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +91,6 @@ class Band:
     figures: Mapping[str, Quantiles]
     contributions: Mapping[str, Contributions]
     curves: Curves | None
-    numerical: Mapping[str, float] = field(default_factory=dict)  # figure -> change by half the steps
     interrupted: bool = False
 
     @property
@@ -106,9 +117,10 @@ class Band:
             "figures": {
                 name: {
                     "nominal": self.nominal.summary.get(name),
+                    "nominal_error": _plain([self.nominal.errors.get(name, np.nan)])[0],
                     "quantiles": each.values.tolist(),
                     "standard_errors": each.errors.tolist(),
-                    "numerical_error": self.numerical.get(name),
+                    **self._numerical(name),
                 }
                 for name, each in self.figures.items()
             },
@@ -128,6 +140,12 @@ class Band:
                 for path, column in {**self.drawn.samples.values, **self.drawn.numbers}.items()
             },
         }
+
+    def _numerical(self, name: str) -> dict[str, Any]:
+        if (found := self.drawn.numerical.get(name)) is None:
+            return {}
+        own, *of_quantiles = _plain([found.of_sample, *found.of_quantiles])
+        return {"numerical_error": own, "numerical_errors_of_quantiles": of_quantiles}
 
 
 def band_of_runs(
@@ -167,7 +185,6 @@ def band_of_runs(
         figures=figure_quantiles(drawn),
         contributions=contributions_of(drawn),
         curves=curves,
-        numerical=numerical_error(nominal, fidelity, options),
         interrupted=done.interrupted,
     )
 
@@ -241,7 +258,9 @@ def runs_of(
         )
     done = sorted(seen.rows)
     numbers = dict(zip(names, np.array([seen.rows[row] for row in done]).T, strict=True))
-    drawn = Drawn(points.some(np.array(done)), numbers, dict(causes.most_common()))
+    bars = {name: np.array([seen.bars[row].get(name, np.nan) for row in done]) for name in nominal.errors}
+    bars = {name: each for name, each in bars.items() if name in numbers}
+    drawn = Drawn(points.some(np.array(done)), numbers, bars, dict(causes.most_common()))
     curves = [seen.curves[row] for row in done if row in seen.curves] if seen.curves else []
     return Runs(drawn, np.array(curves) if curves else None, interrupted)
 
@@ -254,6 +273,7 @@ class _Seen:
     fidelity: Fidelity
     names: list[str]  # of the figures
     rows: dict[int, list[float]] = field(default_factory=dict)
+    bars: dict[int, Mapping[str, float]] = field(default_factory=dict)
     curves: dict[int, np.ndarray] | None = field(default_factory=dict)
     failures: dict[int, tuple[tuple[str, ...], str]] = field(default_factory=dict)  # kind, and cause
 
@@ -283,9 +303,10 @@ class _Seen:
 
     def add(self, rows: Sequence[int], part: Batch) -> None:
         """Add some samples."""
-        summary = part.summary
+        summary, errors = part.summary, part.errors
         ended = zip(rows, part.results, part.statuses, part.messages, strict=True)
         for i, (row, result, status, message) in enumerate(ended):
+            self.bars[row] = {name: float(column[i]) for name, column in errors.items()}
             if status is not Status.OK:
                 self.rows[row] = [np.nan] * len(self.names)
                 kind = alike(status, () if result is None else result.codes, message)
@@ -349,23 +370,6 @@ def curve_quantiles(scene: str, curves: np.ndarray | None) -> Curves | None:
     if curves is None or len(curves) < LEAST_OK:
         return None
     return Curves(scene_named(scene).signal, np.quantile(curves, LEVELS, axis=0))
-
-
-def numerical_error(nominal: Result, fidelity: Fidelity, options: RunOptions = WITH_BARS) -> dict[str, float]:
-    """Return how far half the steps move each figure of the nominal run; {} of a model without steps."""
-    if fidelity.solver == "closed-form":
-        return {}
-    halved = fidelity.replace({"step_angle": fidelity.step_angle / 2})
-    refined = refine(
-        nominal,
-        lambda coarse, _: simulate(coarse.scene, coarse.gear, halved, options=options),
-        1,
-        usable=lambda result: result.status is Status.OK,
-    )
-    if not refined.times:
-        return {}
-    finer = refined.finest.summary
-    return {name: abs(finer[name] - value) for name, value in nominal.summary.items() if name in finer}
 
 
 def _plain(column: Iterable[float]) -> list[float | None]:

@@ -17,7 +17,6 @@ from rps_exudyn.inference.uncertainty.band import (
     contributions_of,
     figure_quantiles,
     nominal_result,
-    numerical_error,
     runs_of,
 )
 from rps_exudyn.inference.uncertainty.samples import Samples
@@ -112,7 +111,6 @@ def quick_band(
         figures=figure_quantiles(done.drawn) | {FIGURE: _widened(of_mean, done.drawn.failed, runs)},
         contributions=found,
         curves=_curves(means, done.curves, done.drawn.numbers[FIGURE]),
-        numerical=numerical_error(nominal, fidelity, options),
         interrupted=done.interrupted,
     )
 

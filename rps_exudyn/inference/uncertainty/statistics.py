@@ -68,6 +68,29 @@ def quantiles(numbers: np.ndarray, failed: int = 0, resampled: np.ndarray | None
     return Quantiles(values, errors, _at(known, below, -np.inf), _at(known, above, np.inf))
 
 
+@dataclass(frozen=True, eq=False)
+class NumericalError:
+    """Numerical error of drawn numbers, as half widths of bars; inf: unknown.
+
+    Attributes:
+        of_sample: the median of the samples' bars; the largest is that of one gear alone.
+        of_quantiles: by how far the quantiles move if all samples are wrong by their bars to the same side,
+            shape (5,): neighbouring gears have the same bias, so that it does not average out.
+    """
+
+    of_sample: float
+    of_quantiles: np.ndarray
+
+
+def numerical_error(numbers: np.ndarray, bars: np.ndarray) -> NumericalError:
+    """Return the numerical error of finite numbers (n,) from their bars (n,), nan where unknown."""
+    bars = np.where(np.isfinite(bars), bars, np.inf)
+    down, as_is, up = np.quantile(
+        [numbers - bars, numbers, numbers + bars], LEVELS, axis=1, method="nearest"
+    ).T
+    return NumericalError(float(np.quantile(bars, 0.5, method="nearest")), np.fmax(as_is - down, up - as_is))
+
+
 def _at(known: np.ndarray, levels: np.ndarray, beyond: float) -> np.ndarray:
     """Quantiles at levels of which those outside 0 to 1 are not known."""
     inside = (levels >= -1e-9) & (levels <= 1 + 1e-9)

@@ -227,7 +227,7 @@ def _numbers(result: Result) -> Iterable[PageBlock]:
 def _scatter(band: Band) -> Iterable[Section]:
     """What makes the band, and the quantiles of every metric."""
     name = scene_named(band.nominal.scene).figure
-    blocks: list[PageBlock] = []
+    errors, blocks = band.drawn.numerical, list[PageBlock]()
     if (shares := band.contributions.get(name)) is not None:
         parts = {**dict(list(shares.fractions.items())[:MOST_SHARES]), "acting together": shares.together}
         bars = [
@@ -237,10 +237,14 @@ def _scatter(band: Band) -> Iterable[Section]:
         blocks += [Text(f"Shares of the variance of the {LABELS.get(name, name)}"), Shares(bars, apart=True)]
     causes = [f"{count} of the gears failed: {cause}" for cause, count in band.drawn.failures.items()]
     rows = [
-        [name, *(SUMMARY[name].show(float(value)) for value in (found.low, found.median, found.high))]
+        [
+            name,
+            *(SUMMARY[name].show(float(value)) for value in (found.low, found.median, found.high)),
+            SUMMARY[name].show(errors[name].of_sample) if name in errors else "",
+        ]
         for name, found in band.figures.items()
     ]
-    grid = Grid(("quantity", "5 %", "median", "95 %"), rows)
+    grid = Grid(("quantity", "5 %", "median", "95 %", "numerical error"), rows)
     yield Section(
         "Scatter", [*map(Warning, causes), *blocks, Fold(f"Quantiles of {len(rows)} quantities", [grid])]
     )
