@@ -253,7 +253,7 @@ def struck(result: Result, *impacts: tuple[float, float, float]) -> Result:
         inside = (time > begin) & (time < end)
         force[inside] = size * np.sin(np.pi * (time[inside] - begin) / (end - begin))
     signals = {"time": time, "yokenut_force": force, "plunger_displacement": 1e-8 * force}
-    return dataclasses.replace(result, scene="yoke-impact", signals=signals, summary={})
+    return dataclasses.replace(result, scene="yoke-impact", signals=signals, summary={}, errors={})
 
 
 def test_impact_is_drawn_large(made_up_result: Result) -> None:
