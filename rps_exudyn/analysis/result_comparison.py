@@ -52,14 +52,29 @@ class SignalPair:
 
 @dataclass(frozen=True, eq=False)
 class ResultComparison:
-    """Settings, summaries and signals of two results side by side."""
+    """Settings, summaries with their error bars, and signals of two results side by side."""
 
     settings: dict[str, Pair]  # those that differ: path such as yoke.preload, fidelity.mesh, solver.steps
     scene: Pair
     status: Pair
     summary: dict[str, Pair]  # every number that one of them has
+    errors: dict[str, Pair]  # half widths of their bars; None: without one, nan: unknown
     angle: np.ndarray  # common pinion angles, rising [rad], shape (n,); empty if there are none
     signals: dict[str, SignalPair]  # those that both have, without the angle
+
+    @property
+    def joint_bars(self) -> dict[str, float]:
+        """Half widths of the bars of differences where both numbers have one; biases, so that they add up."""
+        return {name: sum(pair) for name, pair in self.errors.items() if None not in pair}
+
+    @property
+    def exceeding(self) -> list[str]:
+        """Numbers whose difference exceeds its joint bar."""
+        return [
+            name
+            for name, bar in self.joint_bars.items()
+            if abs(self.summary[name][1] - self.summary[name][0]) > bar
+        ]
 
 
 def compare(first: Result, second: Result) -> ResultComparison:
@@ -74,6 +89,10 @@ def compare(first: Result, second: Result) -> ResultComparison:
         summary={
             name: (first.summary.get(name), second.summary.get(name))
             for name in dict.fromkeys([*first.summary, *second.summary])
+        },
+        errors={
+            name: (first.errors.get(name), second.errors.get(name))
+            for name in dict.fromkeys([*first.errors, *second.errors])
         },
         angle=angle,
         signals={

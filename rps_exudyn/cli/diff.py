@@ -51,6 +51,10 @@ def print_comparison(
         put("No setting differs.")
     put()
     put_table(("quantity", *names, "difference"), _summary_differences(comparison))
+    if bars := comparison.joint_bars:
+        beyond = comparison.exceeding
+        count = f"{len(beyond)} of {len(bars)} differences {'exceeds' if len(beyond) == 1 else 'exceed'}"
+        put(f"{count} the sum of both error bars{': ' * bool(beyond)}{', '.join(beyond)}.")
     put()
     if comparison.signals:
         angles = f"{_angle(comparison.angle[0])} to {_angle(comparison.angle[-1])}"
@@ -75,6 +79,9 @@ def comparison_as_dict(comparison: "ResultComparison", files: Iterable[Path] = (
         "status": comparison.status,
         "settings": comparison.settings,
         "summary": comparison.summary,
+        "errors": comparison.errors,
+        "joint_bars": comparison.joint_bars,
+        "exceeding": comparison.exceeding,
         "common_angle": comparison.angle[[0, -1]].tolist() if comparison.angle.size else None,
         "signals": {
             name: {"unit": SIGNALS[name].unit, "mean": pair.mean, **differences(pair)}
@@ -102,8 +109,12 @@ def _both_shown(path: str, pair: tuple[Any, Any]) -> tuple[str, str]:
 
 def _summary_differences(comparison: "ResultComparison") -> Iterable[tuple[str, ...]]:
     from rps_exudyn.results.quantities import SUMMARY
+    from rps_exudyn.results.rounding import shown_with_bar
 
+    joint = comparison.joint_bars
     for name, (first, second) in comparison.summary.items():
-        values = ["-" if value is None else SUMMARY[name].show(value) for value in (first, second)]
+        pairs = zip((first, second), comparison.errors.get(name, (None, None)), strict=True)
+        values = ["-" if value is None else shown_with_bar(SUMMARY[name], value, bar) for value, bar in pairs]
         known = first is not None and second is not None
-        yield name, *values, SUMMARY[name].show(second - first) if known else "-"
+        difference = shown_with_bar(SUMMARY[name], second - first, joint.get(name)) if known else "-"
+        yield name, *values, difference

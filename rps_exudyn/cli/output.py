@@ -10,7 +10,7 @@ import os
 import shlex
 import sys
 import textwrap
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -88,14 +88,16 @@ def put(text: str = "", style: str = "", indent: int = 0) -> None:
     print(text)
 
 
-def put_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print rows of cells below their heads, without lines between them; long cells are broken."""
+def put_table(heads: Sequence[str], rows: Iterable[Sequence[str]], dim: Collection[int] = ()) -> None:
+    """Print rows of cells below their heads, without lines between them; long cells are broken. A terminal
+    greys the rows at the places `dim`."""
     rows = list(rows)
     widths = column_widths(heads, rows, _width() if sys.stdout.isatty() else IN_FILES)
     style = "dim" if sys.stdout.isatty() else ""
     print("\n".join(_styled(line, style) for line in _row_lines(heads, widths)))
-    for row in rows:
-        print("\n".join(_row_lines(row, widths)))
+    for k, row in enumerate(rows):
+        lines = _row_lines(row, widths)
+        print("\n".join(_styled(line, style if k in dim else "") for line in lines))
 
 
 def column_widths(heads: Sequence[str], rows: Sequence[Sequence[str]], width: int) -> list[int]:

@@ -10,7 +10,7 @@ from rps_exudyn.pages.report.sheet import INDENT, Sheet, sheet_of
 from rps_exudyn.results.law_error import error_of_law
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import COUNTERS, SIGNALS, SUMMARY
-from rps_exudyn.results.rounding import with_error
+from rps_exudyn.results.rounding import shown_metric, vague_rows
 
 if TYPE_CHECKING:
     from rps_exudyn.analysis.measured import AgainstMeasured
@@ -36,8 +36,8 @@ def print_sheet(sheet: Sheet, files: Iterable[Path], more: str) -> None:
     """Print a sheet, the names of the files, and what --all prints more."""
     title, *lines = sheet.lines()
     put(title, "bold", indent=INDENT)
-    for line in lines:
-        put(line, indent=INDENT + sheet.width + GAP)
+    for line, row in zip(lines, sheet.rows, strict=True):
+        put(line, "dim" if row.is_vague else "", indent=INDENT + sheet.width + GAP)
     names = ", ".join(map(str, files))
     put(f"{f'written: {names}' if names else 'nothing written'}  (--all: {more})")
 
@@ -58,11 +58,12 @@ def verdict(result: "Result") -> int:
 
 
 def print_result(result: "Result", files: Iterable[Path] = ()) -> None:
-    """Print scene, fidelity and status, then every summary value with its unit and definition."""
-    put(f"{result.scene} · fidelity {result.fidelity['name']} · status {result.status}", "bold")
+    """Print scene, fidelity, level and status, then every summary value with its bar and definition."""
+    level = f" · level {result.findings['level']}" if "level" in result.findings else ""
+    put(f"{result.scene} · fidelity {result.fidelity['name']}{level} · status {result.status}", "bold")
     if result.message:
         put(result.message)
-    put_table(("quantity", "value", "definition"), _summary_rows(result))
+    put_table(("quantity", "value", "definition"), _summary_rows(result), vague_rows(result))
     if error := error_of_law(result):
         put(error.sentence)
     put(", ".join([f"{result.cpu_s:.3g} s of CPU time", *_counts(result)]))
@@ -89,8 +90,8 @@ def result_as_dict(result: "Result", files: Iterable[Path] = ()) -> dict[str, An
 
 
 def _summary_rows(result: "Result") -> Iterable[tuple[str, str, str]]:
-    for name, value in result.summary.items():
-        yield name, with_error(SUMMARY[name], value, result.errors.get(name)), SUMMARY[name].long_name
+    for name in result.summary:
+        yield name, shown_metric(result, name), SUMMARY[name].long_name
     for name in ("mesh_normal_force_drive", "mesh_normal_force_coast"):
         if name in result.signals and result[name].size:
             yield f"mean of {name}", SIGNALS[name].show(float(result[name].mean())), SIGNALS[name].long_name

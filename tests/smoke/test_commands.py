@@ -40,7 +40,7 @@ def test_run_prints_a_summary_and_writes_both_files(command: Command, simulated:
     answer = command(["run", "--all"])
     assert answer.status == 0
     assert "torque_mean" in answer.out
-    assert "0.6 N m" in answer.out
+    assert "0.600 ± 0.001 N m" in answer.out
     assert "35 mm" in answer.out
     assert load("free-pinion-torque.h5").status is Status.OK
     assert Path("free-pinion-torque.png").read_bytes().startswith(b"\x89PNG")
@@ -51,7 +51,7 @@ def test_run_prints_a_sheet_of_eight_lines(command: Command, simulated: Result) 
     answer = command(["run", "--no-plot"])
     assert len(answer.out.splitlines()) <= 8
     assert len(answer.out.split()) <= 100
-    assert re.search(r"\n  0\.600 ± 0\.00\d N m  mean torque", answer.out)
+    assert re.search(r"\n  0\.600 ± 0\.001 N m  mean torque; contact law line ± 0\.007 N m\n", answer.out)
     assert "written: free-pinion-torque.h5  (--all: " in answer.out
     assert os.listdir() == ["free-pinion-torque.h5"]
 
@@ -75,6 +75,11 @@ def test_overwritten_files_leave_no_others_and_quiet_runs_no_words(
         ("torque_mean", 0.6196, 0.0068, "0.620 ± 0.007 N m"),
         ("torque_mean", -14.03, 0.14, "−14.0 ± 0.1 N m"),
         ("torque_mean", 2480.0, 31.0, "2480 ± 30 N m"),
+        ("torque_mean", 0.62, 0.0096, "0.62 ± 0.01 N m"),
+        ("torque_mean", 0.62, float("nan"), "0.62 ± ? N m"),
+        ("torque_peak_to_peak", 0.0, 0.031, "0.00 ± 0.03 N m"),
+        ("torque_peak_to_peak", -0.0004, 2.4, "0 ± 2 N m"),
+        ("torque_peak_to_peak", 1e-16, 3e-19, "0 N m"),
         ("torque_peak_to_peak", 0.02983, None, "0.030 N m"),
         ("torque_peak_to_peak", 1.4e-7, None, "0 N m"),
         ("torque_peak_to_peak", 1.5e-3, None, "1.5 N mm"),
@@ -213,13 +218,14 @@ def test_diff_prints_what_differs(command: Command, made_up_result: Result) -> N
         made_up_result,
         gear=made_up_result.gear.replace({"yoke.preload": 310}),
         signals=made_up_result.signals | {"pinion_torque": torque},
-        summary=made_up_result.summary | {"torque_mean": 0.606},
+        summary=made_up_result.summary | {"torque_mean": 0.606, "torque_peak_to_peak": 0.0215},
     )
     other.save("b.h5")
     answer = command(["diff", "a.h5", "b.h5", "--plot", "c.png"])
     assert answer.status == 0
     assert re.search(r"yoke.preload +300 N +310 N", answer.out)
-    assert re.search(r"torque_mean +0.6 N m +0.606 N m +0.006 N m", answer.out)
+    assert re.search(r"torque_mean +0.600 ± 0.001 N m +0.606 ± 0.001 N m +0.006 ± 0.002 N m", answer.out)
+    assert "1 of 2 differences exceeds the sum of both error bars: torque_mean.\n" in answer.out
     assert re.search(r"pinion_torque +1 % +1 %", answer.out)
     assert Path("c.png").read_bytes().startswith(b"\x89PNG")
     assert "pinion.teeth" not in answer.out
@@ -232,6 +238,7 @@ def test_diff_prints_json(command: Command, made_up_result: Result, failed_resul
     assert compared["status"] == ["ok", "diverged"]
     assert compared["settings"] == {}
     assert compared["summary"]["torque_mean"] == [0.6, 0.6]
+    assert (compared["joint_bars"]["torque_mean"], compared["exceeding"]) == (0.0024, [])
     assert compared["signals"]["pinion_torque"]["rms"] == 0
     assert compared["signals"]["pinion_torque"]["unit"] == "N*m"
 

@@ -95,6 +95,7 @@ def test_settings_that_differ_have_their_paths(made_up_result: Result) -> None:
         fidelity=made_up_result.fidelity | {"name": "full"},
         solver={"name": "equilibrium"},
         summary={"rack_gain": 0.035, "torque_first_order": 0.1},
+        errors={},
     )
     compared = compare(made_up_result, other)
     assert compared.settings == {

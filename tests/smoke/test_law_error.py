@@ -237,5 +237,5 @@ def test_a_yoke_that_touches_its_nut_has_no_known_error(made_up_result: Result) 
     assert error_of_law(made_up_result) == law_error(made_up_result.gear, made_up_result.fidelity)
     assert error_of_law(stopped) is None
     assert band(stopped) is None
-    assert "±" in sheet_of(made_up_result).rows[0].value
-    assert "±" not in sheet_of(stopped).rows[0].value
+    assert "contact law line ± " in sheet_of(made_up_result).rows[0].words
+    assert "±" not in sheet_of(stopped).rows[0].words

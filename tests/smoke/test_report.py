@@ -289,7 +289,7 @@ def test_result_of_any_scene(scene: str, made_up_result: Result, tmp_path: Path,
     result.save(tmp_path / "r.h5")
     assert command(["report", "r.h5"]).out == "written: r.html\n"
     page = Page(tmp_path / "r.html")
-    assert re.search(r"torque_mean\s+0\.6 N m", page.sections["Details"])
+    assert re.search(r"torque_mean\s+0\.600 ± 0\.001 N m", page.sections["Details"])
     assert re.search(r"yoke\.preload\s+310 N", page.sections["Details"])
 
 
@@ -383,12 +383,12 @@ def test_several_results_stand_side_by_side(made_up_result: Result, tmp_path: Pa
         made_up_result,
         gear=made_up_result.gear.replace({"yoke.preload": 310}),
         summary={"torque_mean": 0.7},
-        errors={},
+        errors={"torque_mean": float("nan")},
     )
     other.save(tmp_path / "b.h5")
     assert command(["report", "a.h5", "b.h5"]).out == "written: report.html\n"
     numbers = Page(tmp_path / "report.html").sections["Numbers"]
-    assert re.search(r"torque_mean\s+0\.6 N m\s+0\.7 N m", numbers)
+    assert re.search(r"torque_mean\s+0\.600 ± 0\.001 N m\s+0\.70 ± \? N m", numbers)
     assert re.search(r"yoke\.preload\s+300 N\s+310 N", numbers)
 
 

@@ -108,7 +108,7 @@ def test_both_directions_of_a_measured_torque_have_a_panel_each(
     part = {"there and back": slice(None), "there": slice(481), "back": slice(481, None)}[recorded]
     signals = {name: values[part] for name, values in there_and_back.signals.items()}
     summary = {"torque_mean": float(np.mean(signals["pinion_torque"]))}
-    result = dataclasses.replace(there_and_back, signals=signals, summary=summary)
+    result = dataclasses.replace(there_and_back, signals=signals, summary=summary, errors={})
     forward, backward, *_ = torque_figure(result, measured).axes
     for axes, direction in ((forward, "there"), (backward, "back")):
         low, high = axes.get_ylim()
@@ -213,7 +213,7 @@ def test_a_damaged_measured_torque_is_refused(
 
 def test_load_test_shows_the_torque_without_losses_and_says_self_locking(there_and_back: Result) -> None:
     locking = {"rack_gain": 0.035, "torque_reverse": -0.1}
-    figure = load_test_figure(dataclasses.replace(there_and_back, summary=locking))
+    figure = load_test_figure(dataclasses.replace(there_and_back, summary=locking, errors={}))
     (ideal,) = (line for line in figure.axes[0].lines if line.get_label() == "without losses")
     assert ideal.get_ydata()[0] == pytest.approx(98.0665 * 0.035 / (2 * np.pi))
     assert "self-locking" in figure.get_suptitle()
@@ -253,7 +253,7 @@ def struck(result: Result, *impacts: tuple[float, float, float]) -> Result:
         inside = (time > begin) & (time < end)
         force[inside] = size * np.sin(np.pi * (time[inside] - begin) / (end - begin))
     signals = {"time": time, "yokenut_force": force, "plunger_displacement": 1e-8 * force}
-    return dataclasses.replace(result, scene="yoke-impact", signals=signals, summary={})
+    return dataclasses.replace(result, scene="yoke-impact", signals=signals, summary={}, errors={})
 
 
 def test_impact_is_drawn_large(made_up_result: Result) -> None:

@@ -37,4 +37,11 @@ def test_numbers_of_one_quantity_have_one_unit(made_up_result: Result) -> None:
     summary = {"torque_mean": 0.62, "torque_peak_to_peak": 2.7e-3}
     values = [row.value for row in sheet_of(replace(made_up_result, summary=summary)).rows[:2]]
     assert values[0].endswith(" N m")
-    assert values[1] == "0.0027 N m"
+    assert values[1] == "0.003 ± 0.001 N m"
+
+
+def test_wide_and_unknown_bars_are_vague(made_up_result: Result) -> None:
+    """Wider than a fifth of the value."""
+    errors = {"torque_mean": 0.119, "torque_peak_to_peak": 0.0041, "rack_gain": float("nan")}
+    rows = sheet_of(replace(made_up_result, errors=errors)).rows[:3]
+    assert [row.is_vague for row in rows] == [False, True, True]

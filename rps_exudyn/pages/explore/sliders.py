@@ -111,8 +111,8 @@ MODELS = {
     "flank": " Dynamics by fidelity flank. Friction as given.",
 }
 SLOW = 0.25  # scenes that take longer show a preview while a slider moves [s]
-DRAFT = "draft while a slider moves, which no finer steps confirm"
-UNCONFIRMED = RunOptions(least_steps=StepLimits(halvings=0))
+DRAFT = "draft while a slider moves, without error bars"
+UNCONFIRMED = RunOptions(level=None, least_steps=StepLimits(halvings=0))  # without error bars
 MOST_POINTS = 3000  # of a curve
 SIZES = (
     "transverse_contact_ratio",
@@ -237,7 +237,9 @@ def _drawn(result: Result) -> Answer:
         "along": _label(along),
         "across": _label(signal),
         "rows": [
-            [row.value, row.words] for row in sheet_of(result).rows if row.value not in (WORK_LOST, REMARK)
+            [row.value, row.words, row.is_vague]
+            for row in sheet_of(result).rows
+            if row.value not in (WORK_LOST, REMARK)
         ],
         "metrics": metrics_of(result),
         "losses": [[part, PARTS[part], 100 * share] for part, share in loss_shares(result).items()],

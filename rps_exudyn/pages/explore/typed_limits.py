@@ -10,14 +10,19 @@ from rps_exudyn.base.units import pretty, respelled, short
 from rps_exudyn.results.limit import limit_of
 from rps_exudyn.results.quantities import LABELS, SUMMARY, Quantity
 from rps_exudyn.results.result import Result
+from rps_exudyn.results.rounding import shown_metric
 
 
 def metrics_of(result: Result) -> list[dict[str, Any]]:
-    """Metrics that a limit can be typed for: those of a result that have a label."""
+    """Metrics that a limit can be typed for: those of a result that have a label; their "error" is None where
+    it is unknown."""
     found = []
     for name in (name for name in LABELS if name in result.summary):
-        value, quantity = result.summary[name], SUMMARY[name]
-        known = {"value": value, "shown": quantity.show(value)} if isfinite(value) else {}
+        value, quantity, error = result.summary[name], SUMMARY[name], result.errors.get(name, 0.0)
+        known: dict[str, Any] = {}
+        if isfinite(value):
+            either = error if isfinite(error) else None
+            known = {"value": value, "error": either, "shown": shown_metric(result, name)}
         found.append({"name": name, "words": LABELS[name], "unit": pretty(quantity.display), **known})
     return found
 

@@ -75,6 +75,7 @@ class Grid(PageBlock):
     rows: Sequence[Sequence[Cell]]
     caption: str = ""
     ids: Sequence[str] = ()  # of the rows, each on one row of the page; () without
+    vague: Sequence[int] = ()  # places of the rows in grey
 
 
 class Mark(StrEnum):

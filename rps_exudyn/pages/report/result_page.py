@@ -49,7 +49,7 @@ from rps_exudyn.results.law_error import error_of_law
 from rps_exudyn.results.outcome import Status, sentences
 from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, LABELS, PARTS, SUMMARY, Quantity
 from rps_exudyn.results.result import Result
-from rps_exudyn.results.rounding import rounded
+from rps_exudyn.results.rounding import rounded, shown_metric, vague_rows
 from rps_exudyn.scenes import is_scene, scene_named
 from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_TURNING_SCENE
 
@@ -128,9 +128,9 @@ def side_by_side(results: Mapping[Path, Result]) -> Article:
         *([["message", *messages]] if any(messages) else []),
     ]
     for name in SUMMARY:
-        values = [result.summary.get(name) for result in results.values()]
-        if any(value is not None for value in values):
-            rows.append([name, *("" if value is None else SUMMARY[name].show(value) for value in values)])
+        values = [shown_metric(each, name) if name in each.summary else "" for each in results.values()]
+        if any(values):
+            rows.append([name, *values])
     settings = {path: result.gear.changes() for path, result in results.items()}
     for parameter in dict.fromkeys(name for changed in settings.values() for name in changed):
         values = [result.gear.value_at(parameter) for result in results.values()]
@@ -141,6 +141,7 @@ def side_by_side(results: Mapping[Path, Result]) -> Article:
 
 
 Compared = Sequence[AgainstMeasured] | None
+QUANTITIES = ("quantity", "value", "definition")
 HEAD_SIZES = ("total_contact_ratio", "travel_per_turn", "tip_diameter", "crest_width", "toothed_length")
 MOST_SHARES = 6  # inputs that make the band, by name
 DEFLECTIONS = ("rack_y", "rack_roll")
@@ -221,7 +222,8 @@ def _numbers(result: Result) -> Iterable[PageBlock]:
         yield Text("It has no numbers.")
         return
     count = len(result.summary)
-    yield Fold(f"All {count} quantities", [_quantities(SUMMARY, result.summary)])
+    rows = [[name, shown_metric(result, name), SUMMARY[name].long_name] for name in result.summary]
+    yield Fold(f"All {count} quantities", [Grid(QUANTITIES, rows, vague=vague_rows(result))])
 
 
 def _scatter(band: Band) -> Iterable[Section]:
@@ -336,7 +338,7 @@ def _parameters(result: Result) -> Iterable[PageBlock]:
 
 def _quantities(known: Mapping[str, Quantity], values: Mapping[str, float]) -> Grid:
     rows = [[name, known[name].show(value), known[name].long_name] for name, value in values.items()]
-    return Grid(("quantity", "value", "definition"), rows)
+    return Grid(QUANTITIES, rows)
 
 
 def _commands(path: Path) -> str:

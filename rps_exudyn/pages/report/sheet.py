@@ -16,7 +16,14 @@ from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status, sentences
 from rps_exudyn.results.quantities import LABELS, PARTS, SUMMARY
 from rps_exudyn.results.result import Result
-from rps_exudyn.results.rounding import error_of, rounded, rounded_range
+from rps_exudyn.results.rounding import (
+    half_width,
+    is_vague,
+    law_bar,
+    rounded,
+    rounded_metric,
+    rounded_range,
+)
 from rps_exudyn.scenes import is_scene, scene_named
 
 if TYPE_CHECKING:
@@ -34,10 +41,11 @@ LEAST_SHARE = 0.005  # of the work lost, below which a part is not named
 
 @dataclass(frozen=True)
 class Row:
-    """A row of a sheet: a value or a heading, and words about it."""
+    """A row of a sheet: a value or a heading, words about it, and whether its error bar is wide."""
 
     value: str
     words: str
+    is_vague: bool = False
 
 
 @dataclass(frozen=True)
@@ -103,7 +111,8 @@ def changes_shown(gear: SteeringGear, but_for: Container[str] = ()) -> str:
 
 
 def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
-    """The scene's own number with the error of the contact law, and others that have a label."""
+    """The scene's own number and others that have a label, with their error bars; the error of the contact
+    law beside them."""
     summary, first = result.summary, scene_named(result.scene).figure if is_scene(result.scene) else ""
     others = [name for name in LABELS if name not in (first, *REPEATED)]
     names = [name for name in (first, *others) if name in summary]
@@ -116,13 +125,12 @@ def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
     for name in names:
         quantity, value, like = SUMMARY[name], summary[name], largest[SUMMARY[name].unit]
         words = LABELS.get(name, quantity.long_name)
-        error = error_of(result, name)
-        if law is not None and error:
-            words += f" (±: error of contact law {law.law})" if band is None else ""
+        if law is not None and (wide := law_bar(result, name)):
+            words += f"; contact law {law.law} {half_width(quantity, wide, like)}"
         if band is not None and name in band.figures:
             found = band.figures[name]
             words += f"; {rounded_range(quantity, found.low, found.high, like)} in 90 % of gears"
-        yield Row(rounded(quantity, value, error, like), words)
+        yield Row(rounded_metric(result, name, like), words, is_vague(value, result.errors.get(name)))
 
 
 def loss_shares(result: Result) -> dict[str, float]:

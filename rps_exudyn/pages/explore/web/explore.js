@@ -245,8 +245,8 @@ function followed(kind, name, button = null) {
 const said = (sentences) => by("said").replaceChildren(...sentences.map((text) => make("p", {}, text)));
 
 function terms(holder, values) {
-  holder.replaceChildren(...values.map(([name, value]) => {
-    const pair = make("div");
+  holder.replaceChildren(...values.map(([name, value, vague]) => {
+    const pair = make("div", vague ? { class: "vague" } : {});
     pair.append(make("dt", {}, name), make("dd", {}, value));
     return pair;
   }));
@@ -330,12 +330,16 @@ async function readLimits() {
 // Whether the gear of the present curve keeps each limit, in words
 function judge() {
   const there = document.body.classList.contains("stale") ? [] : latest?.metrics ?? [];
-  const found = { kept: [], "not kept": [], "not computed": [], "not understood": [] };
+  const found = { kept: [], "not kept": [], "too close to tell": [], "not computed": [], "not understood": [] };
   for (const [name, { verdict, words }] of fields) {
-    const limit = read[name], { value, shown: text } = there.find((each) => each.name === name) ?? {};
+    const limit = read[name], { value, error, shown: text } = there.find((each) => each.name === name) ?? {};
     let word = "not computed";
     if (limit?.problems) word = "not understood";
-    else if (value !== undefined) word = value >= (limit?.least ?? -Infinity) && value <= (limit?.most ?? Infinity) ? "kept" : "not kept";
+    else if (value !== undefined) {
+      const inside = Math.min(value - (limit?.least ?? -Infinity), (limit?.most ?? Infinity) - value); // negative outside
+      if (Math.abs(inside) < (error ?? Infinity)) word = "too close to tell"; // null is an unknown error
+      else word = inside >= 0 ? "kept" : "not kept";
+    }
     if (limit) found[word].push(words);
     verdict.textContent = !limit ? "" : limit.problems ? limit.problems.join(" ") : `${word}${text ? `: ${text}` : ""} (${limit.shown})`;
     verdict.classList.toggle("broken", word === "not kept" || word === "not understood");
