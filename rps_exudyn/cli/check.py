@@ -124,12 +124,12 @@ def _as_dict(sheet: "Sequence[RequirementRow]", law: str) -> dict[str, object]:
 def _print(sheet: "Sequence[RequirementRow]", torque: float, law: str, files: Sequence[Path]) -> None:
     from rps_exudyn.assessment.requirements.limits import REQUIRED
     from rps_exudyn.assessment.requirements.sheet import ASSURED
-    from rps_exudyn.results.rounding import with_error
+    from rps_exudyn.results.rounding import shown_with_bar
 
     rows = []
     for each in sheet:
         show = REQUIRED[each.name].show
-        nominal = with_error(REQUIRED[each.name], each.value, each.error) if each.is_known else ""
+        nominal = shown_with_bar(REQUIRED[each.name], each.value, each.error) if each.is_known else ""
         band = each.band_shown(show)
         share = f"{each.share:.0%}" if band else ""
         rows.append((each.name, each.limit.show(REQUIRED[each.name]), nominal, band, share, each.verdict))

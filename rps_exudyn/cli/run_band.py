@@ -41,7 +41,7 @@ from rps_exudyn.parameters.fidelity import MEAN_STEP
 from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import MeasuredTorque
-from rps_exudyn.results.rounding import with_error
+from rps_exudyn.results.rounding import shown_with_bar
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.law_by_scene import with_law
 from rps_exudyn.simulate.cases.run_cases import checked_jobs
@@ -165,7 +165,9 @@ def _figure_rows(band: Band) -> Iterable[tuple[str, ...]]:
         errors = [show(float(found.errors[at])) for at in (0, -1)]
         errors += ["" if of_level is None else show(float(of_level.of_quantiles[at])) for at in (0, -1)]
         nominal = band.nominal.summary.get(name)
-        shown = "" if nominal is None else with_error(SUMMARY[name], nominal, band.nominal.errors.get(name))
+        shown = (
+            "" if nominal is None else shown_with_bar(SUMMARY[name], nominal, band.nominal.errors.get(name))
+        )
         yield name, shown, show(found.low), show(found.median), show(found.high), *errors
 
 

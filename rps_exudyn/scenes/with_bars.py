@@ -56,7 +56,7 @@ def run_with_bars(scene: Scene, gear: SteeringGear, fidelity: Fidelity, options:
 
     first = run_at(level)
     if fidelity.solver == "closed-form":
-        return _with_terms(scene, gear, fidelity, _described(first, level), {})
+        return _with_terms(scene, gear, fidelity, first, {})
     if not first.ok:
         return first
     try:

@@ -61,7 +61,7 @@ from rps_exudyn.pages.report.study_sections import (
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.names import GEAR_FACTS, named
 from rps_exudyn.results.quantities import SUMMARY
-from rps_exudyn.results.rounding import rounded, with_error
+from rps_exudyn.results.rounding import rounded, shown_with_bar
 from rps_exudyn.study import sensitivity
 from rps_exudyn.study.definition import GRID_DESIGN, Axis, axis_quantity
 from rps_exudyn.study.effects import MainEffect, grid_effect, sampled_effect, surface
@@ -412,7 +412,7 @@ def _shown(table: CaseTable, name: str, at: int) -> str:
     """A number of a case with its error bar; nothing where it is unknown."""
     value, errors = float(table.numbers[name][at]), table.errors.get(name)
     error = None if errors is None else float(errors[at])
-    return with_error(SUMMARY[name], value, error) if np.isfinite(value) else ""
+    return shown_with_bar(SUMMARY[name], value, error) if np.isfinite(value) else ""
 
 
 def _all_cases(table: CaseTable, store: Store) -> Iterable[PageBlock]:
