@@ -40,7 +40,8 @@ from rps_exudyn.scenes.sizes import size_of, sizes
 FORCES = {"N", "N*m", "J"}
 """Units of metrics that change as forces do."""
 MODEL_BIAS = {"closed-form": 0.02, "general-contact": 0.003}
-"""Model -> share of its metrics by which 95 % of random gears differ from one with equilibria and strips."""
+"""Model -> share of forces by which it may differ from equilibria with lines of contact: means of gears by
+formulas differ by 1.7 % at most, those of spheres by 0.3 %. Formulas leave out whatever varies."""
 
 MAGNIFIED = 5  # times the same most of the time, that forces change: a rack that swings on yoke and teeth
 MOVES = 12.5  # times the inertia beside the travel, over the yoke's force, that ranges of the rack change ...
@@ -66,7 +67,7 @@ def bar_terms(
     size = {name: size_of(name, values[name], of_run) for name in values if SUMMARY[name].confirmed}
     total: dict[str, Any] = dict.fromkeys(size, 0.0)
     terms = [
-        _model(fidelity, size),
+        _model(fidelity, size, of_run),
         _work(signals, size),
         _start(findings, size, of_run),
         *([_inertia(masses, metrics, signals, values, size)] if leaves_inertia_out(scene, fidelity) else []),
@@ -83,9 +84,12 @@ def leaves_inertia_out(scene: Scene, fidelity: Fidelity) -> bool:
     return scene.steady and fidelity.solver == "equilibrium"
 
 
-def _model(fidelity: Fidelity, size: Terms) -> Terms:
+def _model(fidelity: Fidelity, size: Terms, of_run: Terms) -> Terms:
     bias = MODEL_BIAS.get(fidelity.solver, MODEL_BIAS.get(fidelity.mesh, 0.0))
-    return {name: bias * each for name, each in size.items()}
+    return {
+        name: bias * np.maximum(each, of_run.get(SUMMARY[name].unit, 0.0) if bias else 0.0)
+        for name, each in size.items()
+    }
 
 
 def _work(signals: Signals, size: Terms) -> Terms:

@@ -17,7 +17,7 @@ from rps_exudyn.base.progress import begin_stage
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Remark
-from rps_exudyn.results.quantities import EXTREMES, SPREADS
+from rps_exudyn.results.quantities import EXTREMES, MOTIONS, SPREADS
 from rps_exudyn.scenes.bar_terms import (
     MOST_OF_TERMS,
     MOST_OF_WORK,
@@ -56,7 +56,7 @@ def run_with_bars(scene: Scene, gear: SteeringGear, fidelity: Fidelity, options:
 
     first = run_at(level)
     if fidelity.solver == "closed-form":
-        return _with_terms(scene, gear, fidelity, first, {})
+        return _with_terms(scene, gear, fidelity, first.unsure_of(SPREADS | EXTREMES | MOTIONS), {})
     if not first.ok:
         return first
     try:
