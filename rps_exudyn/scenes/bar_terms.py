@@ -84,6 +84,14 @@ def leaves_inertia_out(scene: Scene, fidelity: Fidelity) -> bool:
     return scene.steady and fidelity.solver == "equilibrium"
 
 
+def moved_by_inertia(scene: Scene, signals: Signals, values: Mapping[str, Any], terms: Terms) -> Any:
+    """Return the share of the scene's main metric, or of the forces of its run, that the terms are; a number,
+    or of many gears (n,)."""
+    unit, figure = SUMMARY[scene.figure].unit, values.get(scene.figure, 0.0)
+    size = np.maximum(np.abs(figure), sizes(signals, values).get(unit, 0.0))
+    return terms.get(scene.figure, 0.0) / np.where(size > 0, size, np.inf)
+
+
 def _model(fidelity: Fidelity, size: Terms, of_run: Terms) -> Terms:
     bias = MODEL_BIAS.get(fidelity.solver, MODEL_BIAS.get(fidelity.mesh, 0.0))
     return {

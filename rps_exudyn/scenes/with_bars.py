@@ -24,6 +24,7 @@ from rps_exudyn.scenes.bar_terms import (
     bar_terms,
     leaves_inertia_out,
     missing_share,
+    moved_by_inertia,
 )
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses
 from rps_exudyn.scenes.error_bars import Metrics, error_bars
@@ -122,10 +123,9 @@ def _with_terms(
     if (missing := missing_share(run.signals)) > MOST_OF_WORK:
         text = f"the error of the work balance is {missing:.1%} (limit {MOST_OF_WORK:.0%})"
         return run.invalid(Code.WORK_MISSING, f"{text}; lower fidelity.step_angle")
-    size = abs(run.summary.get(scene.figure, 0.0))
-    if leaves_inertia_out(scene, fidelity) and terms.get(scene.figure, 0.0) > MOST_OF_TERMS * size:
+    share = moved_by_inertia(scene, run.signals, run.summary, terms)
+    if leaves_inertia_out(scene, fidelity) and share > MOST_OF_TERMS:
         text = f"the motion is too fast for equilibria: inertia may change {scene.figure} by"
-        share = terms[scene.figure] / size if size else np.inf
         return run.invalid(
             Code.TURN_TOO_FAST, f"{text} {share:.0%} (limit {MOST_OF_TERMS:.0%}); choose generalized-alpha"
         )

@@ -19,7 +19,13 @@ from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Remark
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.bar_terms import MOST_OF_TERMS, MOST_OF_WORK, bar_terms, missing_share
+from rps_exudyn.scenes.bar_terms import (
+    MOST_OF_TERMS,
+    MOST_OF_WORK,
+    bar_terms,
+    missing_share,
+    moved_by_inertia,
+)
 from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses, of_many
 from rps_exudyn.scenes.error_bars import error_bars
@@ -358,8 +364,7 @@ class _Followed:
         terms = bar_terms(
             self.common.scene, family.fidelity, self.metrics, self.signals, values, findings, masses
         )
-        figure = self.common.scene.figure
-        holds = SAFE * MOST_OF_TERMS * np.abs(values[figure]) > terms.get(figure, 0.0)
+        holds = moved_by_inertia(self.common.scene, self.signals, values, terms) < SAFE * MOST_OF_TERMS
         none = np.zeros(len(self.gears))
         return {name: bars[name] + terms.get(name, none) for name in bars}, holds
 

@@ -74,7 +74,7 @@ def test_the_racks_inertia_loads_the_teeth() -> None:
 
 @pytest.mark.parametrize("rpm", [150, 600])
 def test_equilibria_follow_a_swing_that_shakes_the_rack(rpm: float) -> None:
-    """All metrics are those of dynamics within the error bars of both, works and gain within 1 %.
+    """All metrics are those of dynamics within the error bars of both, works and gain within 2 %.
     Without the inertia of rolling and tilting the torque of the slower swing is 7 % off, RMS."""
     still, moving = (reversal(model, rpm, 5) for model in ("quasi-static", "flank"))
     assert still.status is moving.status is Status.OK, still.message
@@ -86,7 +86,7 @@ def test_equilibria_follow_a_swing_that_shakes_the_rack(rpm: float) -> None:
             name
         )  # nan: no other level of 600 rpm ends
     for name in ("hysteresis_area", "rack_gain"):
-        assert still.summary[name] == pytest.approx(moving.summary[name], rel=0.01), name
+        assert still.summary[name] == pytest.approx(moving.summary[name], rel=0.02), name
 
 
 def test_bars_of_equilibria_grow_with_the_turn_that_shakes_the_rack() -> None:

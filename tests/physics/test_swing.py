@@ -51,7 +51,9 @@ def test_bars_cover_a_gear_that_rolls_into_its_cycle() -> None:
     plan = bad_cases()["reversal 971"].plan
     later = ScenePlan(plan.scene, plan.gear.replace({"test.cycles": 6}), plan.fidelity)
     first, last = (run_unchecked(each.scene, each.gear, each.fidelity, WITH_BARS) for each in (plan, later))
-    assert abs(plan.figure(first) - plan.figure(last)) <= first.errors["hysteresis_area"]
+    apart = abs(plan.figure(first) - plan.figure(last))
+    assert not apart > first.errors["hysteresis_area"]  # nan: no other level ends
+    assert apart < 2e-3 * plan.figure(last)
 
 
 def test_a_swing_whose_small_motions_wander_on_is_printed_without_them() -> None:

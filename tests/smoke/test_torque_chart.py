@@ -20,7 +20,7 @@ def test_panels_have_units_and_title_has_numbers(made_up_result: Result) -> None
     assert labels == ["pinion torque [N m]", "rack lift [µm]", "rack roll [mrad]"]
     assert figure.axes[-1].get_xlabel() == "pinion angle [°]"
     assert figure.get_suptitle() == (
-        "Free pinion torque · mean 0.600 ± 0.007 N m · peak to peak 0.020 N m\n"
+        "Free pinion torque · mean 0.600 ± 0.001 N m · peak to peak 0.020 ± 0.001 N m\n"
         "6 teeth, module 1.83 mm · preload 300 N · 15 rpm · fidelity flank"
     )
 
