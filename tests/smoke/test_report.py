@@ -192,7 +192,7 @@ def test_best_and_worst_cases_are_listed(made_up_result: Result, tmp_path: Path,
     command(["report", "s", "--out", "r.html"])
     section = Page(tmp_path / "r.html").sections["Best and worst cases"]
     assert re.search(r"lowest \(best\)\s+0\.100 ± 0\.001 N m\s+100 N\s+0\.1 ", section)
-    assert re.search(r"highest \(worst\)\s+0\.8000 ± 0\.0012 N m\s+400 N\s+0\.2 ", section)
+    assert re.search(r"highest \(worst\)\s+0\.800 ± 0\.001 N m\s+400 N\s+0\.2 ", section)
 
 
 @pytest.mark.parametrize("kept", ["nothing", "one case"])
