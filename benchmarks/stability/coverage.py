@@ -156,10 +156,4 @@ def outcomes_table(folder: Path) -> str:
     return markdown(("outcome", "plans"), [(name, str(count)) for name, count in counts.most_common()])
 
 
-TOPIC = Topic(
-    "2 h",
-    "coverage",
-    run,
-    {"plans": 2},
-    {"coverage": coverage_table, "coverage_misses": misses_table, "coverage_outcomes": outcomes_table},
-)
+TOPIC = Topic("2 h", "coverage", run, {"plans": 2})

@@ -18,7 +18,7 @@ def test_a_sound_plan_is_right_and_not_flagged() -> None:
     assert cell_and_flag(plan, REFERENCE) == (Cell.RIGHT, False)
 
 
-@pytest.mark.parametrize("name", ["4 x 4 spheres on stiff teeth", "two samples of 60 um runout per turn"])
+@pytest.mark.parametrize("name", ["4 x 4 spheres on stiff teeth"])
 def test_a_wrong_plan_is_flagged(name: str) -> None:
     cell, flagged = cell_and_flag(CASES[name].plan, REFERENCE)
     assert cell in (Cell.WRONG, Cell.INACCURATE)

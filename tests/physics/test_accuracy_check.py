@@ -139,7 +139,7 @@ def test_dynamics_take_the_place_of_equilibria_that_do_not_run() -> None:
         "pinion.runout": "50 um",
         "rack.density": "40000 kg/m^3",
         "test.turns": 2,
-        "test.speed": "1200 rpm",
+        "test.speed": "2400 rpm",
     }
     gear = SteeringGear().replace(heavy)
     result = rps.run(SCENE, gear, accuracy="4%")
