@@ -152,7 +152,7 @@ BY_ROUNDING = {"stick-slip": {"stick_share"}}
 @pytest.mark.long
 @pytest.mark.parametrize("scene", RANDOM)
 def test_random_gears_are_similar(scene: str) -> None:
-    """Gears of any kind and all their twins end in the same way, with metrics that agree within their bars."""
+    """Gears of any kind and all their twins end in the same way, with metrics that agree within bars."""
     gears, same = RANDOM[scene]
     fidelity = "flank" if scene_named(scene).needs_inertia else "quasi-static"
     for number in range(gears):
