@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.stability.random_plans import Child, friction_of, mark_of, model_of, references
-from benchmarks.topic import Topic, load_rows, markdown, save_rows
+from benchmarks.stability.random_plans import Child, described, go_on, references
+from benchmarks.topic import Topic, load_rows, markdown
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import EXTREMES, LOSS_SHARES, SPREADS
@@ -73,17 +73,14 @@ def run(folder: Path, plans: int = PLANS) -> None:
 
     What stands in the data file already is left as it is: delete the file to begin again.
     """
-    rows: dict[int, dict[str, Any]] = {int(row["number"]): row for row in load_rows(folder / DATA)}
     worker = Child(outcome_of)
-    for number in range(plans):
-        mark = mark_of(plan := plan_of(number))
-        if rows.get(number, {}).get("plan") == mark:
-            continue
-        row = {"number": number, "plan": mark, "scene": plan.scene, "friction": friction_of(plan)}
-        rows[number] = row | {"model": model_of(plan), **worker.do(number, TIME_LIMIT, TIME_LIMIT)}
-        values = [[rows[known].get(name, "") for name in COLUMNS] for known in sorted(rows)]
-        cells = [[f"{x:.4g}" if isinstance(x, float) else x for x in row] for row in values]
-        save_rows(folder / DATA, COLUMNS, cells)
+
+    def row_of(number: int) -> dict[str, Any]:
+        return described(number, plan_of(number)) | worker.do(number, TIME_LIMIT, TIME_LIMIT)
+
+    go_on(folder / DATA, COLUMNS, plans, plan_of, row_of)
+    for table in (coverage_table, misses_table, outcomes_table):
+        print(table(folder), flush=True)
 
 
 class Judged:

@@ -346,26 +346,48 @@ def run(folder: Path, plans: int = PLANS) -> None:
 
     What stands in the data file already is left as it is: delete the file to begin anew.
     """
-    rows: dict[int, dict[str, Any]] = {int(row["number"]): row for row in load_rows(folder / DATA)}
     worker = Child(outcome_of)
-    for number in range(plans):
-        mark = mark_of(plan := plan_of(number))
-        if rows.get(number, {}).get("plan") == mark:
-            continue
-        row: dict[str, Any] = {"number": number, "plan": mark, "scene": plan.scene}
-        row |= {"friction": friction_of(plan), "model": model_of(plan)}
-        row |= worker.do(number, TIME_LIMIT)
+
+    def judged(number: int) -> dict[str, Any]:
+        plan = plan_of(number)
+        row = described(number, plan) | worker.do(number, TIME_LIMIT)
         row["verdict"] = verdict(row)
         if row["verdict"] in WRONGLY_OK:
             print({name: row.get(name) for name in COLUMNS}, flush=True)
-        rows[number] = row  # anew where it was drawn from other declarations
-        write([rows[known] for known in sorted(rows)], folder / DATA)
+        return row
+
+    go_on(folder / DATA, COLUMNS, plans, plan_of, judged)
 
 
-def write(rows: list[dict[str, Any]], path: Path) -> None:
+def described(number: int, plan: ScenePlan) -> dict[str, Any]:
+    """Return what a row states of a plan before it is run."""
+    row: dict[str, Any] = {"number": number, "plan": mark_of(plan), "scene": plan.scene}
+    return row | {"friction": friction_of(plan), "model": model_of(plan)}
+
+
+def go_on(
+    path: Path,
+    columns: Sequence[str],
+    plans: int,
+    plan_of: Callable[[int], ScenePlan],
+    row_of: Callable[[int], dict[str, Any]],
+) -> None:
+    """Add the rows of the first plans to a data file, one after the other, which is written after each.
+
+    A row that stands in it is left as it is, unless the plan was drawn from other declarations.
+    """
+    rows: dict[int, dict[str, Any]] = {int(row["number"]): row for row in load_rows(path)}
+    for number in range(plans):
+        if rows.get(number, {}).get("plan") == mark_of(plan_of(number)):
+            continue
+        rows[number] = row_of(number)
+        write([rows[known] for known in sorted(rows)], path, columns)
+
+
+def write(rows: list[dict[str, Any]], path: Path, columns: Sequence[str] = COLUMNS) -> None:
     """Write all plans as a table."""
-    values = [[row.get(name, "") for name in COLUMNS] for row in rows]
-    save_rows(path, COLUMNS, [[f"{x:.4g}" if isinstance(x, float) else x for x in row] for row in values])
+    values = [[row.get(name, "") for name in columns] for row in rows]
+    save_rows(path, columns, [[f"{x:.4g}" if isinstance(x, float) else x for x in row] for row in values])
 
 
 def verdicts_table(folder: Path) -> str:

@@ -23,13 +23,21 @@ from rps_exudyn.results.quantities import (
     FIRST_ORDERS,
     LOSS_SHARES,
     LOST_MOTIONS,
+    OTHER,
     RACK_RANGES,
     SPREADS,
     SUMMARY,
     WANDERING,
 )
 from rps_exudyn.scenes.checks.after_run import least_work
-from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses, beside_travel, ringing, with_inertia
+from rps_exudyn.scenes.checks.neglected_inertia import (
+    FREE_OF_RANGES,
+    FREE_OF_SHARES,
+    MovedMasses,
+    beside_travel,
+    ringing,
+    with_inertia,
+)
 from rps_exudyn.scenes.error_bars import Metrics
 from rps_exudyn.scenes.metric_confirmation import DRIVES, ERROR, PRESSED, RINGS
 from rps_exudyn.scenes.run_maneuver import left_open
@@ -44,8 +52,6 @@ MODEL_BIAS = {"closed-form": 0.02, "general-contact": 0.003}
 formulas differ by 1.7 % at most, those of spheres by 0.3 %. Formulas leave out whatever varies."""
 
 MAGNIFIED = 5  # times the same most of the time, that forces change: a rack that swings on yoke and teeth
-MOVES = 12.5  # times the inertia beside the travel, over the yoke's force, that ranges of the rack change ...
-SHARES = 1 / 6  # ... and shares of losses
 MOST_OF_WORK = 0.05  # that may be missing in the balance: more is no error, but another motion
 MOST_OF_TERMS = 0.2  # of the scene's main metric that inertia may change: more is another motion, too
 
@@ -153,9 +159,9 @@ def _inertia(
         if name in DRIVES[drive]:
             return varies
         if name in RACK_RANGES:
-            return MOVES * beside * each
+            return OTHER * beside / FREE_OF_RANGES * each
         if name in LOSS_SHARES:
-            return SHARES * beside * each
+            return OTHER * beside / FREE_OF_SHARES * each
         return np.abs(shifted.get(name, values[name]) - values[name])
 
     changes = {name: MAGNIFIED * usual * each + change(name, each) for name, each in size.items()}

@@ -58,10 +58,7 @@ def error_bars(
     change = dict(own)
     if curves and (moved := difference(fine, coarse)):
         # what lies between the coarse instants changes as they do
-        there = {
-            name: fine[name] + over_instants(fine["time"], fine["time"], each) for name, each in moved.items()
-        }
-        extrapolated = metrics({**fine, **there})
+        extrapolated = metrics({**fine, **{name: fine[name] + each for name, each in moved.items()}})
         for name in names:
             largest = _largest_change(name, moved, values)
             shifted = np.abs(extrapolated.get(name, values[name]) - values[name])

@@ -108,23 +108,22 @@ def _with_terms(
     terms = bar_terms(
         scene, fidelity, metrics_of(run), run.signals, run.summary, run.outcome.findings, masses
     )
-    if bars is None:
-        errors = dict.fromkeys(terms, np.nan)
-    else:
-        errors = {name: float(bars.get(name, 0.0) + each) for name, each in terms.items()}
-    errors = {name: each if np.isfinite(each) else float("nan") for name, each in errors.items()}
+    found = dict.fromkeys(terms, np.nan) if bars is None else bars
+    summed = {name: float(found.get(name, 0.0) + each) for name, each in terms.items()}
+    errors = {name: each if np.isfinite(each) else np.nan for name, each in summed.items()}
     if (grown := run.outcome.findings.get("vibration_grows", 0.0)) > GROWN:
         remark = Remark(Code.PEAKS_UNRESOLVED, EXCITED.format(np.exp(min(grown, MOST_POWER))))
         run = run.noting(remark).unsure_of(SPREADS | EXTREMES)
-    errors |= dict.fromkeys(errors.keys() & run.unsure, float("nan"))
+    errors |= dict.fromkeys(errors.keys() & run.unsure, np.nan)
     run = replace(run, errors=errors)
     if not run.ok:
         return run
     if (missing := missing_share(run.signals)) > MOST_OF_WORK:
         text = f"the error of the work balance is {missing:.1%} (limit {MOST_OF_WORK:.0%})"
         return run.invalid(Code.WORK_MISSING, f"{text}; lower fidelity.step_angle")
-    share = moved_by_inertia(scene, run.signals, run.summary, terms)
-    if leaves_inertia_out(scene, fidelity) and share > MOST_OF_TERMS:
+    if not leaves_inertia_out(scene, fidelity):
+        return run
+    if (share := moved_by_inertia(scene, run.signals, run.summary, terms)) > MOST_OF_TERMS:
         text = f"the motion is too fast for equilibria: inertia may change {scene.figure} by"
         return run.invalid(
             Code.TURN_TOO_FAST, f"{text} {share:.0%} (limit {MOST_OF_TERMS:.0%}); choose generalized-alpha"

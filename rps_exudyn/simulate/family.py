@@ -275,12 +275,6 @@ class FamilyRecord:
         """Signals over all periods."""
         return repeated(self.period, self.family.periods) if self.family.periods > 1 else self.period
 
-    @property
-    def _path(self) -> np.ndarray:
-        """Places of the driven body over the first period, (m,) [rad] or (n, m) [m]."""
-        gain = self.records["mesh"]["flank"]["gain"][:, None]
-        return self.family.angles * (gain if self.force == "rack_force" else 1.0)
-
     def surely_ok(self) -> np.ndarray:
         """Which gears were found and pass all checks of a finished run well within their bounds, (n,)."""
         family, signals = self.family, self.period

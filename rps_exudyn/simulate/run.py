@@ -104,12 +104,9 @@ def simulate(
         InputError: no such scene or fidelity, or a gear or test that cannot exist.
     """
     needed = scene_named(scene).law
-    if level is not None:
-        if accuracy is not None:
-            raise InputError("accuracy chooses the level itself; leave out level.")
-        chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity or "flank")
-        options = replace(options, level=valid_level(level, chosen))
     if accuracy is not None:
+        if level is not None:
+            raise InputError("accuracy chooses the level itself; leave out level.")
         if isinstance(fidelity, Fidelity):
             raise InputError(
                 "accuracy chooses the model itself; give fidelity by the name of a preset, or leave it out."
@@ -119,6 +116,8 @@ def simulate(
         return _by_accuracy(limited, scene, gear, percent(accuracy), fidelity)
     fidelity = "flank" if fidelity is None else fidelity
     chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity)
+    if level is not None:
+        options = replace(options, level=valid_level(level, chosen))
     gear = with_law(gear, chosen, needed)
     if time_limit is not None:
         return isolated_run(scene, gear, chosen, time_limit, robust=robust, options=options)

@@ -64,10 +64,7 @@ def validated(
     checks: tuple[Failure, ...] = _of_contacts(gear, record, signals)
     if outcome.status is Status.OK:
         checks += _of_a_whole_record(outcome, gear, record, signals, friction_zone)
-    for check in checks:
-        for status, code, message in check:
-            return replace(outcome, status=status, codes=(code,), message=message)
-    return outcome
+    return _first_failure(outcome, checks) or outcome
 
 
 def physical(
@@ -82,11 +79,18 @@ def physical(
     checks: tuple[Failure, ...] = _of_contacts(gear, record, signals)
     if outcome.status is Status.OK:
         checks += _of_general_contact(gear, record, signals)
+    if failed := _first_failure(outcome, checks):
+        return failed
+    share = unsettled_share(record.start, signals)
+    return replace(outcome, findings={**outcome.findings, "unsettled_mean": share}) if share else outcome
+
+
+def _first_failure(outcome: Outcome, checks: tuple["Failure", ...]) -> Outcome | None:
+    """Return the outcome with the first check that fails as its cause; None if none does."""
     for check in checks:
         for status, code, message in check:
             return replace(outcome, status=status, codes=(code,), message=message)
-    share = unsettled_share(record.start, signals)
-    return replace(outcome, findings={**outcome.findings, "unsettled_mean": share}) if share else outcome
+    return None
 
 
 def _of_contacts(gear: SteeringGear, record: Record, signals: dict[str, np.ndarray]) -> tuple["Failure", ...]:
