@@ -50,7 +50,6 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "contract/test_limit_of_cpu_time.py",
     "contract/test_kernel_cache.py::test_only_what_this_process_would_compile_is_loaded",
     "contract/test_newton_step.py",
-    "contract/test_refine.py::test_metrics_that_are_asked_for_are_those_of_a_run_that_has_all",
     "geometry/test_geometry_picture.py",
     "geometry/test_pinion_mesh.py",
     "geometry/test_rigid_mesh.py",

@@ -35,5 +35,4 @@ def equilibria(gear: SteeringGear, forces: GearForces, maneuver: Maneuver) -> Sc
     record = record_of_path(forces, path, maneuver.drive).since(maneuver.record_start)
     signals = signals_of(record)
     outcome = Outcome(Status.OK, time_reached=float(path.time[-1]), cpu_s=cpu, counters=path.counters)
-    zone = forces.friction_zone if maneuver.is_steady else None
-    return SceneRun(validated(outcome, gear, record, signals, zone), signals)
+    return SceneRun(validated(outcome, gear, record, signals), signals)

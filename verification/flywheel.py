@@ -59,7 +59,7 @@ def explicit_run(gear: SteeringGear, fidelity: Fidelity, solver: str, step: floa
         return SceneRun(outcome)
     record = record.since(maneuver.record_start)
     signals = signals_of(record)
-    return SceneRun(validated(outcome, gear, record, signals, model.forces.friction_zone), signals)
+    return SceneRun(validated(outcome, gear, record, signals), signals)
 
 
 def _drive_by_flywheel(model: SteeringModel) -> None:

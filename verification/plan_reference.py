@@ -30,6 +30,7 @@ from rps_exudyn.results.quantities import LOST_MOTIONS, SPREADS
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.law_by_scene import with_law
 from rps_exudyn.scenes.run_maneuver import left_open
+from rps_exudyn.scenes.scene import WITHOUT_BARS
 from rps_exudyn.scenes.yoke_impact import shaken
 from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.balance import eigenvalues
@@ -48,7 +49,6 @@ from verification.approach_paths import (
 )
 from verification.refined_steps import Confirmed, NotFiniteError, NotFoundError, confirmed
 from verification.runge_kutta import FreeMotion, runge_kutta
-from verification.runs import STEPS_AS_GIVEN
 from verification.seat_cells import by_cells
 from verification.stability import ScenePlan
 
@@ -157,7 +157,8 @@ def _by_solver(plan: ScenePlan, solver: str) -> tuple[dict[str, tuple[float, flo
     swings = scene.motion == "to and fro"  # where creep in the friction zone may move it on
     runs = []
     for times in HALVED:
-        options, zone = replace(STEPS_AS_GIVEN, halvings=times), fidelity.zone_ratio / 2 ** (swings * times)
+        options = replace(WITHOUT_BARS, level=1 + times)
+        zone = fidelity.zone_ratio / 2 ** (swings * times)
         runs.append(run_unchecked(plan.scene, plan.gear, fidelity.replace({"zone_ratio": zone}), options))
         if times and runs[-1].status is not Status.OK:
             return {}, runs[-1].message
@@ -184,7 +185,6 @@ def _finer_model(plan: ScenePlan, solver: str) -> Fidelity:
         "strip_points": min(model.strip_points + 2, STATIONS["strip_points"]),
         "step_angle": float(np.clip(model.step_angle, *STEPS_OF_FINER[solver])),
         "tolerance": min(model.tolerance, LARGEST_TOLERANCE),
-        "torque_tolerance": 0.0,
         "bush": model.bush if as_given else "condensed",
         "solver": solver,
     }

@@ -16,7 +16,7 @@ from rps_exudyn.scenes import SCENE_NAMES, scene_named
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.scenes.yoke_impact import WIDEST_ZONE, shaken
+from rps_exudyn.scenes.yoke_impact import ZONE, shaken
 from rps_exudyn.solvers.gear_forces import GearForces, exchanged
 from rps_exudyn.tooth_contact.flank_data import pack
 from verification.runge_kutta import explicit_motion
@@ -82,7 +82,7 @@ def slowly(fidelity: Fidelity) -> Method:
 
 
 SHAKEN = Fidelity.preset("flank").replace(
-    {**STRIPS, "tolerance": 1e-6, "rack": "flexible", "zone_ratio": WIDEST_ZONE}
+    {**STRIPS, "tolerance": 1e-6, "rack": "flexible", "zone_ratio": ZONE}
 )
 
 

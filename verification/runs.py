@@ -11,7 +11,6 @@ from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.maneuver import StepLimits
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from verification.work_precision import Errors, Reference, curve_errors
@@ -43,10 +42,6 @@ class SceneReference:
     @property
     def _turned(self) -> float:
         return self.gear.test.direction * 2 * np.pi * self.gear.test.turns
-
-
-STEPS_AS_GIVEN = RunOptions(least_steps=StepLimits(halvings=0))
-"""No step is halved, whatever a record shows; its metrics are not confirmed."""
 
 
 def run_scene(

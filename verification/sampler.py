@@ -26,7 +26,8 @@ from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.at_rest import LOOSE
-from rps_exudyn.scenes.checks.before_run import LEAST_STATIONS, check_travel, largest_angle
+from rps_exudyn.scenes.checks.before_run import check_travel, largest_angle
+from rps_exudyn.scenes.checks.rules import LEAST_STATIONS
 from rps_exudyn.scenes.law_by_scene import with_law
 from rps_exudyn.scenes.maneuver import maneuvers_of_test, swing_maneuver
 from rps_exudyn.scenes.steering_torque import torque_maneuver

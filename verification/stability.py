@@ -22,7 +22,7 @@ from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.after_run import validated
-from rps_exudyn.scenes.checks.before_run import refused
+from rps_exudyn.scenes.checks.rules import refused
 from rps_exudyn.scenes.maneuver import StepLimits
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.simulate.run_plan import run_unchecked
@@ -92,7 +92,7 @@ class StabilityMap:
     lines: list[Line]
 
 
-AS_ASKED = StepLimits(per_period=1, of_part=1, halvings=0)  # no finer steps than the fidelity asks for
+AS_ASKED = StepLimits(per_period=1, of_part=1)  # no finer steps than the fidelity asks for
 
 
 def unchecked(plan: ScenePlan) -> Result:
@@ -108,7 +108,7 @@ def run_and_check(plan: ScenePlan) -> tuple[Result, bool]:
         verdicts.append(validated(outcome, *seen))
         return outcome
 
-    options = RunOptions(check=noted, least_steps=AS_ASKED)
+    options = RunOptions(check=noted, least_steps=AS_ASKED, bars=False)
     result = run_unchecked(plan.scene, plan.gear, plan.fidelity, options)
     against = any(verdict.status is not Status.OK for verdict in verdicts)
     return result, against or bool(refused(plan.gear, plan.fidelity, motion=scene_named(plan.scene).motion))

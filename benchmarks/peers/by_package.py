@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks.peers.reference import SCENE
 from benchmarks.peers.scene import GEAR, GUIDED, TURN, Run
 from rps_exudyn.parameters.fidelity import Fidelity
-from verification.runs import STEPS_AS_GIVEN, run_scene
+from verification.runs import run_scene
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Package:
         """Run over an angle [rad], as `Method` says."""
         start = process_time()
         fidelity = Fidelity.preset(self.program).replace({**GUIDED, **self.settings})
-        run = run_scene(SCENE, GEAR.replace({"test.turns": turned / TURN}), fidelity, STEPS_AS_GIVEN)
+        run = run_scene(SCENE, GEAR.replace({"test.turns": turned / TURN}), fidelity)
         whole = process_time() - start
         if not run.ok:
             raise ArithmeticError(f"{run.outcome.status}: {run.outcome.message}")

@@ -11,7 +11,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.after_run import validated
-from rps_exudyn.scenes.checks.before_run import refused
+from rps_exudyn.scenes.checks.rules import refused
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.simulate.run_plan import run_unchecked
 

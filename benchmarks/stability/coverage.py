@@ -22,7 +22,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import EXTREMES, LOSS_SHARES, SPREADS
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.scene import WITH_BARS
+from rps_exudyn.scenes.scene import DEFAULT_OPTIONS
 from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.temperature_and_wear import tested_gear
 from verification.sampler import random_plan, usual_plan
@@ -47,7 +47,7 @@ def outcome_of(number: int, done: Callable[[dict[str, Any]], None] = lambda foun
     """Outcome of a plan; of each metric that is judged its value, bar, right value and the doubt of that."""
     plan, start = plan_of(number), process_time()
     try:
-        result = run_unchecked(plan.scene, plan.gear, plan.fidelity, WITH_BARS)
+        result = run_unchecked(plan.scene, plan.gear, plan.fidelity, DEFAULT_OPTIONS)
     except InputError as error:
         return {"status": "input-error", "message": str(error)}
     found: dict[str, Any] = {"status": result.status.value, "message": result.message}

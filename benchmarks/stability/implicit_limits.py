@@ -19,7 +19,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.checks.before_run import STEPS_PER_PITCH
+from rps_exudyn.scenes.checks.rules import STEPS_PER_PITCH
 from verification.law_area import by_law
 from verification.stability import (
     STILL,

@@ -23,7 +23,7 @@ from rps_exudyn.forces.bush import bush_chain
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.checks.before_run import DEEPEST, STEPS_PER_PITCH
+from rps_exudyn.scenes.checks.rules import DEEPEST, STEPS_PER_PITCH
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces

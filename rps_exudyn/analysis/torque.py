@@ -5,7 +5,6 @@ A record in both directions is first divided into `passes`.
 
 import numpy as np
 
-from rps_exudyn.analysis.curve import LEAST_FOR_PEAKS
 from rps_exudyn.analysis.harmonics import LEAST_PER_PERIOD, order_amplitude
 from rps_exudyn.analysis.passes import Pass, Signals, at_instants, both_directions, number_of, passes, spread
 
@@ -20,12 +19,13 @@ def mean(angle: np.ndarray, values: np.ndarray) -> float:
 def describe_torque(angle: np.ndarray, torque: np.ndarray, teeth: int) -> dict[str, float]:
     """The summary's torque figures from angle [rad], shape (n,), and torque [N m], shape (..., n).
 
-    Ripple and orders are left out where the record is too short or too coarse for them.
+    Orders are left out where the record is too short for them, or has too few instants in a period.
     """
-    figures: dict[str, float | None] = {"torque_mean": mean(angle, torque)}
+    figures: dict[str, float | None] = {
+        "torque_mean": mean(angle, torque),
+        "torque_peak_to_peak": spread(torque),
+    }
     per_pitch = 2 * np.pi / teeth / np.abs(np.diff(angle)).max() * (1 + 1e-9)
-    if per_pitch >= LEAST_FOR_PEAKS:
-        figures["torque_peak_to_peak"] = spread(torque)
     if per_pitch >= LEAST_PER_PERIOD:
         figures["torque_tooth_order"] = order_amplitude(angle, torque, teeth)
     figures["torque_first_order"] = order_amplitude(angle, torque, 1)

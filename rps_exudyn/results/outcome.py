@@ -68,33 +68,23 @@ class Code(StrEnum):
     TEETH_UNLOADED = "teeth-unloaded", "the teeth carry no load"
     BEYOND_LAW = "beyond-law", "the contact left the range of its law"
     BEYOND_FORMULAS = "beyond-formulas", "the gear is outside the range of the closed form"
-    FRICTION_ZONE = "friction-zone", "the friction zone is too wide for the result"
-    STEPS_TOO_COARSE = "steps-too-coarse", "the steps are too long for the result"
-    ROLLING_TOO_COARSE = "rolling-too-coarse", "the steps are too long for the rack's rolling"
-    STEPS_NOT_CONFIRMED = "steps-not-confirmed", "the run in shorter steps failed"
-    STRIPS_NOT_CONFIRMED = "strips-not-confirmed", "the run with finer strips failed"
-    RACK_NOT_SETTLED = "rack-not-settled", "the rack has not settled in roll"
-    START_MATTERS = "start-matters", "the result depends on where the motion began"
     TURN_TOO_FAST = "turn-too-fast", "equilibria leave out inertia, which matters in this turn"
-    SWING_NOT_SETTLED = "swing-not-settled", "the swing does not become periodic"
     CONTACT_DISAGREES = "contact-disagrees", "two evaluations of the contact forces differ"
     FEW_SPHERES = "few-spheres", "too few spheres touch"
-    FEW_STATIONS = "few-stations", "metrics are omitted: too few stations on a line of contact"
     SPHERES_OUT_OF_PLACE = (
         "spheres-out-of-place",
         "the rack is not at the place for which the spheres were made",
     )
     SPHERES_AT_NUT = "spheres-at-nut", "general contact has no means of a yoke at its nut"
     WORK_MISSING = "work-missing", "the work balance does not close"
-    EDGES_LOADED = "edges-loaded", "too much work is lost at the tooth edges"
     FLANK_LIFTED = "flank-lifted", "flanks of one side carry no load during part of the record"
     YOKE_STOPPED = "yoke-stopped", "the yoke touched its nut"
     CLEARANCE_CLOSED = "clearance-closed", "the yoke touches its nut from the start"
     TEETH_OVERLOADED = "teeth-overloaded", "the contact pressure is above that of case-hardened steel"
-    PEAKS_UNRESOLVED = "peaks-unresolved", "the peak to peak is omitted: the steps do not resolve it"
+    PEAKS_UNRESOLVED = "peaks-unresolved", "the error of the peak to peak is unknown: a vibration grows"
     METRIC_NOT_CONFIRMED = (
         "metric-not-confirmed",
-        "metrics are omitted: half the step or another cycle changes them",
+        "the errors of some metrics are unknown",
     )
     RACK_RIGID = "rack-rigid", "the model leaves out the bending of the rack, which matters here"
     NO_EFFICIENCY = "no-efficiency", "an efficiency is not between 0 and 1"
@@ -114,6 +104,21 @@ class Code(StrEnum):
         "accuracy-not-promised",
         "the table of accuracies does not cover this run",
     )
+
+
+RETIRED_CODES = {
+    "friction-zone": "the friction zone is too wide for the result",
+    "steps-too-coarse": "the steps are too long for the result",
+    "rolling-too-coarse": "the steps are too long for the rack's rolling",
+    "steps-not-confirmed": "the run in shorter steps failed",
+    "strips-not-confirmed": "the run with finer strips failed",
+    "rack-not-settled": "the rack has not settled in roll",
+    "start-matters": "the result depends on where the motion began",
+    "swing-not-settled": "the swing does not become periodic",
+    "few-stations": "metrics are omitted: too few stations on a line of contact",
+    "edges-loaded": "too much work is lost at the tooth edges",
+}
+"""Codes that results of version 1.0 may have -> their meaning."""
 
 
 class Remark(NamedTuple):

@@ -29,60 +29,36 @@ Equilibria are found to 1e-3 N, a hundred thousandth of their torque, and positi
 
 
 LEAST_CHANGED = {"um": 1e-7, "mrad": 1e-6, "deg": 1e-5, "%": 1e-3}
-"""Display unit -> size in SI below which a metric changes as if it had that size."""
+"""Display unit -> size in SI below which the error of a metric counts as if it had that size."""
 NOTHING = 1e-200  # size in SI of any other that is 0
 LEAST_SHARE = 0.01  # the same where a run has a size of its own, of that size
-FACE = 0.01  # face width of a small gear [m], beside which a place on the face changes
-PART = 0.02  # of all work lost, or of a record's time, beside which a share of it changes
-IMPACTS = 30  # beside which their number changes: fewer stand only if their number is the same
+FACE = 0.01  # face width of a small gear [m], beside which the error of a place counts
+PART = 0.02  # of all work lost, or of a record's time, beside which the error of a share counts
+IMPACTS = 30  # beside which the error of their number counts
 SEEN = 5e-7  # smallest motion of the rack that is of interest [m], at the bar's surface and half a seat ...
 LEVERS = {"rack_roll_range": 0.01, "rack_yaw_range": 0.1, "lost_motion_angle": 0.01}
 """... of turns about X and Y, and of the pinion's [m]."""
 
 
 @dataclass(frozen=True)
-class Confirmation:
-    """How a metric is confirmed: what must not change it by more than a share."""
-
-    by: str
-    tolerance: float
-
-
-HALF_STEPS = "half the steps"
-ANOTHER_CYCLE = "half the steps, twice the stations and another cycle before"
-MEAN, OTHER = 0.02, 0.05  # tolerances of means of torque and force, and of all others ...
-UNCERTAIN = 0.25  # ... but of the scatter of another metric, which ten cycles show to a quarter
-
-
-@dataclass(frozen=True)
 class Quantity:
     """One number or signal: kept in the SI `unit`, shown in the unit `display`; "" is dimensionless.
 
-    A metric that a simulation shows has its confirmation; formulas, settings and checks have none. `least` is
-    the size below which it changes as if it had that size: of a place the length that it is a place on, of a
-    share a part of the whole.
+    A metric is `simulated` unless a formula, a setting or a check gives it. `least` is the size below which
+    its error counts as if it had that size: of a place the length that it is a place on, of a share a part of
+    the whole.
     """
 
     unit: str
     display: str
     long_name: str
-    confirmed: Confirmation | None = None
+    simulated: bool = False
     least: float = 0.0
 
     @property
     def attributes(self) -> dict[str, str]:
         """Return what files and labelled arrays state of it: `units` and `long_name`."""
         return {"units": self.unit, "long_name": self.long_name}
-
-    def change(self, value: Any, right: Any, size: Any = 0.0) -> Any:
-        """Return how far a metric is from the right value, over its tolerance; 0 without a confirmation.
-
-        Of many gears these are arrays (n,). `size` is what the run has of this unit, beside which a small
-        metric is judged.
-        """
-        if self.confirmed is None:
-            return 0.0 * np.abs(right)
-        return np.abs(value - right) / self.size(right, size) / self.confirmed.tolerance
 
     def size(self, value: Any, of_run: Any = 0.0) -> Any:
         """Return the size of a metric beside that of its run: its own value, or the least that matters."""
@@ -512,16 +488,6 @@ _SUMMARY = {
     ),
 }
 
-_MEANS = {
-    "torque_mean", "torque_mean_forward", "torque_mean_backward", "torque_on_centre", "torque_off_centre",
-    "torque_forward", "torque_reverse", "free_torque", "push_force_mean", "feel_running_torque",
-    "roller_force_mean",
-}  # fmt: skip
-_OF_CYCLES = {
-    "hysteresis_area", "lost_motion", "lost_motion_angle", "torque_jump", "reversal_angle", "feel_area",
-    "feel_running_torque", "feel_angle_hysteresis", "on_centre_stiffness", "angle_dead_band",
-    "torque_dead_band", "steering_gradient", "breakaway_torque", "breakaway_ratio",
-}  # fmt: skip
 _NOT_FROM_STEPS = {
     "torque_closed_form", "rack_lift_closed_form", "cap_force", "clearance_set", "preload_set",
     "sticking_speed", "sliding_damping", "bristle_margin", "energy_residual",
@@ -547,8 +513,6 @@ LOST_MOTIONS = frozenset({"lost_motion", "lost_motion_angle"})
 """Metrics of how far the rack stays behind between both directions."""
 WANDERING = MOTIONS | LOST_MOTIONS | {"reversal_angle"}
 """Metrics of a swing that small motions make, which may go on to change when its torque has settled."""
-NEEDS_STATIONS = MOTIONS | {"torque_tooth_order", "torque_direction_difference"}
-"""Metrics that few stations on a line of contact miss: they are small beside forces that are right to 1 %."""
 INSTANTS = {
     "torque_peak_to_peak": "pinion_torque", "torque_on_centre_max": "pinion_torque",
     "torque_on_centre_variation": "pinion_torque", "torque_off_centre_max": "pinion_torque",
@@ -560,14 +524,6 @@ INSTANTS = {
 """Metric that one or two instants give -> its signal: an error of any instant may be its error."""
 LOSS_SHARES = frozenset(name for name in _SUMMARY if name.startswith("loss_share_"))
 """Metrics of who takes the work, which depend on how lines of contact share the load at each instant."""
-OF_ONE_WHOLE = (
-    LOSS_SHARES,
-    frozenset({"yoke_force_min", "yoke_force_max"}),
-    frozenset({"impacts", "impact_contact_share"}),
-    frozenset(RACK_RANGES),
-)
-"""Metrics that stand together: where one is wrong, the others of its whole are in doubt."""
-
 SCATTERS = {
     "rattle_impulse_per_cycle": "rattle_impulse_uncertainty",
     "rattle_force_rms": "rattle_force_rms_uncertainty",
@@ -576,26 +532,11 @@ SCATTERS = {
     "rattle_fastest_impact": "rattle_fastest_scatter",
     "rattle_threshold_force": "rattle_threshold_scatter",
 }
-"""Metric -> that which says how it scatters, printed with it."""
-SCATTERED = 2  # of these, by which the metric may change
-
-WITHOUT_FINER_STEPS = frozenset({"reversal_angle"})
-"""Metrics that are left out where they change, but for which no steps are halved: the stations of a line turn
-about one after the other, so that the torque comes to its running value in stairs, whatever the steps."""
-
-
-def _confirmation(name: str) -> Confirmation | None:
-    """Return how a metric is confirmed; None of a formula, a setting and a check."""
-    if name in _NOT_FROM_STEPS:
-        return None
-    if name in SCATTERS.values():
-        return Confirmation(HALF_STEPS, UNCERTAIN)
-    by = ANOTHER_CYCLE if name in _OF_CYCLES else HALF_STEPS
-    return Confirmation(by, MEAN if name in _MEANS else OTHER)
+"""Metric -> that which states how it scatters, printed with it."""
 
 
 def _least(name: str) -> float:
-    """Return the size below which a metric changes as if it had that size [SI]."""
+    """Return the size below which the error of a metric counts as if it had that size [SI]."""
     if name in MOTIONS | LOST_MOTIONS:
         return SEEN / LEVERS.get(name, 1.0)
     if name == "load_centre":
@@ -606,7 +547,8 @@ def _least(name: str) -> float:
 
 
 SUMMARY = {
-    name: replace(each, confirmed=_confirmation(name), least=_least(name)) for name, each in _SUMMARY.items()
+    name: replace(each, simulated=name not in _NOT_FROM_STEPS, least=_least(name))
+    for name, each in _SUMMARY.items()
 }
 
 COUNTERS = {

@@ -23,7 +23,6 @@ from rps_exudyn.results.quantities import (
     FIRST_ORDERS,
     LOSS_SHARES,
     LOST_MOTIONS,
-    OTHER,
     RACK_RANGES,
     SPREADS,
     SUMMARY,
@@ -39,18 +38,27 @@ from rps_exudyn.scenes.checks.neglected_inertia import (
     with_inertia,
 )
 from rps_exudyn.scenes.error_bars import Metrics
-from rps_exudyn.scenes.metric_confirmation import DRIVES, ERROR, PRESSED, RINGS
 from rps_exudyn.scenes.run_maneuver import left_open
 from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.scenes.scene_run import Signals
 from rps_exudyn.scenes.sizes import size_of, sizes
 
+DRIVES = {
+    "pinion_torque": {name for name in SPREADS | EXTREMES if name.startswith("torque_")}
+    - {"torque_tooth_order"},
+    "rack_force": {"push_force_peak_to_peak"},
+}
+"""Signal of a drive -> metrics of how it varies."""
+ERROR = "transmission_error_peak_to_peak"
+RINGS = 2  # times what one change of a rate excites, by which the transmission error changes: 0.2 to 2 ...
+PRESSED = 5  # ... and times the share of inertia, by which the teeth's depth does: 2 to 13 are found
 FORCES = {"N", "N*m", "J"}
 """Units of metrics that change as forces do."""
 MODEL_BIAS = {"closed-form": 0.02, "general-contact": 0.003}
 """Model -> share of forces by which it may differ from equilibria with lines of contact: means of gears by
 formulas differ by 1.7 % at most, those of spheres by 0.3 %. Formulas leave out whatever varies."""
 
+MATTERS = 0.05  # of a range or of a share, that inertia changes at its limits of `neglected_inertia`
 MAGNIFIED = 5  # times the same most of the time, that forces change: a rack that swings on yoke and teeth
 MOST_OF_WORK = 0.05  # that may be missing in the balance: more is no error, but another motion
 MOST_OF_TERMS = 0.2  # of the scene's main metric that inertia may change: more is another motion, too
@@ -70,7 +78,7 @@ def bar_terms(
     """Return the sum of all terms of each metric's bar, in its unit; arguments as of `error_bars`, what the
     run found out about its start, and the masses that it moves."""
     of_run = sizes(signals, values)
-    size = {name: size_of(name, values[name], of_run) for name in values if SUMMARY[name].confirmed}
+    size = {name: size_of(name, values[name], of_run) for name in values if SUMMARY[name].simulated}
     total: dict[str, Any] = dict.fromkeys(size, 0.0)
     terms = [
         _model(fidelity, size, of_run),
@@ -159,9 +167,9 @@ def _inertia(
         if name in DRIVES[drive]:
             return varies
         if name in RACK_RANGES:
-            return OTHER * beside / FREE_OF_RANGES * each
+            return MATTERS * beside / FREE_OF_RANGES * each
         if name in LOSS_SHARES:
-            return OTHER * beside / FREE_OF_SHARES * each
+            return MATTERS * beside / FREE_OF_SHARES * each
         return np.abs(shifted.get(name, values[name]) - values[name])
 
     changes = {name: MAGNIFIED * usual * each + change(name, each) for name, each in size.items()}

@@ -51,7 +51,7 @@ def error_bars(
         curves: whether signals of both may be compared instant by instant: not where pulses shift in time,
             nor where loads stand one after the other.
     """
-    names = [name for name in values if SUMMARY[name].confirmed]
+    names = [name for name in values if SUMMARY[name].simulated]
     of_run = sizes(fine, values)
     size = {name: size_of(name, values[name], of_run) for name in names}
     own = {name: np.abs(values[name] - coarse_values.get(name, np.inf)) for name in names}

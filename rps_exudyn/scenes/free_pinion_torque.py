@@ -5,10 +5,10 @@ One way over `test.turns`, there and back, or lock to lock and back (`test.path`
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.checks.rules import remarks
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
-from rps_exudyn.scenes.metric_confirmation import run_and_confirm
 from rps_exudyn.scenes.metrics import figures_of_turning
-from rps_exudyn.scenes.remarks import remarks
+from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene, SteadyTest
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state
@@ -26,7 +26,7 @@ def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptio
     def metrics(signals: Signals) -> dict[str, float]:
         return {**figures_of_turning(signals, gear), **formula}
 
-    run = run_and_confirm(gear, fidelity, maneuvers, options, metrics, SCENE.figure)
+    run = run_maneuver(gear, fidelity, maneuvers, options).described(metrics)
     return run.noting(*remarks(gear, run.signals))
 
 

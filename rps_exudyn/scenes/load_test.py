@@ -16,11 +16,9 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted, Remark
-from rps_exudyn.results.quantities import SINGLE_RUNS_ONLY
+from rps_exudyn.scenes.checks.rules import remarks
 from rps_exudyn.scenes.maneuver import Maneuver, StepLimits, maneuvers_of_test
-from rps_exudyn.scenes.metric_confirmation import run_and_confirm
 from rps_exudyn.scenes.metrics import figures_of_motion
-from rps_exudyn.scenes.remarks import remarks
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene, SteadyTest, Turned
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
@@ -49,15 +47,15 @@ def load_test(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
         message = f"without the weight: {unloaded.outcome.message}"
         return replace(loaded, outcome=replace(unloaded.outcome, message=message))
     gain = float(GearPair.of(gear).gain)
-    turned = Turned(gear, loaded.signals, unloaded.signals, gain, weight, fidelity.step_angle)
+    turned = Turned(gear, loaded.signals, unloaded.signals, gain, weight)
     (further,) = _remarks(turned)
-    wants_face = fidelity.bends_teeth and options.wants(SINGLE_RUNS_ONLY)
+    wants_face = fidelity.bends_teeth
 
     def metrics(signals: Signals) -> dict[str, float]:
         on_face = face_loading(gear, signals) if wants_face else {}
         return _metrics(replace(turned, signals=signals)) | on_face
 
-    run = run_and_confirm(gear, fidelity, weighted, options, metrics, SCENE.figure, loaded)
+    run = loaded.described(metrics)
     return run.noting(*remarks(gear, run.signals), *further)
 
 

@@ -19,7 +19,6 @@ LEAST_PER_CYCLE = 200  # steps of a swing
 YIELDING = 3e-3  # pinion angle after a turn over which friction turns about, in most gears less [rad]
 STEPS_OF_YIELDING = 25  # steps over that angle: the angle at which the gear runs again to 0.5 %
 LEAST_BEFORE, PER_PITCH_BEFORE = 48, 20  # equilibria over half a cycle that leads to a swing's start
-CLOSE = 4  # times the equilibria that lead to a start from which all depends closely
 RUN_IN = np.deg2rad(0.5)  # pinion angle turned before the record starts, at least
 
 
@@ -29,7 +28,6 @@ class StepLimits:
 
     per_period: int = 4  # four see the torque of most gears to a percent
     of_part: int = 8  # of a record that is not made of whole periods: they cost little
-    halvings: int = 4  # at most, where equilibria are too far apart for what they show
 
 
 Division = tuple[tuple[int, int], ...]
@@ -102,11 +100,6 @@ class Maneuver:
     def under(self, load: float) -> "Maneuver":
         """Return the same with a load that pulls the rack's end towards -X [N]."""
         return replace(self, rack_load=load)
-
-    def closely_approached(self) -> "Maneuver":
-        """Return the same, steady motion led to its start in a quarter of the steps."""
-        assert isinstance(self.approach, SteadyApproach)
-        return replace(self, approach=replace(self.approach, density=CLOSE))
 
     def begun_earlier(self, cycles: int) -> "Maneuver":
         """Return the same swing with so many more cycles before its record."""

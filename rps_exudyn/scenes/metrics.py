@@ -1,6 +1,5 @@
 """The summaries' figures that several scenes share."""
 
-from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -27,11 +26,6 @@ def figures_of_torque(signals: Signals, gear: SteeringGear) -> dict[str, float]:
         **describe_directions(signals),
         **describe_on_centre(signals, teeth, gear.test.centre_window),
     }
-
-
-def without(figures: dict[str, float], left_out: Collection[str]) -> dict[str, float]:
-    """Return the figures but for those left out."""
-    return {name: value for name, value in figures.items() if name not in left_out}
 
 
 def figures_of_motion(signals: Signals, gear: SteeringGear, rack_gain: Any = None) -> dict[str, float]:

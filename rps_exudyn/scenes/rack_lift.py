@@ -13,8 +13,8 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.at_rest import OutsideLoads, bending, run_at_rest, to_and_fro
 from rps_exudyn.scenes.checks.before_run import check_travel
+from rps_exudyn.scenes.checks.rules import remarks
 from rps_exudyn.scenes.metrics import balance
-from rps_exudyn.scenes.remarks import remarks
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.prescribed_motion import Steady

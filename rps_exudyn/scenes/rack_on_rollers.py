@@ -8,12 +8,12 @@ out.
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.checks.rules import remarks
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
-from rps_exudyn.scenes.metric_confirmation import run_and_confirm
 from rps_exudyn.scenes.metrics import figures_of_motion
 from rps_exudyn.scenes.rack_push import SCENE as RACK_PUSH
 from rps_exudyn.scenes.rack_push import push_figures
-from rps_exudyn.scenes.remarks import remarks
+from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 
@@ -41,7 +41,7 @@ def rack_on_rollers(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
         force = push_figures(signals)["push_force_mean"]
         return {"roller_force_mean": force, **figures_of_motion(signals, carried)}
 
-    run = run_and_confirm(carried, fidelity, maneuvers, options, metrics, SCENE.figure)
+    run = run_maneuver(carried, fidelity, maneuvers, options).described(metrics)
     return run.noting(*remarks(carried, run.signals))
 
 

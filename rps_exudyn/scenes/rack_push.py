@@ -5,15 +5,14 @@ The rack moves as fast as the pinion would move it at the test's speed, over the
 
 import numpy as np
 
-from rps_exudyn.analysis.curve import LEAST_FOR_PEAKS
 from rps_exudyn.analysis.passes import largest, number_of, passes, spread
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.checks.rules import remarks
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
-from rps_exudyn.scenes.metric_confirmation import run_and_confirm
-from rps_exudyn.scenes.metrics import figures_of_motion, without
-from rps_exudyn.scenes.remarks import remarks
+from rps_exudyn.scenes.metrics import figures_of_motion
+from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene, SteadyTest, Turned
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 
@@ -28,19 +27,16 @@ def rack_push(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     gain = float(GearPair.of(gear).gain)
 
     def metrics(signals: Signals) -> dict[str, float]:
-        step_angle = fidelity.step_angle if options.level is None else 0.0
-        return _metrics(Turned(gear, signals, {}, gain, 0.0, step_angle))
+        return _metrics(Turned(gear, signals, {}, gain, 0.0))
 
-    run = run_and_confirm(gear, fidelity, maneuvers, options, metrics, SCENE.figure)
+    run = run_maneuver(gear, fidelity, maneuvers, options).described(metrics)
     return run.noting(*remarks(gear, run.signals))
 
 
 def _metrics(turned: Turned) -> dict[str, float]:
-    """Metrics of the record; without the peak to peak where the steps are too long to see it."""
-    coarse = turned.step_angle > 2 * np.pi / turned.gear.pinion.teeth / LEAST_FOR_PEAKS
+    """Metrics of the record."""
     of_motion = figures_of_motion(turned.signals, turned.gear, turned.gain)
-    left_out = ("push_force_peak_to_peak",) if coarse else ()
-    return without({**push_figures(turned.signals), **of_motion}, left_out)
+    return {**push_figures(turned.signals), **of_motion}
 
 
 def push_figures(signals: Signals) -> dict[str, float]:

@@ -2,12 +2,11 @@
 
 The force is a sine, or its positive halves, at an angle to the bar away from the pinion. One cycle settles,
 then `test.road_cycles` are recorded; the same again for each of `test.road_phases` phases at which the force
-begins, evenly spread over the cycle, because motions with impacts are chaotic (`analysis.rattle`). The first
-recorded cycle, made again in half the steps, confirms the metrics of all.
+begins, evenly spread over the cycle, because motions with impacts are chaotic (`analysis.rattle`).
 A growing sine finds the threshold instead: the size of the force at which the plunger first hits.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,11 +18,9 @@ from rps_exudyn.forces.pinion_support import with_float
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Code, Interrupted, Remark
-from rps_exudyn.results.quantities import SCATTERS
+from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.checks.before_run import check_travel
 from rps_exudyn.scenes.maneuver import Maneuver, even
-from rps_exudyn.scenes.metric_confirmation import Metrics, run_and_confirm, with_finer_friction
 from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
@@ -96,58 +93,11 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
         of_cycles = describe_rattle(signals, 1 / test.road_frequency, gear.yoke.plunger_mass, band)
         return of_cycles | balance(signals)
 
-    def made(halvings: int) -> SceneRun:
-        model = with_finer_friction(chosen, halvings)
-        return run_maneuver(gear, model, maneuvers, options.halved(halvings)).described(figures)
-
-    run = made(0)
-    if growing:
-        figure = "rattle_threshold_force"
-        run = run_and_confirm(gear, chosen, maneuvers, options, figures, figure, run, always=True)
-    elif run.ok and options.least_steps.halvings:
-        run = _confirmed(run, gear, chosen, options, maneuvers[0], figures, made)
+    run = run_maneuver(gear, chosen, maneuvers, options).described(figures)
     described = run.noting(None if chosen.rack == "flexible" else RIGID)
     if growing:
         described = described.noting(_threshold_remark(gear, described.summary))
     return replace(described, signals=_thinned(described.signals, maneuvers))
-
-
-def _confirmed(
-    run: SceneRun,
-    gear: SteeringGear,
-    fidelity: Fidelity,
-    options: RunOptions,
-    first: Maneuver,
-    figures: Metrics,
-    made: Callable[[int], SceneRun],
-) -> SceneRun:
-    """Return a run with the metrics that its first cycle confirms, in the steps that this cycle needs.
-
-    In one cycle a metric scatters by the uncertainty of its mean times the square root of their number.
-    `made` gives the whole run in steps that are halved so often.
-    """
-    cycles, summary, time = gear.test.road_cycles * gear.test.road_phases, run.summary, run.signals["time"]
-    scatter = {name: summary[name] for name in summary.keys() & {*SCATTERS.values()}}
-    scatter |= {name: scatter[name] * np.sqrt(cycles) for name in scatter if name.endswith("_uncertainty")}
-    count = int(np.searchsorted(time, time[0] + (1 + 1e-9) / gear.test.road_frequency))
-    part = replace(run, signals={name: values[:count] for name, values in run.signals.items()})
-    cycle = replace(first, steps=first.lead)
-
-    def of_cycle(signals: Signals) -> dict[str, float]:
-        return figures(signals) | scatter
-
-    try:
-        found = run_and_confirm(gear, fidelity, [cycle], options, of_cycle, SCENE.figure, part, always=True)
-        halvings = found.halvings
-        finer = found.ok and halvings > 0
-        taken = (found if cycles == 1 else made(halvings)) if finer else run
-    except Interrupted:
-        raise Interrupted(run) from None
-    if not taken.ok:
-        return taken
-    spent = found.outcome.cpu_s + (taken.outcome.cpu_s if finer and cycles > 1 else 0.0)
-    outcome = replace(found.outcome, cpu_s=spent, time_reached=taken.outcome.time_reached)
-    return replace(taken, outcome=outcome).without(summary.keys() - found.summary.keys())
 
 
 def threshold(signals: Signals, maneuvers: Sequence[Maneuver]) -> dict[str, float]:

@@ -8,14 +8,12 @@ from rps_exudyn.forces.pinion_support import with_float
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.checks.rules import remarks
 from rps_exudyn.scenes.maneuver import swing_maneuver
-from rps_exudyn.scenes.metric_confirmation import run_swing
 from rps_exudyn.scenes.metrics import figures_of_motion
-from rps_exudyn.scenes.remarks import remarks, wide_zone
+from rps_exudyn.scenes.run_maneuver import run_swing
 from rps_exudyn.scenes.scene import RunOptions, Scene, swept_revolutions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-
-WIDEST_ZONE = 0.002  # reversal_angle within 3 % of the limit of no zone
 
 
 def reversal(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
@@ -31,12 +29,8 @@ def reversal(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sce
         gain = float(GearPair.of(gear).gain)
         return {**describe_reversal(signals, gain), **figures_of_motion(signals, gear)}
 
-    run = run_swing(gear, fidelity, maneuver, options, metrics, SCENE.figure)
-    if options.level is not None:
-        return run.noting(*remarks(gear, run.signals))
-    if too_wide := wide_zone(gear, fidelity, "reversal_angle is omitted: it depends", WIDEST_ZONE):
-        run = run.without({"reversal_angle"})
-    return run.noting(*remarks(gear, run.signals), too_wide)
+    run = run_swing(gear, fidelity, maneuver, options).described(metrics)
+    return run.noting(*remarks(gear, run.signals))
 
 
 SCENE = Scene(

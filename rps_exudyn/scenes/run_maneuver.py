@@ -6,9 +6,7 @@
 All give the same signals as far as they have them, and none is called ok before its record was checked.
 """
 
-from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing, contextmanager, nullcontext
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from time import process_time
 from typing import TYPE_CHECKING
@@ -26,19 +24,8 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import law_of_formulas
 from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Remark, Status
 from rps_exudyn.scenes.checks.before_run import check_memory
-from rps_exudyn.scenes.checks.needs_finer import (
-    STRIPS_AGREE,
-    bends_more,
-    finer_strips,
-    needs_finer,
-    rolls_late_by,
-    rolls_over_late,
-    strips_change,
-    vibrates,
-    yoke_stops,
-)
+from rps_exudyn.scenes.ladder import cycles_before
 from rps_exudyn.scenes.maneuver import Maneuver
-from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined, lost, outcome_of_path
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
@@ -64,7 +51,6 @@ from rps_exudyn.solvers.steering_column import (
 )
 
 if TYPE_CHECKING:
-    from rps_exudyn.multibody.recorder import Recorder
     from rps_exudyn.multibody.solve import SolverPlan
     from rps_exudyn.multibody.steering_model import SteeringModel
 
@@ -77,12 +63,6 @@ LEAST_RANGE = 1e-7  # of such a motion, below which it is none [m]
 UNDER_TORQUE = 0.1  # of the tolerance where a torque is given, for what is left over would hold the gear
 UNEVEN = Swing, SetOff, WheelTorque  # drives under which friction turns about
 TURNING_ABOUT = 0.005  # of the way between reversals: bristles take five times that of the work
-NOT_CURED_BY_STEPS = {
-    Code.TURN_TOO_FAST,
-    Code.BEYOND_LAW,
-    Code.START_MATTERS,
-    Code.EDGES_LOADED,
-}
 CAUSE_MAY_BE_RECORDED = {Code.NO_EQUILIBRIUM, Code.GEAR_JUMPS, Code.NO_STEP, Code.STEPS_USED_UP}
 """Ends of a run whose record may show that the gear had left its contact's law, or its mesh, before."""
 SHAKEN = 0.15  # contractivity: between impacts an old Jacobian takes twice the iterations
@@ -92,7 +72,6 @@ JUMPS = (
     f"through at a reversal, the gear jumps; {FOLLOWS}"
 )
 JUMPS_UNDER_TORQUE = f"; under a given torque the gear jumps where friction falls; {FOLLOWS}"
-HALVINGS_FOR_TOLERANCE = 4  # more than a record asks for by itself: kinks are never resolved
 CLOSED = 1e-3  # of the drive's force: how much all periods may drift for one to stand for all
 
 
@@ -101,10 +80,9 @@ def run_maneuver(
     fidelity: Fidelity,
     maneuvers: Maneuver | Sequence[Maneuver],
     options: RunOptions = DEFAULT_OPTIONS,
-    solver: "Solver | None" = None,
 ) -> SceneRun:
     """Make one maneuver, or several one after the other until one fails, joined to one record; their run has
-    no summary yet. The solver is the fidelity's, unless one is given.
+    no summary yet.
 
     Raises:
         InputError: the fidelity's solver cannot make one, or no memory holds its record.
@@ -117,7 +95,7 @@ def run_maneuver(
             spheres = fidelity.profile_samples * fidelity.axial_samples * 2 * gear.pinion.teeth
             check_memory(maneuver.parts, spheres if fidelity.mesh == "general-contact" else 0)
         try:
-            runs.append((solver or SOLVERS[fidelity.solver])(gear, fidelity, maneuver, options))
+            runs.append(SOLVERS[fidelity.solver](gear, fidelity, maneuver, options))
         except np.linalg.LinAlgError as error:
             message = f"the gear has no stiffness against a force at its start: {error}"
             runs.append(SceneRun(Outcome(Status.NO_CONVERGENCE, message, (Code.NO_RESISTANCE,))))
@@ -128,70 +106,34 @@ def run_maneuver(
     return joined(runs)
 
 
-@contextmanager
-def run_ever_longer(
-    gear: SteeringGear, fidelity: Fidelity, options: RunOptions
-) -> Iterator[Callable[[Maneuver], SceneRun]]:
-    """Yield what makes one maneuver after the other, each of which begins as the one before: dynamics go on
-    where that one ended, equilibria begin with the steps that it needed."""
-    dynamic, halvings = fidelity.solver == "generalized-alpha", 0
-
-    def made(maneuver: Maneuver) -> SceneRun:
-        nonlocal halvings
-        run = run_maneuver(gear, fidelity, maneuver, options.halved(halvings), solver)
-        if not (more := run.halvings) and not halvings:
-            return run
-        halvings += more
-        findings = {**run.outcome.findings, "halvings": halvings}
-        return replace(run, outcome=replace(run.outcome, findings=findings))
-
-    with closing(Integration()) if dynamic else nullcontext() as solver:
-        yield made
+def run_swing(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions) -> SceneRun:
+    """Make a swing after as many cycles as the level has before its record."""
+    return run_maneuver(gear, fidelity, maneuver.begun_earlier(cycles_before(options.level)), options)
 
 
 # --- dynamics --------------------------------------------------------------------------------------
 def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions) -> SceneRun:
     """Integrate the equations of motion in Exudyn."""
-    with closing(Integration()) as integration:
-        return integration(gear, fidelity, maneuver, options)
+    from rps_exudyn.multibody.model import build_model
+    from rps_exudyn.multibody.recorder import Recorder
+    from rps_exudyn.multibody.solve import solve_one_after_another
+    from rps_exudyn.multibody.steering_model import vibration
 
-
-class Integration:
-    """Dynamics of one maneuver after the other, each of which begins as the one before: in Exudyn only what
-    it adds is integrated."""
-
-    def __init__(self) -> None:
-        self._model: SteeringModel | None = None
-        self._recorder: Recorder | None = None
-        self._counters: Counter[str] = Counter()
-        self._cpu_s = 0.0
-
-    def __call__(
-        self, gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions
-    ) -> SceneRun:
-        """Integrate to the maneuver's end, from the end of the one before."""
-        from rps_exudyn.multibody.model import build_model
-        from rps_exudyn.multibody.recorder import Recorder
-        from rps_exudyn.multibody.solve import solve_one_after_another
-        from rps_exudyn.multibody.steering_model import vibration
-
-        if self._model is None:
-            self._model = build_model(
-                gear,
-                fidelity,
-                maneuver.drive,
-                rack_load=maneuver.rack_load,
-                pulse=maneuver.pulse,
-                approach=maneuver.approach,
-                pictured=False,
-            )
-        model, recorder = self._model, self._recorder
+    model = build_model(
+        gear,
+        fidelity,
+        maneuver.drive,
+        rack_load=maneuver.rack_load,
+        pulse=maneuver.pulse,
+        approach=maneuver.approach,
+        pictured=False,
+    )
+    try:
         if not model.start.converged:
             return SceneRun(lost(model.start, _end_of(model.start, maneuver), Outcome(Status.OK)))
         plans = _plans(gear, fidelity, maneuver, model)
-        if recorder is None:
-            model.mbs.Assemble()
-            self._recorder = recorder = Recorder(model).attach()
+        model.mbs.Assemble()
+        recorder = Recorder(model).attach()
         recorder.end, recorder.planned = plans[-1].end_time, sum(plan.steps for plan in plans)
         interrupted = False
         try:
@@ -200,21 +142,15 @@ class Integration:
             message = f"interrupted at {recorder.reached:.4g} s of {recorder.end:.4g} s"
             outcome = Outcome(Status.TIMEOUT, message, (Code.INTERRUPTED,))
             interrupted = True
-        self._counters.update(outcome.counters)
-        self._cpu_s += outcome.cpu_s
-        outcome = replace(outcome, counters=dict(self._counters), cpu_s=self._cpu_s)
         record = recorder.record()
         if maneuver.is_steady and outcome.status is Status.OK:
             outcome.findings.update(vibration(model, record))
-        run = _finished(gear, maneuver, outcome, record, model.start, model.forces.friction_zone, options)
-        if interrupted:
-            raise Interrupted(run)
-        return run
-
-    def close(self) -> None:
-        """Free the memory of the system."""
-        if self._model is not None:
-            self._model.release()
+        run = _finished(gear, maneuver, outcome, record, model.start, options)
+    finally:
+        model.release()
+    if interrupted:
+        raise Interrupted(run)
+    return run
 
 
 def _plans(
@@ -249,89 +185,19 @@ def by_equilibrium(
     """Go from equilibrium to equilibrium; a curve that repeats is followed over one period only.
 
     It repeats if all periods together drift by little: under its weight a rack tilts more the farther it is
-    out. Steps that are too long for what the record shows are halved; not where half of them miss no less of
-    how the rack rolls over in a swing, for it vibrates then, which longer steps damp. Where the yoke is at
-    its nut, forces depend on a few micrometres: shorter steps lead to the start, and finer strips confirm
-    teeth that bend.
+    out.
     """
     if maneuver.pulse is not None:
         raise InputError("fidelity.solver is equilibrium, which has no pulses: choose generalized-alpha.")
-    period, tolerance = maneuver.one_period(), fidelity.torque_tolerance
-    most = options.least_steps.halvings + (HALVINGS_FOR_TOLERANCE if tolerance else 0)
-    late: list[float] = []  # of each run, by how much its steps miss the rack's rolling
-
-    def asks(run: SceneRun) -> bool:
-        coarse = _is_coarse(run, gear, maneuver, tolerance)
-        if coarse and not maneuver.is_steady:
-            late.append(rolls_late_by(run.signals, gear))
-        return coarse and not vibrates(late)
-
-    refined = refine(
-        _along_equilibria(gear, fidelity, period, options),
-        lambda _, times: _along_equilibria(gear, fidelity, period.halved(times), options),
-        max(most - options.halvings, 0),  # a confirming run has been halved already
-        asks=asks,
-    )
-    run, halved = refined.finest, refined.times
-    if vibrates(late):
-        run, halved = refined.runs[-2], halved - 1
-    findings: dict[str, int] = {"halvings": halved} if halved else {}
-    if run.ok and options.least_steps.halvings and yoke_stops(run.signals):
-        if maneuver.is_steady:
-            maneuver = maneuver.closely_approached()
-            run = _along_equilibria(gear, fidelity, maneuver.one_period().halved(halved), options)
-        run, fidelity = _by_finer_strips(run, gear, fidelity, maneuver.one_period().halved(halved), options)
-    if maneuver.periods > 1 and run.ok:
-        force = run.signals[maneuver.drive.signal]
-        if maneuver.periods * abs(force[-1] - force[0]) > CLOSED * np.abs(force).max():
-            run = _along_equilibria(gear, fidelity, maneuver.halved(halved), options)
-        else:
-            findings["periods_alike"] = maneuver.periods
-            run = replace(run, signals=repeated(run.signals, maneuver.periods))
-    return replace(run, outcome=replace(run.outcome, findings={**run.outcome.findings, **findings}))
-
-
-def _by_finer_strips(
-    run: SceneRun, gear: SteeringGear, fidelity: Fidelity, period: Maneuver, options: RunOptions
-) -> tuple[SceneRun, Fidelity]:
-    """Return the first run that strips of twice the stations confirm, and its model; the run as it is where
-    its contact needs no finer ones or they find nothing."""
-    models = [fidelity]
-    while finer := finer_strips(models[-1], gear):
-        models.append(finer)
-    refined = refine(
-        run,
-        lambda _, times: _along_equilibria(gear, models[times], period, options),
-        len(models) - 1,
-        usable=lambda each: each.ok,
-        change=lambda coarse, fine: strips_change(coarse.signals, fine.signals),
-        allowed=STRIPS_AGREE,
-    )
-    run, fidelity = refined.finest, models[refined.times]
-    if refined.times:
-        found = {**run.outcome.findings, "strip_stations": fidelity.strip_stations}
-        run = replace(run, outcome=replace(run.outcome, findings=found))
-    if refined.failed is not None:
-        stations = models[refined.times + 1].strip_stations
-        why = f"strips of {stations} stations do not confirm it: {refined.failed.outcome.message}"
-        run = run.noting(Remark(Code.STRIPS_NOT_CONFIRMED, why))
-    return run, fidelity
-
-
-def _is_coarse(run: SceneRun, gear: SteeringGear, maneuver: Maneuver, tolerance: float) -> bool:
-    """Return whether a whole record of steady motion, or of a swing, needs shorter steps: for its own sake,
-    or to show the drive's torque to a tolerance."""
-    if run.outcome.status not in (Status.OK, Status.INVALID) or not run.signals:
-        return False
-    if maneuver.drive.body == "wheel" and Code.WORK_MISSING in run.outcome.codes:
-        return True  # the gear is let go behind its column, faster than the steps
-    if not run.ok and not NOT_CURED_BY_STEPS.isdisjoint(run.outcome.codes):
-        return False
-    if isinstance(maneuver.drive, Swing):
-        return rolls_over_late(run.signals, gear)
-    if not maneuver.is_steady:
-        return False
-    return needs_finer(run.signals, gear) or (tolerance > 0 and bends_more(run.signals, gear, tolerance))
+    run = _along_equilibria(gear, fidelity, maneuver.one_period(), options)
+    if maneuver.periods == 1 or not run.ok:
+        return run
+    force = run.signals[maneuver.drive.signal]
+    if maneuver.periods * abs(force[-1] - force[0]) > CLOSED * np.abs(force).max():
+        return _along_equilibria(gear, fidelity, maneuver, options)
+    findings = {**run.outcome.findings, "periods_alike": maneuver.periods}
+    outcome = replace(run.outcome, findings=findings)
+    return replace(run, outcome=outcome, signals=repeated(run.signals, maneuver.periods))
 
 
 def _along_equilibria(
@@ -379,7 +245,7 @@ def _along_equilibria(
         record = record_of_path(forces, path, turned)
         if column is not None and path.wheel.size:  # else the gear was lost on its way to the start
             record = _seen_from_wheel(record, column, drive, -path.wheel)
-        run = _finished(gear, maneuver, outcome, record, path, forces.friction_zone, options)
+        run = _finished(gear, maneuver, outcome, record, path, options)
         if interrupted:
             raise Interrupted(run)
         if approach is not maneuver.approach and run.ok and _is_settled(run.signals, drive.signal, gear):
@@ -427,19 +293,16 @@ def _finished(
     outcome: Outcome,
     record: Record,
     start: EquilibriumPath,
-    zone: float,
     options: RunOptions,
 ) -> SceneRun:
     """Signals of a record that began as `start` did, and whether it may be called ok."""
     record = record.since(maneuver.record_start)
     if len(record.time) < 2:
         return SceneRun(outcome)
-    pitch = 2 * np.pi / gear.pinion.teeth
-    settled = -start.begun * gear.test.speed >= pitch * (1 - 1e-9)
-    record = replace(record, settled=settled, start=start.start)
+    record = replace(record, start=start.start)
     signals = signals_of(record)
     if outcome.status is Status.OK or CAUSE_MAY_BE_RECORDED & {*outcome.codes}:
-        outcome = options.check(outcome, gear, record, signals, zone if maneuver.is_steady else None)
+        outcome = options.check(outcome, gear, record, signals)
     if (depends := start.start.unsettled_behind) > 0:
         outcome = replace(outcome, findings={**outcome.findings, "start_unsettled": depends})
     return SceneRun(outcome, signals)

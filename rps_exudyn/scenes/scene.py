@@ -1,7 +1,7 @@
 """A scene: one thing that the test rig does, with all that other files ask about it; options of its runs."""
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -10,8 +10,8 @@ from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Remark
-from rps_exudyn.scenes.checks.after_run import physical, validated
-from rps_exudyn.scenes.checks.before_run import Motion
+from rps_exudyn.scenes.checks.after_run import validated
+from rps_exudyn.scenes.checks.rules import Motion
 from rps_exudyn.scenes.law_by_scene import NeededLaw
 from rps_exudyn.scenes.maneuver import Maneuver, StepLimits, swing_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
@@ -24,38 +24,27 @@ class RunOptions:
     Attributes:
         check: gives a finished run its outcome, with the arguments of `checks.after_run.validated`.
         least_steps: steps that a maneuver gets, however large the fidelity's step.
-        halvings: how often the steps of every maneuver are halved, whatever chose them; -1 doubles them.
-        figures: metrics that steady motions confirm and return beside their own figure; None is all.
-        level: of the ladder (`scenes.ladder`), at which a scene makes one run; None: runs confirm each other.
+        level: of the ladder (`scenes.ladder`).
+        bars: whether a second level gives the metrics their error bars.
     """
 
     check: Callable[..., Outcome] = validated
     least_steps: StepLimits = field(default_factory=StepLimits)
-    halvings: int = 0
-    figures: frozenset[str] | None = None
-    level: int | None = None
+    level: int = 1
+    bars: bool = True
 
-    def at(self, level: int) -> "RunOptions":
-        """Return the same at a level of the ladder."""
-        check = physical if self.check is validated else self.check
-        least = StepLimits(halvings=0)
-        return replace(self, level=level, halvings=level - 1, least_steps=least, check=check)
+    @property
+    def halvings(self) -> int:
+        """Return how often the steps of every maneuver are halved, whatever chose them; -1 doubles them."""
+        return self.level - 1
 
     def finer(self, count: int) -> int:
-        """Return a number, given for the steps as they are, for those of these options."""
+        """Return a number, given for the steps of level 1, for those of these options."""
         return int(np.ceil(count * 2.0**self.halvings))
-
-    def halved(self, times: int) -> "RunOptions":
-        """Return the same for a run in steps that are halved so many times more."""
-        return replace(self, halvings=self.halvings + times)
-
-    def wants(self, names: Iterable[str]) -> bool:
-        """Return whether any of these metrics is asked for."""
-        return self.figures is None or not self.figures.isdisjoint(names)
 
 
 DEFAULT_OPTIONS = RunOptions()
-WITH_BARS = RunOptions(level=1)
+WITHOUT_BARS = RunOptions(bars=False)
 
 
 @dataclass(frozen=True)
@@ -69,7 +58,6 @@ class Turned:
         beside: of the maneuver that is not recorded; {} if there is none.
         gain: rack travel per radian [m].
         load: that pulls at the rack's end [N].
-        step_angle: of the model [rad].
     """
 
     gear: SteeringGear
@@ -77,7 +65,6 @@ class Turned:
     beside: Signals
     gain: Any
     load: Any
-    step_angle: float
 
 
 @dataclass(frozen=True)

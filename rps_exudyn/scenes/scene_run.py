@@ -38,11 +38,6 @@ class SceneRun:
         """Return whether it ended well."""
         return self.outcome.status is Status.OK
 
-    @property
-    def halvings(self) -> int:
-        """Return how often its steps were halved."""
-        return int(self.outcome.findings.get("halvings", 0))
-
     def noting(self, *remarks: Remark | None) -> "SceneRun":
         """Return a run that is all right with remarks for its reader added; a failed one keeps its cause."""
         added = [remark for remark in remarks if remark]
@@ -56,16 +51,6 @@ class SceneRun:
         """Return the run with what was recorded, as one that cannot be relied on."""
         changed = replace(self.outcome, status=Status.INVALID, codes=(code,), message=message)
         return replace(self, outcome=changed)
-
-    def unconfirmed(self, failed: "SceneRun") -> "SceneRun":
-        """Return the run as one that cannot be relied on, because its confirming run failed."""
-        why = "the run in half the steps, which should confirm the metrics, fails"
-        return self.invalid(Code.STEPS_NOT_CONFIRMED, f"{why}: {failed.outcome.message}")
-
-    def without(self, left_out: Collection[str]) -> "SceneRun":
-        """Return the run without some of its metrics."""
-        kept = {name: value for name, value in self.summary.items() if name not in left_out}
-        return replace(self, summary=kept)
 
     def unsure_of(self, names: Collection[str]) -> "SceneRun":
         """Return the run with metrics whose errors no finer run shows."""
@@ -115,7 +100,7 @@ def _continued(name: str, before: np.ndarray, after: np.ndarray) -> np.ndarray:
 
 def _worst_findings(outcomes: Sequence[Outcome]) -> dict[str, float]:
     """What the outcomes found about vibration and about their starts, of each the worst."""
-    worst = {"vibration_grows": max, "vibration_dies": min, "start_unsettled": max, "halvings": max}
+    worst = {"vibration_grows": max, "vibration_dies": min, "start_unsettled": max}
     known = {name: [each.findings[name] for each in outcomes if name in each.findings] for name in worst}
     return {name: worst[name](values) for name, values in known.items() if values}
 

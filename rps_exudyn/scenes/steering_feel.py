@@ -12,11 +12,10 @@ from rps_exudyn.forces.pinion_support import with_float
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.checks.rules import remarks
 from rps_exudyn.scenes.maneuver import YIELDING, swing_maneuver
-from rps_exudyn.scenes.metric_confirmation import run_swing
 from rps_exudyn.scenes.metrics import figures_of_motion
-from rps_exudyn.scenes.remarks import remarks, wide_zone
-from rps_exudyn.scenes.reversal import WIDEST_ZONE
+from rps_exudyn.scenes.run_maneuver import run_swing
 from rps_exudyn.scenes.scene import RunOptions, Scene, swept_revolutions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.closed_form import closed_form
@@ -38,11 +37,8 @@ def steering_feel(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -
         angle = {} if lost is None else {"lost_motion_angle": lost / float(GearPair.of(gear).gain)}
         return {**describe_feel(signals), **angle, **figures_of_motion(signals, gear)}
 
-    run = run_swing(gear, fidelity, maneuver, options, metrics, SCENE.figure)
-    if options.level is not None:
-        return run.noting(*remarks(gear, run.signals))
-    remark = wide_zone(gear, fidelity, "on_centre_stiffness depends", WIDEST_ZONE)
-    return run.noting(*remarks(gear, run.signals), remark)
+    run = run_swing(gear, fidelity, maneuver, options).described(metrics)
+    return run.noting(*remarks(gear, run.signals))
 
 
 SCENE = Scene(

@@ -19,10 +19,10 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.results.quantities import EXTREMES, LOSS_SHARES, SPREADS
 from rps_exudyn.scenes.checks.before_run import check_travel
+from rps_exudyn.scenes.checks.rules import remarks
 from rps_exudyn.scenes.maneuver import Maneuver
-from rps_exudyn.scenes.metric_confirmation import run_and_confirm, run_swing
 from rps_exudyn.scenes.metrics import figures_of_motion
-from rps_exudyn.scenes.remarks import remarks, wide_zone
+from rps_exudyn.scenes.run_maneuver import run_maneuver, run_swing
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.closed_form import closed_form
@@ -30,7 +30,6 @@ from rps_exudyn.solvers.steering_column import GrowingTorque, TyreSpring, WheelT
 
 PER_CYCLE = 400  # steps
 PER_RAMP = 2000  # steps of a torque that grows, each by 0.05 % of its peak
-WIDEST_ZONE = 0.01  # of friction: wider ones creep where they should stick
 
 
 def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
@@ -48,27 +47,14 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
     def metrics(signals: Signals) -> dict[str, float]:
         return {**_figures(signals, gear), **figures_of_motion(signals, gear)}
 
-    if gear.test.steer_shape == "ramp":
-        run = run_and_confirm(turned, fidelity, [maneuver], options, metrics, "breakaway_torque", always=True)
-    else:
-        run = run_swing(turned, fidelity, maneuver, options, metrics, SCENE.figure)
-    if options.level is not None:
-        if branched := _branches(gear, fidelity, "the errors of {} are unknown"):
-            run = run.unsure_of(SPREADS | EXTREMES | LOSS_SHARES)
-        return run.noting(*remarks(gear, run.signals), _held(gear), branched)
-    figure = "breakaway_torque" if gear.test.steer_shape == "ramp" else "angle_dead_band"
-    depend = (
-        "the rack's gain, the yoke's largest and smallest force and shares of losses are omitted: they and "
-        f"{figure} depend"
-    )
-    if remark := wide_zone(gear, fidelity, depend, WIDEST_ZONE):
-        run = run.without(EXTREMES | LOSS_SHARES | {"rack_gain"})  # where friction lets go in one jerk
-    if branched := _branches(gear, fidelity, "{} are omitted"):
-        run = run.without(SPREADS | EXTREMES | LOSS_SHARES)
-    return run.noting(*remarks(gear, run.signals), _held(gear), remark, branched)
+    make = run_maneuver if gear.test.steer_shape == "ramp" else run_swing
+    run = make(turned, fidelity, maneuver, options).described(metrics)
+    if branched := _branches(gear, fidelity):
+        run = run.unsure_of(SPREADS | EXTREMES | LOSS_SHARES)
+    return run.noting(*remarks(gear, run.signals), _held(gear), branched)
 
 
-def _branches(gear: SteeringGear, fidelity: Fidelity, then: str) -> Remark | None:
+def _branches(gear: SteeringGear, fidelity: Fidelity) -> Remark | None:
     """Return a remark on what the motion after breakaway leaves open for equilibria where friction falls with
     speed: the rack may come to rest rolled one way or the other, with shares of losses 6 % apart."""
     falls = any(getattr(gear, part).surplus > 0 for part in RUBBING_PARTS)
@@ -76,9 +62,9 @@ def _branches(gear: SteeringGear, fidelity: Fidelity, then: str) -> Remark | Non
         return None
     return Remark(
         Code.METRIC_NOT_CONFIRMED,
-        then.format("shares of losses, ranges, largest and smallest values")
-        + ": friction is larger at rest, so that equilibria have more than one state after breakaway; choose "
-        "the solver generalized-alpha for them",
+        "the errors of shares of losses, ranges, largest and smallest values are unknown: friction is larger "
+        "at rest, so that equilibria have more than one state after breakaway; choose the solver "
+        "generalized-alpha for them",
     )
 
 

@@ -5,13 +5,7 @@ gear may come to rest again, and again. The record begins at rest and goes on fo
 those of its later half. Beside them stands what is predicted: the speed below which the reduced gear goes on
 sticking (`analysis.friction_oscillator`), and the damping of the column below which steady sliding is
 unstable (`solvers.sliding_stability`).
-
-Near that speed little damping decides whether vibration dies away or stays, and time steps add some of their
-own. There the motion is made again in half the steps until that changes nothing.
 """
-
-from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 
@@ -21,11 +15,9 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.checks.before_run import check_travel
+from rps_exudyn.scenes.checks.rules import remarks
 from rps_exudyn.scenes.maneuver import Maneuver, even
-from rps_exudyn.scenes.metric_confirmation import run_and_confirm
 from rps_exudyn.scenes.metrics import balance
-from rps_exudyn.scenes.refine import refine
-from rps_exudyn.scenes.remarks import remarks, wide_zone
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
@@ -37,11 +29,6 @@ CYCLES = 12  # of sticking and slipping that are recorded, and more where little
 MOST_CYCLES = 40
 MOST_STEPS = 20000  # fewer cycles are recorded of a gear that sticks for long ...
 LEAST_CYCLES = 3  # ... but no fewer
-WIDEST_ZONE = 0.01  # of friction: wider ones creep where they should stick
-NEAR = 2.0  # times the sticking speed, up and down: so far it is not known without guides, and then some
-SAME = 0.01  # of the largest torque, by which steps half as long may change the figures there
-MOST_HALVED = 2  # times that steps are halved there
-COMPARED = ("stick_slip_torque", "breakaway_torque")
 AMPLITUDE = "stick_slip_amplitude"  # of a gear that never sticks: what the steps leave of the start
 
 
@@ -57,57 +44,15 @@ def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> S
             f"slip."
         )
     model = reduced_gear(gear)
-    run = _resolved(gear, fidelity, options)
     nothing = None if model.surplus > 0 else NOTHING_FALLS
-    judged = model.surplus > 0 and options.level is None
-    zone = wide_zone(gear, fidelity, "sticking depends", WIDEST_ZONE) if judged else None
     predicted = predictions(gear, fidelity)
 
     def metrics(signals: Signals) -> dict[str, float]:
         found = {**_seen(signals, gear), **predicted, **balance(signals)}
         return found if nothing is None else {name: found[name] for name in found if name != AMPLITUDE}
 
-    run = run_and_confirm(gear, fidelity, [set_off(gear)], options, metrics, SCENE.figure, run, always=True)
-    return run.noting(*remarks(gear, run.signals), nothing, zone)
-
-
-def _resolved(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
-    """Make the motion, near the sticking speed in steps that decide nothing; it is invalid if none are."""
-    maneuver = set_off(gear)
-    refined = refine(
-        run_maneuver(gear, fidelity, maneuver, options=options),
-        lambda _, times: run_maneuver(gear, fidelity, maneuver.halved(times), options=options),
-        min(MOST_HALVED, options.least_steps.halvings) if _near_sticking(gear) else 0,
-        usable=lambda run: run.ok,
-        change=lambda coarse, fine: _change(_seen(coarse.signals, gear), _seen(fine.signals, gear)),
-        allowed=SAME,
-    )
-    run = refined.finest
-    if refined.times:
-        cpu = sum(each.outcome.cpu_s for each in refined.runs)
-        findings = {**run.outcome.findings, "halvings": refined.times}
-        run = replace(run, outcome=replace(run.outcome, cpu_s=cpu, findings=findings))
-    if refined.failed is not None:
-        return run.unconfirmed(refined.failed)
-    if refined.times and not refined.confirmed:
-        return run.invalid(
-            Code.STEPS_TOO_COARSE,
-            f"the steps are too coarse: near the sticking speed steps half as long change the torque by "
-            f"{refined.change:.1%} of its peak",
-        )
-    return run
-
-
-def _near_sticking(gear: SteeringGear) -> bool:
-    """Return whether the wheel turns about as fast as the reduced gear just sticks."""
-    limit = sticking_speed(reduced_gear(gear))
-    return limit / NEAR < gear.test.speed < limit * NEAR
-
-
-def _change(coarse: Mapping[str, float], fine: Mapping[str, float]) -> float:
-    """Return by how much figures differ, over the largest torque; 0 of a record too short for any."""
-    peak = abs(fine.get("breakaway_torque", 0.0))
-    return max(abs(fine[name] - coarse[name]) for name in COMPARED) / peak if peak and coarse else 0.0
+    run = run_maneuver(gear, fidelity, set_off(gear), options).described(metrics)
+    return run.noting(*remarks(gear, run.signals), nothing)
 
 
 NOTHING_FALLS = Remark(

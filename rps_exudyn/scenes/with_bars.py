@@ -27,9 +27,9 @@ from rps_exudyn.scenes.bar_terms import (
     moved_by_inertia,
 )
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses
+from rps_exudyn.scenes.checks.rules import GROWN
 from rps_exudyn.scenes.error_bars import Metrics, error_bars
 from rps_exudyn.scenes.ladder import gear_at, model_at
-from rps_exudyn.scenes.remarks import GROWN
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun
 
@@ -48,12 +48,11 @@ def run_with_bars(scene: Scene, gear: SteeringGear, fidelity: Fidelity, options:
         InputError: a test or a model that the scene cannot have.
         Interrupted: Ctrl-C; it carries what was recorded.
     """
-    assert options.level is not None
     level = options.level
 
     def run_at(each: int) -> SceneRun:
         begin_stage(*((0.0, FINE_SHARE) if each == level else (FINE_SHARE, 1.0)))
-        return scene.run(gear_at(each, gear), model_at(each, fidelity), options.at(each))
+        return scene.run(gear_at(each, gear), model_at(each, fidelity), replace(options, level=each))
 
     first = run_at(level)
     if fidelity.solver == "closed-form":

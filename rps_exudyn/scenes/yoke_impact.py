@@ -20,14 +20,13 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.checks.before_run import check_travel
 from rps_exudyn.scenes.maneuver import Maneuver, even
-from rps_exudyn.scenes.metric_confirmation import run_and_confirm
 from rps_exudyn.scenes.metrics import balance
-from rps_exudyn.scenes.remarks import wide_zone
+from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.prescribed_motion import Steady
 
-WIDEST_ZONE = 0.1  # peak and impulse to 0.1 %; narrower ones only ask for shorter steps, and are widened
+ZONE = 0.1  # of friction, halved with the steps: narrower ones only ask for shorter steps
 STEPS_PER_SWING = 20  # of the plunger between seat and yokenut, the fastest motion: forces to 0.1 %
 STEPS_PER_SWING_OF_A_BENDING_RACK = 12  # which is hit less hard at first: forces to 0.05 %
 
@@ -44,7 +43,7 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
             f"no impacts."
         )
     chosen = fidelity.with_bending()
-    chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, WIDEST_ZONE / 2.0**options.halvings)})
+    chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, ZONE / 2.0**options.halvings)})
     own = STEPS_PER_SWING_OF_A_BENDING_RACK if chosen.rack == "flexible" else STEPS_PER_SWING
 
     def metrics(signals: Signals) -> dict[str, float]:
@@ -56,9 +55,8 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
         }
 
     maneuver = shaken(gear, chosen.swing_steps or own)
-    run = run_and_confirm(gear, chosen, [maneuver], options, metrics, SCENE.figure, always=True)
-    zone = None if options.level is not None else wide_zone(gear, fidelity, "the impacts depend", WIDEST_ZONE)
-    return run.noting(_rigid(chosen), _closed(gear, run.signals), zone)
+    run = run_maneuver(gear, chosen, maneuver, options).described(metrics)
+    return run.noting(_rigid(chosen), _closed(gear, run.signals))
 
 
 def _rigid(fidelity: Fidelity) -> Remark | None:

@@ -19,11 +19,11 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.checks.before_run import largest_angle
+from rps_exudyn.scenes.checks.rules import remarks
 from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_PINION_TORQUE
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
-from rps_exudyn.scenes.metric_confirmation import run_and_confirm
 from rps_exudyn.scenes.metrics import figures_of_turning
-from rps_exudyn.scenes.remarks import remarks
+from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.yoke_stop import stop_stiffness
@@ -108,7 +108,7 @@ def yoke_set(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sce
     def metrics(signals: Signals) -> dict[str, float]:
         return {**figures_of_turning(signals, as_set), **figures}
 
-    run = run_and_confirm(as_set, fidelity, maneuvers, options, metrics, SCENE.figure)
+    run = run_maneuver(as_set, fidelity, maneuvers, options).described(metrics)
     return run.noting(pressing if setting.clearance < 0 else None, *remarks(as_set, run.signals))
 
 

@@ -24,7 +24,7 @@ from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.law_by_scene import with_law
-from rps_exudyn.scenes.scene import WITH_BARS, RunOptions
+from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.simulate.together import UNSUPPORTED, Together, together, unsupported_reason
 
@@ -202,7 +202,7 @@ def batch_of(
     fidelity: str | Fidelity,
     keep: Literal["signals", "torque"],
     ranges: Mapping[str, Sequence[float] | np.ndarray] | None,
-    options: RunOptions = WITH_BARS,
+    options: RunOptions = DEFAULT_OPTIONS,
 ) -> Batch:
     """Simulate a table; arguments as of `batch`, and options of single runs.
 
@@ -286,7 +286,9 @@ def _row(
     return single_run(scene, varied, fidelity, options)
 
 
-def single_run(scene: str, gear: SteeringGear, fidelity: Fidelity, options: RunOptions = WITH_BARS) -> Result:
+def single_run(
+    scene: str, gear: SteeringGear, fidelity: Fidelity, options: RunOptions = DEFAULT_OPTIONS
+) -> Result:
     """Simulate a gear; what goes wrong is its outcome."""
     try:
         return simulate(scene, gear, fidelity, options=options)

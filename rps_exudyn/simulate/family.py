@@ -12,16 +12,12 @@ import numpy as np
 
 from rps_exudyn.forces.force_element import RACK
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.geometry_limits import largest_lift
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.checks.after_run import (
-    ROUNDING,
-    UNSETTLED_BOUND,
-)
+from rps_exudyn.scenes.checks.after_run import ROUNDING
 from rps_exudyn.scenes.checks.before_run import largest_angle
+from rps_exudyn.scenes.checks.rules import IN_RECORD, Seen
 from rps_exudyn.scenes.maneuver import Maneuver
-from rps_exudyn.scenes.remarks import UNSETTLED
 from rps_exudyn.scenes.run_maneuver import CLOSED
 from rps_exudyn.scenes.scene_run import Signals
 from rps_exudyn.solvers.gear_forces import gear_forces
@@ -218,7 +214,7 @@ def _singly(
     drive = Steady(series.body, travel * angles[0], travel * series.speed)
     time = maneuver.time_step * np.arange(len(angles))
     path = settled_path(series.forces.statics, series.pair, drive, maneuver.approach, time)
-    if not path.converged or max(path.start.unsettled, path.start.unsettled_behind) > SAFE * UNSETTLED_BOUND:
+    if not path.converged or path.start.unsettled:
         return None
     places = path.coordinates[path.time >= 0]
     x = places[:, RACK].copy()
@@ -278,21 +274,15 @@ class FamilyRecord:
     def surely_ok(self) -> np.ndarray:
         """Which gears were found and pass all checks of a finished run well within their bounds, (n,)."""
         family, signals = self.family, self.period
-        gear, force = family.gear, signals[self.force]
-        valid_to = family.series.forces.valid_to
-        lifted = np.abs(signals["rack_y"] - self.records["mesh"]["flank"]["axis_offset"][:, None])
+        force, offset = signals[self.force], self.records["mesh"]["flank"]["axis_offset"][:, None]
+        seen = Seen(family.gear, signals=signals, axis_offset=offset, valid_to=family.series.forces.valid_to)
         drift = np.abs(force[:, -1] - force[:, 0]) / np.maximum(np.abs(force).max(axis=-1), ROUNDING)
         allowed_drift = SAFE * CLOSED if family.periods > 1 else STEADY
         checks = (
             self.found,
-            np.isfinite(force).all(axis=-1),
-            (lifted < SAFE * largest_lift(gear)).all(axis=-1),
-            (signals["mesh_normal_force"] > 0).all(axis=-1),
-            *(signals[name].max(axis=-1) < SAFE * bound for name, bound in valid_to.items()),
+            *(rule.within(seen, SAFE) for rule in IN_RECORD),
             (drift * family.periods < allowed_drift) | (not family.maneuver.closes),
             self._turns_on(),
-            family.maneuver.closes
-            | (family.unsettled * np.abs(force).max(axis=-1) < SAFE * UNSETTLED * np.ptp(force, axis=-1)),
         )
         return np.asarray(np.logical_and.reduce(checks))
 

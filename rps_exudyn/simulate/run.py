@@ -23,10 +23,10 @@ from rps_exudyn.parameters.gear import SteeringGear, check_gear
 from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.checks.before_run import refused
+from rps_exudyn.scenes.checks.rules import refused
 from rps_exudyn.scenes.ladder import valid_level
 from rps_exudyn.scenes.law_by_scene import with_law
-from rps_exudyn.scenes.scene import WITH_BARS, RunOptions
+from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
 from rps_exudyn.simulate.accuracy_check import Wanted, kept_by
 from rps_exudyn.simulate.by_accuracy import Choice, beyond_in_run, choose, percent
 from rps_exudyn.simulate.cases.task import Task
@@ -95,7 +95,7 @@ def simulate(
     accuracy: str | None = None,
     robust: bool = False,
     time_limit: TimeLimit | None = None,
-    options: RunOptions = WITH_BARS,
+    options: RunOptions = DEFAULT_OPTIONS,
 ) -> Result:
     """Simulate a scene of a gear; arguments as of `run`. The options are of runs of a model that is given,
     without a time limit.
@@ -141,7 +141,7 @@ def isolated_run(
     limit: TimeLimit,
     *,
     robust: bool = False,
-    options: RunOptions = WITH_BARS,
+    options: RunOptions = DEFAULT_OPTIONS,
 ) -> Result:
     """Simulate in another process until the limit is over: loading, compiling and settling count.
 

@@ -15,9 +15,8 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.checks.before_run import breaches
+from rps_exudyn.scenes.checks.rules import breaches_of_plan
 from rps_exudyn.scenes.law_by_scene import with_law
-from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.scenes.with_bars import run_with_bars
@@ -58,7 +57,7 @@ def run_unchecked(
         )
 
     try:
-        if options.level is None:
+        if not options.bars:
             return result_of(scene_named(scene).run(tested, fidelity, options))
         return result_of(run_with_bars(scene_named(scene), tested, fidelity, options))
     except Interrupted as interrupt:
@@ -80,28 +79,25 @@ def run_with_fallback(
         InputError: a gear that cannot exist, or a test that it does not allow.
     """
     gear = with_law(gear, fidelity, scene_named(scene).law)
-    safer = list(_safer(scene_named(scene), tested_gear(gear), fidelity))
-
-    def tried(changes: Changes) -> Result:
-        return run_unchecked(scene, gear, fidelity.replace(changes) if changes else fidelity, options)
-
-    results = refine(
-        tried(safer[0]),
-        lambda _, times: tried(safer[times]),
-        len(safer) - 1,
-        asks=lambda result: result.status is not Status.OK,
-    ).runs
-    tries = [
-        {"changed": changes, "status": result.status.value, "message": result.message}
-        for changes, result in zip(safer, results, strict=False)
-    ]
+    results: list[Result] = []
+    tries: list[dict[str, Any]] = []
+    for changes in _safer(scene_named(scene), tested_gear(gear), fidelity):
+        try:
+            model = fidelity.replace(changes) if changes else fidelity
+            results.append(run_unchecked(scene, gear, model, options))
+        except Interrupted as interrupt:
+            raise (Interrupted(results[-1]) if results else interrupt) from None
+        last = results[-1]
+        tries.append({"changed": changes, "status": last.status.value, "message": last.message})
+        if last.status is Status.OK:
+            break
     return _reported(results[-1] if results[-1].status is Status.OK else results[0], tries)
 
 
 def _safer(scene: Scene, gear: SteeringGear, fidelity: Fidelity) -> Iterator[Changes]:
     """Changes of the fidelity, safer from one to the next."""
     changes: Changes = {}
-    for breach in breaches(gear, fidelity, motion=scene.motion):
+    for breach in breaches_of_plan(gear, fidelity, motion=scene.motion):
         changes |= breach.repair
     yield dict(changes)
     step = changes.get("step_angle", fidelity.step_angle)

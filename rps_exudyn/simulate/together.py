@@ -26,12 +26,11 @@ from rps_exudyn.scenes.bar_terms import (
     missing_share,
     moved_by_inertia,
 )
-from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses, of_many
+from rps_exudyn.scenes.checks.rules import refused, remarks
 from rps_exudyn.scenes.error_bars import error_bars
 from rps_exudyn.scenes.ladder import model_at
 from rps_exudyn.scenes.maneuver import StepLimits
-from rps_exudyn.scenes.remarks import remarks
 from rps_exudyn.scenes.scene import Scene, Turned
 from rps_exudyn.scenes.scene_run import Signals, one_after_another
 from rps_exudyn.simulate.family import SAFE, Family, FamilyRecord, is_alike
@@ -340,7 +339,7 @@ class _Followed:
     def turned(self, signals: Signals) -> Turned:
         """Return what a record of theirs shows."""
         family = self.common.families[0]
-        return Turned(family.gear, signals, self.beside, self.gain, self.load, family.fidelity.step_angle)
+        return Turned(family.gear, signals, self.beside, self.gain, self.load)
 
     def metrics(self, signals: Signals) -> dict[str, np.ndarray]:
         """Return the metrics of a record of theirs, (n,) each."""

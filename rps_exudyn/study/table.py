@@ -19,7 +19,7 @@ from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.block import TIMES
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import COLUMNS, SUMMARY, Quantity
-from rps_exudyn.scenes.remarks import met_limit
+from rps_exudyn.scenes.checks.rules import met_limit
 from rps_exudyn.study.definition import Axis, Case, Description, Value, axis_quantity, axis_values
 from rps_exudyn.study.store import CaseRow, Store
 

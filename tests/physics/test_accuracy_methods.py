@@ -13,7 +13,6 @@ from verification.faceted import faceted_run, largest_deviation, meshed, shaped,
 from verification.flywheel import explicit_run
 from verification.law_area import by_law
 from verification.references import as_run, by_strips, moving, over_generators, reference_of, slowly
-from verification.runs import STEPS_AS_GIVEN
 
 GEAR = by_law(SteeringGear(), "area")  # the law that generators know
 PITCH = GEAR.replace({"test.turns": 1 / 6})
@@ -31,7 +30,7 @@ def test_reversal_by_generators_by_strips_and_in_motion() -> None:
         {
             "generators": over_generators(80, slowly(by_strips(step).replace(wide))),
             "strips": slowly(by_strips(step).replace(wide)),
-            "moving": as_run(moving(step, 1e-5).replace(wide), STEPS_AS_GIVEN),
+            "moving": as_run(moving(step, 1e-5).replace(wide)),
         },
     )
     differences = reference.headline.differences

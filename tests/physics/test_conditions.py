@@ -13,7 +13,7 @@ from rps_exudyn.inference.fitting.prediction import Prediction
 from rps_exudyn.inference.uncertainty.quick_band import formula_torques
 from rps_exudyn.inference.uncertainty.samples import Samples
 from rps_exudyn.parameters.distribution import Distribution
-from rps_exudyn.scenes.checks.before_run import Breach
+from rps_exudyn.scenes.checks.rules import Breach
 from rps_exudyn.solvers.closed_form import closed_form, mean_state
 from rps_exudyn.solvers.temperature_and_wear import (
     STEEL_EXPANSION,
@@ -237,8 +237,8 @@ def test_checks_before_a_run_look_at_the_gear_in_operation(
         looked_at.append(gear.yoke.preload)
         return []
 
-    monkeypatch.setattr("rps_exudyn.scenes.checks.before_run.breaches", breaches)
-    monkeypatch.setattr("rps_exudyn.simulate.run_plan.breaches", breaches)
+    monkeypatch.setattr("rps_exudyn.scenes.checks.rules.breaches_of_plan", breaches)
+    monkeypatch.setattr("rps_exudyn.simulate.run_plan.breaches_of_plan", breaches)
     rps.run("free-pinion-torque", at("-40 degC"), fidelity="closed-form", robust=robust)
     assert looked_at == [pytest.approx(306.2, rel=1e-3)]
 

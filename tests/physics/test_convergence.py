@@ -11,7 +11,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
 from verification.law_area import by_law
 from verification.references import as_run, by_strips, over_generators
-from verification.runs import STEPS_AS_GIVEN, run_scene
+from verification.runs import run_scene
 from verification.work_precision import Reference, curve_errors, power_law
 
 SCENE = "free-pinion-torque"
@@ -21,7 +21,7 @@ FINE = {"strip_stations": 6, "strip_points": 3}  # whose error is far below that
 
 
 def curve(fidelity: Fidelity) -> Curve:
-    run = run_scene(SCENE, GEAR, fidelity, STEPS_AS_GIVEN)
+    run = run_scene(SCENE, GEAR, fidelity)
     assert run.ok, run.outcome.message
     return scene_named(SCENE).curve(run.signals, GEAR, fidelity)
 

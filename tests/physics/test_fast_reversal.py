@@ -14,7 +14,7 @@ from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.prescribed_motion import Steady, Swing
 from rps_exudyn.solvers.record import record_of_path
-from verification.runs import STEPS_AS_GIVEN, run_scene
+from verification.runs import run_scene
 
 HEAVY = {"pinion.density": 4e6}
 """A pinion that asks for a tenth of the torque at 30 rpm and 10 degrees."""
@@ -40,7 +40,7 @@ def test_a_heavy_pinion_is_accelerated_by_the_drive_alone() -> None:
     swing = {"test.speed": "30 rpm", "test.amplitude": "10 deg"}
     gears = [SteeringGear().replace(swing | settings) for settings in ({}, HEAVY)]
     model = Fidelity.preset("quasi-static")
-    runs = [run_scene("reversal", gear, model, STEPS_AS_GIVEN) for gear in gears]
+    runs = [run_scene("reversal", gear, model) for gear in gears]
     light, heavy = (run.signals for run in runs)
     assert runs[1].ok, runs[1].outcome.message
     added = pinion_inertia(gears[1]) - pinion_inertia(gears[0])
@@ -61,7 +61,7 @@ def test_the_racks_inertia_loads_the_teeth() -> None:
     swing = {"test.speed": "60 rpm", "test.amplitude": "20 deg"}
     gears = [SteeringGear().replace(swing | settings) for settings in ({}, dense)]
     model = Fidelity.preset("quasi-static")
-    light, heavy = (run_scene("reversal", gear, model, STEPS_AS_GIVEN).signals for gear in gears)
+    light, heavy = (run_scene("reversal", gear, model).signals for gear in gears)
     added = np.subtract(*(rack_masses(gear).mass for gear in reversed(gears)))
     pair = GearPair.of(gears[0])
     middle = gears[0].test.start_angle

@@ -10,8 +10,7 @@ import pytest
 import rps_exudyn as rps
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.results.outcome import Status, sentences
-from rps_exudyn.results.quantities import OF_ONE_WHOLE, SINGLE_RUNS_ONLY, is_work
-from rps_exudyn.scenes.metric_confirmation import every_second
+from rps_exudyn.results.quantities import SINGLE_RUNS_ONLY, is_work
 from verification.law_area import by_law
 from verification.population import random_gears
 
@@ -20,7 +19,7 @@ MEANS = {  # by scene; of them `batch` states 1e-5
     "load-test": ("torque_forward", "torque_reverse", "efficiency_ratio", "rack_gain"),
     "rack-push": ("push_force_mean", "rack_gain"),
 }
-MEAN, METRIC, HALVED = 1e-5, 1e-3, 1e-2  # of single runs; of metrics in steps that were halved
+MEAN, METRIC = 1e-5, 1e-3  # of single runs
 SIGNAL = 0.01  # of its range at any instant
 CONTACT = 2e-4  # of a force or work: contact forces are found to a few hundredths of a newton
 RESIDUAL = 1e-4  # of the work
@@ -114,8 +113,7 @@ def test_metrics_and_outcomes_are_those_of_single_runs(case: Case) -> None:
         assert set(ours) == set(alone.summary) - SINGLE_RUNS_ONLY
         assert abs(ours.pop("energy_residual")) < RESIDUAL
         for name, value in ours.items():
-            metric = HALVED if alone.findings.get("halvings") else METRIC
-            allowed = MEAN if name in MEANS[case.scene] else metric
+            allowed = MEAN if name in MEANS[case.scene] else METRIC
             assert value == pytest.approx(alone.summary[name], rel=allowed), name
 
 
@@ -131,8 +129,6 @@ def test_signals_are_those_of_single_runs(case: Case) -> None:
     for row, alone in case.alone.items():
         ours, signals = case.found.found.signals_of(row), alone.signals
         assert set(ours) == set(signals)
-        if halvings := alone.findings.get("halvings", 0):  # of which gears together keep the first instants
-            signals = every_second(signals, 2**halvings)
         work = max(np.abs(values).max() for name, values in signals.items() if name == "work_drive")
         for name, values in signals.items():
             size = work if is_work(name) else np.abs(values).max()
@@ -230,10 +226,7 @@ def test_every_metric_of_random_gears_is_that_of_single_runs(number: int) -> Non
         alone = single.summary
         ours = {name: float(each[row]) for name, each in found.summary.items() if np.isfinite(each[row])}
         assert alone.keys() - SINGLE_RUNS_ONLY <= ours.keys()
-        changing = {name for name in ours.keys() - alone.keys() if name in single.message}  # in finer steps
-        assert ours.keys() - alone.keys() <= changing.union(
-            *(each for each in OF_ONE_WHOLE if each & changing)
-        )
+        assert ours.keys() <= alone.keys()
         assert abs(ours.pop("energy_residual")) < RESIDUAL
         for name in ours.keys() & alone.keys():
             value = ours[name]
@@ -269,5 +262,4 @@ def test_gears_far_from_the_middle_are_settled_where_the_record_begins(scene: st
         settings = {path: float(column[row]) for path, column in values.items()}
         alone = rps.run(scene, gear.replace(settings), fidelity="quasi-static")
         lift = found.found.signals_of(row)["rack_y"]
-        lift = lift - alone["rack_y"][:: (alone["rack_y"].size - 1) // (lift.size - 1)]  # halved steps
-        assert np.abs(lift).max() < SIGNAL * np.ptp(alone["rack_y"])
+        assert np.abs(lift - alone["rack_y"]).max() < SIGNAL * np.ptp(alone["rack_y"])

@@ -53,14 +53,13 @@ def test_tooth_order_needs_one_pitch_and_the_spectrum_one_turn() -> None:
     assert order_spectrum(angle, angle, 3) is None
 
 
-def test_a_peak_to_peak_needs_twelve_points_in_a_pitch() -> None:
-    """A dip over a seventh of a pitch, which may lie between points of which there are fewer."""
+def test_a_tooth_order_needs_more_than_five_points_in_a_pitch() -> None:
     figures = [
         describe_torque(angle, known_curve(angle), 6)
-        for angle in (np.linspace(0, TURN / 3, 2 * points + 1) for points in (5, 11, 12))
+        for angle in (np.linspace(0, TURN / 3, 2 * points + 1) for points in (5, 11))
     ]
-    assert ["torque_peak_to_peak" in each for each in figures] == [False, False, True]
-    assert ["torque_tooth_order" in each for each in figures] == [False, True, True]
+    assert ["torque_peak_to_peak" in each for each in figures] == [True, True]
+    assert ["torque_tooth_order" in each for each in figures] == [False, True]
 
 
 def test_spectrum_ends_with_the_highest_resolved_order() -> None:
@@ -313,7 +312,6 @@ def test_contact_from_the_start_is_no_impact_and_one_at_the_end_counts() -> None
 
 
 def test_a_place_on_the_face_and_a_small_share_are_judged_beside_their_whole() -> None:
-    """10 um off on a face of 10 mm, or a tenth off a share of 0.1 %, is no change; 1 mm and 1 % are."""
-    centre, share = SUMMARY["load_centre"], SUMMARY["loss_share_bush"]
-    assert centre.change(11e-6, 1e-6) < 1 < centre.change(1e-3, 1e-6)
-    assert share.change(1.1e-3, 1e-3) < 1 < share.change(1.1e-2, 1e-3)
+    assert SUMMARY["load_centre"].size(1e-6) == 0.01
+    assert SUMMARY["loss_share_bush"].size(1e-3) == 0.02
+    assert SUMMARY["loss_share_bush"].size(0.3) == 0.3

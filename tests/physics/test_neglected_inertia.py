@@ -13,7 +13,6 @@ from rps_exudyn.scenes.checks.neglected_inertia import (
     ringing,
     with_inertia,
 )
-from rps_exudyn.scenes.metric_confirmation import by_inertia
 from rps_exudyn.simulate.run import run
 from rps_exudyn.simulate.together import together
 from rps_exudyn.solvers.closed_form import runout_harmonics
@@ -68,19 +67,6 @@ def test_a_rack_whose_rate_jumps_rings_on_its_teeth() -> None:
     assert ringing(jump, masses) == pytest.approx(1e-3 / frequency, rel=1e-6)
     quick = {**still, "time": time * 1e-4, "rack_displacement": 0.5 * 3 * (time * 1e-4) ** 2}
     assert ringing(quick, masses) == pytest.approx(3 / frequency**2, rel=1e-6)
-
-
-@pytest.mark.parametrize(("jump", "stand"), [(2e-6, True), (2e-4, False)])
-def test_a_rack_that_jumps_leaves_shares_of_losses_open(jump: float, stand: bool) -> None:
-    """Of a rate [m/s], between two instants: it presses on the yoke with 0.2 and 20 % of its force."""
-    masses, time = MovedMasses.of(SteeringGear()), np.linspace(0, 1, 1001)
-    signals = {"time": time, "pinion_angle": time, "rack_displacement": 8e-3 * time}
-    signals |= {name: np.full(1001, 300.0) for name in ("pinion_torque", "mesh_normal_force")}
-    signals |= {"mesh_penetration": np.full(1001, 1e-6), "rack_y": jump * np.maximum(time - 0.5, 0)}
-    signals["rack_y"] *= masses.preload / masses.rack
-    values = {"loss_share_mesh": 0.3, "loss_share_seat": 0.7}
-    found = by_inertia(lambda _: values, signals, values, masses)
-    assert all((found.get(name, 0.0) < 0.5) == stand for name in values)
 
 
 def test_inertia_grows_with_the_square_of_the_speed() -> None:

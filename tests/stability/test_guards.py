@@ -1,24 +1,19 @@
 """Plans that would end in a wrong number are not run, or repaired on request; a repair is reported."""
 
-import numpy as np
 import pytest
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Outcome, Status
-from rps_exudyn.scenes.checks.before_run import breaches, work_in_zone
-from rps_exudyn.scenes.maneuver import StepLimits, maneuvers_of_test
-from rps_exudyn.scenes.remarks import unresolved_peaks
-from rps_exudyn.scenes.run_maneuver import run_maneuver
-from rps_exudyn.scenes.scene import RunOptions
-from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.scenes.checks.predicted import work_in_zone
+from rps_exudyn.scenes.checks.rules import breaches_of_plan
+from rps_exudyn.scenes.scene import WITHOUT_BARS
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.simulate.run import isolated_run, run
 from rps_exudyn.simulate.run_plan import run_unchecked, run_with_fallback
 from verification.law_area import by_law
 from verification.references import STRIPS
-from verification.runs import STEPS_AS_GIVEN
 
 GEAR = by_law(SteeringGear().replace({"test.turns": 1 / 6}), "area")
 TORQUE = "free-pinion-torque"
@@ -43,10 +38,10 @@ def test_plan_beyond_a_limit_is_not_run_and_the_repaired_one_is_within(sentence:
     assert not result.signals
     repairs = {
         name: value
-        for breach in breaches(gear, fidelity, motion="steady")
+        for breach in breaches_of_plan(gear, fidelity, motion="steady")
         for name, value in breach.repair.items()
     }
-    assert not list(breaches(gear, fidelity.replace(repairs), motion="steady"))
+    assert not list(breaches_of_plan(gear, fidelity.replace(repairs), motion="steady"))
 
 
 def test_half_the_zone_of_friction_confirms_a_steady_motion_of_teeth_near_their_pitch_line() -> None:
@@ -57,28 +52,11 @@ def test_half_the_zone_of_friction_confirms_a_steady_motion_of_teeth_near_their_
     assert wide.summary["torque_mean"] == pytest.approx(right.summary["torque_mean"], rel=4e-4)
 
 
-def test_vibration_that_steps_do_not_show_leaves_no_largest_value() -> None:
-    """What depends on the start alone, keeps them."""
-    fidelity = Fidelity.preset("flank")
-    angle = np.linspace(0, 2 * np.pi, 61)
-    signals = {"time": angle, "pinion_angle": angle, "pinion_torque": 0.6 + 0.1 * (-1.0) ** np.arange(61)}
-    shaken = SceneRun(Outcome(Status.OK), signals)
-    found = unresolved_peaks(fidelity, shaken, "pinion_torque", "pinion_angle")
-    assert found is not None
-    assert {"yoke_force_max", "torque_peak_to_peak"} <= found[1]
-    smooth = SceneRun(Outcome(Status.OK), signals | {"pinion_torque": 0.6 + 0.01 * np.cos(6 * angle)})
-    assert unresolved_peaks(fidelity, smooth, "pinion_torque", "pinion_angle") is None
-    late = SceneRun(Outcome(Status.OK, findings={"start_unsettled": 0.01}), smooth.signals)
-    unsettled = unresolved_peaks(fidelity, late, "pinion_torque", "pinion_angle")
-    assert unsettled is not None
-    assert "yoke_force_max" not in unsettled[1]
-
-
 def test_a_zone_of_friction_takes_the_work_that_is_predicted_of_a_swing() -> None:
     """By the loss of each part at its largest sliding; teeth, whose sliding varies, to a third of it."""
     gear = SteeringGear()
     work, right = (
-        run_unchecked("reversal", gear, STILL.replace({"zone_ratio": ratio}), STEPS_AS_GIVEN).summary[
+        run_unchecked("reversal", gear, STILL.replace({"zone_ratio": ratio}), WITHOUT_BARS).summary[
             "hysteresis_area"
         ]
         for ratio in (0.8, 0.001)
@@ -92,16 +70,16 @@ def test_a_wide_zone_of_friction_is_refused_where_the_motion_stops() -> None:
     result = run("yoke-impact", GEAR, fidelity=Fidelity.preset("flank").replace({"zone_ratio": 1.0}))
     assert result.status is Status.INVALID
     assert result.message.startswith("not run: fidelity.zone_ratio is 1; a motion that stops")
-    (breach,) = breaches(GEAR, wide, motion="stopping")
-    assert not list(breaches(GEAR, STILL.replace(breach.repair), motion="stopping"))
-    assert not list(breaches(GEAR, wide, motion="steady"))
+    (breach,) = breaches_of_plan(GEAR, wide, motion="stopping")
+    assert not list(breaches_of_plan(GEAR, STILL.replace(breach.repair), motion="stopping"))
+    assert not list(breaches_of_plan(GEAR, wide, motion="steady"))
     bristles = GEAR.replace({f"{part}.friction_law": "bristle" for part in RUBBING_PARTS})
-    assert not list(breaches(bristles, wide, motion="stopping"))
+    assert not list(breaches_of_plan(bristles, wide, motion="stopping"))
 
 
 def test_a_wide_zone_of_friction_takes_no_work_of_a_swing_that_is_confirmed() -> None:
     """It takes 4 % of this gear's; the zone is halved until that changes no metric that is printed."""
-    assert not list(breaches(GEAR, STILL.replace({"zone_ratio": 1.0}), motion="to and fro"))
+    assert not list(breaches_of_plan(GEAR, STILL.replace({"zone_ratio": 1.0}), motion="to and fro"))
     work, right = (
         run("reversal", GEAR, fidelity=STILL.replace({"zone_ratio": ratio})).summary["hysteresis_area"]
         for ratio in (1.0, 0.001)
@@ -113,8 +91,8 @@ def test_a_gear_at_rest_asks_for_no_zone_of_friction_and_no_straight_bar() -> No
     """Friction has crept away, and a chain of segments is condensed: random plans were refused for both."""
     wide = Fidelity.preset("flank").replace({"zone_ratio": 1.0, "bush": "chain"})
     bowed = SteeringGear().replace({"rack.bow": 1e-4})
-    assert list(breaches(bowed, wide, motion="stopping"))
-    assert not list(breaches(bowed, wide, motion="at rest"))
+    assert list(breaches_of_plan(bowed, wide, motion="stopping"))
+    assert not list(breaches_of_plan(bowed, wide, motion="at rest"))
     found, right = (run("radial-play", bowed, fidelity=model) for model in (wide, Fidelity.preset("flank")))
     assert found.status is Status.OK, found.message
     assert found.summary["radial_play_y"] == pytest.approx(right.summary["radial_play_y"], rel=1e-6)
@@ -122,7 +100,7 @@ def test_a_gear_at_rest_asks_for_no_zone_of_friction_and_no_straight_bar() -> No
 
 @pytest.mark.parametrize("preset", ["full", "flank", "quasi-static", "closed-form"])
 def test_presets_are_within_all_limits(preset: str) -> None:
-    assert not list(breaches(SteeringGear(), Fidelity.preset(preset), motion="steady"))
+    assert not list(breaches_of_plan(SteeringGear(), Fidelity.preset(preset), motion="steady"))
 
 
 def test_fallback_reports_every_try() -> None:
@@ -171,29 +149,3 @@ def test_run_within_its_time_limit_is_the_same_run() -> None:
     assert result.summary["torque_mean"] == pytest.approx(
         run(TORQUE, gear, fidelity=STILL).summary["torque_mean"]
     )
-
-
-@pytest.mark.parametrize(("law", "few", "enough"), [("line", 3, 4), ("teeth", 7, 8)])
-def test_few_stations_on_a_line_leave_motions_out(law: str, few: int, enough: int) -> None:
-    gear, model = SteeringGear().replace({"mesh.law": law}), Fidelity.preset("quasi-static")
-    here, there = (run(TORQUE, gear, fidelity=model.replace({"strip_stations": n})) for n in (few, enough))
-    assert here.summary["torque_mean"] == pytest.approx(there.summary["torque_mean"], rel=2e-3)
-    assert there.summary.keys() - here.summary.keys() >= {"rack_lift_range", "torque_tooth_order"}
-    assert f"fidelity.strip_stations is {few}" in here.message
-
-
-@pytest.mark.parametrize(("stations", "halvings"), [(3, 1), (4, None)])
-def test_dynamics_confirm_few_stations_of_teeth_that_bend(stations: int, halvings: int | None) -> None:
-    """Three stations leave means up to 3 % off; equilibria confirm theirs anyway."""
-    gear = SteeringGear().replace({"mesh.law": "teeth", "test.turns": 1 / 6})
-    result = run(TORQUE, gear, fidelity=Fidelity.preset("flank").replace({"strip_stations": stations}))
-    assert result.findings.get("halvings") == halvings
-
-
-@pytest.mark.parametrize(("times", "more"), [(0, 4), (3, 1), (4, None)])
-def test_a_run_in_halved_steps_halves_them_less_often_by_itself(times: int, more: int | None) -> None:
-    """A confirming run of a gear with kinks was halved up to nine times, and took 500 times the instants."""
-    gear, model = SteeringGear().replace({"test.turns": 0.1}), STILL.replace({"torque_tolerance": 1e-9})
-    maneuvers = maneuvers_of_test(gear, "pinion", model.step_angle, StepLimits())
-    options = RunOptions(least_steps=StepLimits(halvings=0), halvings=times)
-    assert run_maneuver(gear, model, maneuvers, options).outcome.findings.get("halvings") == more

@@ -39,7 +39,6 @@ from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.scenes.law_by_scene import SERIES, with_law
 from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
 from rps_exudyn.scenes.rack_lift import SCENE as RACK_LIFT
-from rps_exudyn.scenes.scene import WITH_BARS
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.solvers.closed_form import GRAVITY, load_test
 
@@ -198,7 +197,6 @@ def _of_turning(
             samples,
             on_progress=on_progress,
             jobs=jobs,
-            options=replace(WITH_BARS, figures=frozenset(TURNING.values())),
         )
     except InputError as error:
         yield from (_not_evaluated(name, limits, error) for name in TURNING)
@@ -224,7 +222,6 @@ def _of_efficiency(
         samples,
         on_progress=on_progress,
         jobs=jobs,
-        options=replace(WITH_BARS, figures=frozenset({"efficiency_ratio"})),
     )
     judged = _from_band("efficiency_ratio", "efficiency_ratio", band, limits)
     weight = f"With {gear.test.load_mass:.4g} kg; the ratio is about 1 − (T₀ / W s′)²"

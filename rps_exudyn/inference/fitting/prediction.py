@@ -26,7 +26,7 @@ from rps_exudyn.scenes.maneuver import steady_maneuver
 from rps_exudyn.scenes.rack_on_rollers import SCENE as RACK_ON_ROLLERS
 from rps_exudyn.scenes.rack_on_rollers import on_rollers
 from rps_exudyn.scenes.run_maneuver import run_maneuver
-from rps_exudyn.scenes.scene import WITH_BARS
+from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.simulate.cases.run_cases import CaseRunner
 from rps_exudyn.simulate.cases.task import Task
 from rps_exudyn.solvers.closed_form import GRAVITY, mean_state, pushing_force
@@ -147,7 +147,7 @@ def pass_values(
     test, gear = block.test, tested_gear(gear)
     if test.kind in ("yoke-out", "bearing", RACK_ON_ROLLERS.name):
         return np.array([formula_means(gear, test)[0 if sense > 0 else 1]])
-    gear, fidelity, options = gear_at(level, gear), model_at(level, fidelity), WITH_BARS.at(level)
+    gear, fidelity, options = gear_at(level, gear), model_at(level, fidelity), RunOptions(level=level)
     if test.of_kind.by_angle:
         first, last = (float(angle) for angle in block.grid[[0, -1]][::sense])
         run = run_maneuver(gear, fidelity, steady_maneuver(gear, "pinion", first, last, MEAN_STEP), options)

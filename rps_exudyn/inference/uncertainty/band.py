@@ -36,7 +36,6 @@ from rps_exudyn.results.outcome import Interrupted, Status, alike
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.law_by_scene import SERIES, with_law
-from rps_exudyn.scenes.scene import WITH_BARS, RunOptions
 from rps_exudyn.simulate.batch import Batch
 from rps_exudyn.simulate.run import simulate
 
@@ -158,7 +157,6 @@ def band_of_runs(
     on_progress: OnProgress | None = None,
     jobs: int = 1,
     time_limit: float = float("inf"),
-    options: RunOptions = WITH_BARS,
 ) -> Band:
     """Run the scene at `samples` points of the inputs, in up to `jobs` processes, and at their medians.
 
@@ -174,8 +172,8 @@ def band_of_runs(
     if not FEWEST <= samples <= MOST:
         raise InputError(f"the band has {samples} samples; it needs {FEWEST} to {MOST}.")
     points = Samples.drawn(inputs, samples, seed)
-    nominal = nominal_result(scene, gear, fidelity, inputs, options)
-    done = runs_of(points, nominal, fidelity, on_progress, jobs, time_limit, options)
+    nominal = nominal_result(scene, gear, fidelity, inputs)
+    done = runs_of(points, nominal, fidelity, on_progress, jobs, time_limit)
     drawn, curves = done.drawn, curve_quantiles(nominal.scene, done.curves)
     return Band(
         nominal=nominal,
@@ -194,7 +192,6 @@ def nominal_result(
     gear: SteeringGear,
     fidelity: Fidelity,
     inputs: Mapping[str, Distribution],
-    options: RunOptions = WITH_BARS,
 ) -> Result:
     """Run the scene on the gear at the medians of its inputs.
 
@@ -203,7 +200,7 @@ def nominal_result(
     """
     gear = with_law(gear, fidelity, SERIES, inputs)
     medians = gear.replace({path: each.nominal for path, each in inputs.items()})
-    result = simulate(scene, medians, fidelity, options=options)
+    result = simulate(scene, medians, fidelity)
     if result.status is not Status.OK:
         raise InputError(
             f"a band needs a run at the medians of its inputs, which ends {result.status}: {result.message}."
@@ -227,7 +224,6 @@ def runs_of(
     on_progress: OnProgress | None,
     jobs: int,
     time_limit: float,
-    options: RunOptions = WITH_BARS,
 ) -> Runs:
     """Run the scene at all points, or until Ctrl-C.
 
@@ -239,9 +235,7 @@ def runs_of(
     seen = _Seen(nominal, fidelity, names)
     interrupted = False
     try:
-        with closing(
-            runs_at(nominal.scene, nominal.gear, fidelity, points, jobs, time_limit, options)
-        ) as parts:
+        with closing(runs_at(nominal.scene, nominal.gear, fidelity, points, jobs, time_limit)) as parts:
             for rows, part in parts:
                 seen.add(rows, part)
                 if on_progress is not None:

@@ -32,7 +32,6 @@ from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_PINION_TORQUE
-from rps_exudyn.scenes.scene import WITH_BARS, RunOptions
 from rps_exudyn.solvers.closed_form import mean_state, torque_per_preload
 from rps_exudyn.solvers.temperature_and_wear import tested_gear
 from rps_exudyn.solvers.yoke_stop import stop_stiffness
@@ -84,7 +83,6 @@ def quick_band(
     on_progress: OnProgress | None = None,
     jobs: int = 1,
     time_limit: float = float("inf"),
-    options: RunOptions = WITH_BARS,
 ) -> Band:
     """Return the band of the free pinion torque from a few runs, in up to `jobs` processes, and the closed
     form.
@@ -93,8 +91,8 @@ def quick_band(
         InputError: a nominal gear that fails, or too few runs that end ok.
         Interrupted: Ctrl-C before there is a band.
     """
-    nominal, drawn = nominal_result(SCENE, gear, fidelity, inputs, options), Samples.drawn(inputs, runs, seed)
-    done = runs_of(drawn, nominal, fidelity, on_progress, jobs, time_limit, options)
+    nominal, drawn = nominal_result(SCENE, gear, fidelity, inputs), Samples.drawn(inputs, runs, seed)
+    done = runs_of(drawn, nominal, fidelity, on_progress, jobs, time_limit)
     points = Samples.drawn(inputs, POINTS, seed + 1)
     formula = formula_torques(gear, points)
     at_runs = done.drawn.numbers[FIGURE] / formula_torques(gear, done.drawn.samples)

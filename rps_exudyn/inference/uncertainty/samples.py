@@ -11,7 +11,6 @@ from rps_exudyn.inference.uncertainty.joint import JointInputs
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.scene import WITH_BARS, RunOptions
 from rps_exudyn.simulate.batch import Batch, batch_of
 from rps_exudyn.simulate.cases.run_cases import run_cases
 from rps_exudyn.simulate.cases.task import Task
@@ -66,7 +65,6 @@ def runs_at(
     points: Samples,
     jobs: int = 1,
     time_limit: float = float("inf"),
-    options: RunOptions = WITH_BARS,
 ) -> Generator[tuple[range, Batch]]:
     """Yield the runs of the scene at the points, whatever their outcome, part by part as they end.
 
@@ -80,7 +78,6 @@ def runs_at(
         points: inputs of the runs.
         jobs: number of processes.
         time_limit: of a run, or of a part that is computed together [s].
-        options: of single runs.
 
     Returns:
         The numbers of a part's points, and its runs.
@@ -94,7 +91,7 @@ def runs_at(
         tasks: dict[Task, tuple[range, dict[str, np.ndarray] | None]] = {}
         for rows, learned in waiting:
             part = {path: column[rows.start : rows.stop] for path, column in values.items()}
-            call = partial(batch_of, scene, gear, part, fidelity, keep, learned, options)
+            call = partial(batch_of, scene, gear, part, fidelity, keep, learned)
             tasks[Task(call)] = rows, learned
         waiting = []
         for task, answer in run_cases(list(tasks), jobs, time_limit):

@@ -21,8 +21,7 @@ from rps_exudyn.results.quantities import GEOMETRY, PARTS, SIGNALS
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import SCENE_NAMES, scene_named
 from rps_exudyn.scenes.free_pinion_torque import SCENE
-from rps_exudyn.scenes.maneuver import StepLimits
-from rps_exudyn.scenes.scene import RunOptions
+from rps_exudyn.scenes.scene import WITHOUT_BARS
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.simulate.run_plan import run_unchecked
 
@@ -112,7 +111,6 @@ MODELS = {
 }
 SLOW = 0.25  # scenes that take longer show a preview while a slider moves [s]
 DRAFT = "draft while a slider moves, without error bars"
-UNCONFIRMED = RunOptions(level=None, least_steps=StepLimits(halvings=0))  # without error bars
 MOST_POINTS = 3000  # of a curve
 SIZES = (
     "transverse_contact_ratio",
@@ -158,7 +156,7 @@ class Wish:
         """Simulate a gear; a draft is one run through the scene, made once."""
         model = Fidelity.preset(fidelity_of(self.scene))
         if self.is_draft:
-            return run_unchecked(self.scene, gear, model, UNCONFIRMED)
+            return run_unchecked(self.scene, gear, model, WITHOUT_BARS)
         return simulate(self.scene, gear, model)
 
 

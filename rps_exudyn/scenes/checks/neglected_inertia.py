@@ -6,7 +6,7 @@ square of the speed: with a runout of 20 um the first order of the default gear'
 120 rpm and 10 % at 600.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -18,16 +18,8 @@ from rps_exudyn.gears.bar_section import mass_and_moments
 from rps_exudyn.gears.masses import pinion_inertia
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Code, Status
 
 Signals = Mapping[str, np.ndarray]
-
-FREE_OF_YOKE = 0.02
-"""Of the yoke's force in steady motion, most of the time, for jumps of a rack that turns over are short.
-
-Of some hundred random plans it is above in two, whose mean or least force on the yoke is 3 to 10 % off, and
-in none that is right.
-"""
 
 FREE_OF_RANGES = 4e-3
 """Of the yoke's force, the inertia beside the travel, at its largest, that moves the rack's ranges by 5 % and
@@ -157,17 +149,3 @@ def ringing(signals: Signals, masses: MovedMasses) -> Any:
         return np.max(np.abs(accelerated) * lasts / frequency, axis=-1)
 
     return swings(along, mass) + swings(acceleration(signals, "rack_y"), masses.rack)
-
-
-def turn_slow(signals: Signals, gear: SteeringGear) -> Iterator[tuple[Status, Code, str]]:
-    """Check that equilibria along steady motion miss little of the inertia of how the rack moves besides."""
-    if "mesh_normal_force" not in signals:
-        return
-    _, usual = beside_travel(signals, MovedMasses.of(gear))
-    if usual > FREE_OF_YOKE:
-        yield (
-            Status.INVALID,
-            Code.TURN_TOO_FAST,
-            f"the motion is too fast for equilibria: the inertia of the rack's motions beside its travel is "
-            f"{usual:.1%} of the yoke's force (limit {FREE_OF_YOKE:.0%}); choose generalized-alpha",
-        )

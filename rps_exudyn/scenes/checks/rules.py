@@ -1,0 +1,544 @@
+"""The rules: limits of physics and of methods, before a run, in its record, and in what it prints.
+
+    for breach in breaches(IN_RECORD, Seen(gear, signals=signals)):
+        breach.rule.code, breach.rule.status     of the run; a status of ok makes the sentence a remark
+        breach.sentence                          which quantity, its value, the limit, where, why
+        breach.repair                            the choices of the fidelity that meet the limit
+
+What discretisation misses of a metric is in its error bar, and no matter of rules.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from rps_exudyn.analysis.passes import first_angle
+from rps_exudyn.forces.force_element import ENERGY_TERMS
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.geometry_limits import largest_lift
+from rps_exudyn.gears.pitch_errors import rack_errors
+from rps_exudyn.gears.tooth_stiffness import BEARABLE_PRESSURE
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Code, Remark, Status
+from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.scenes.checks.predicted import least_profile_samples, widest_zone, work_in_zone
+from rps_exudyn.scenes.scene_run import Signals
+from rps_exudyn.solvers.record import Record, contact_disagreement
+from rps_exudyn.tooth_contact.mean_depth import mean_depth, rack_approach
+from rps_exudyn.tooth_contact.spheres import sphere_radius
+
+Motion = Literal["steady", "to and fro", "stopping", "at rest"]
+"""Whether everything slides at a constant speed, goes to and fro in whole cycles, stops, or does not move."""
+
+STEPS_PER_PITCH = 2  # fewer cannot show the tooth frequency
+REPAIRED_STEPS_PER_PITCH = 20
+DEEPEST = 1.5  # deepest contact over the mean one, measured on the paper's gear
+LEAST_STATIONS = {"area": 2, "line": 2, "teeth": 3}  # 3.5 % of the hysteresis by two teeth that bend
+LEAST_ROWS = 8  # of spheres along the face width
+NARROW_ZONE = 0.1  # which takes 0.8 % of the work of any friction law
+LOST_IN_ZONE = 0.013  # of the friction's work in a swing, predicted; runs lose about as much
+LEAST_TOUCHING = 15  # spheres of general contact, on an edge twice as many: fewer miss 8 % of the torque
+OUT_OF_PLACE = 0.06  # of the path of contact: spheres end where the rack's tips are under the preload
+AT_NUT = 0.08  # of the force on the seat that the nut carries; means by spheres are up to 2 % off then
+AGREEMENT = 1e-6  # of Exudyn's contact forces with the compiled samples; 1e-9 is usual
+MOST_OF_WORK = 0.05  # that may be missing in the balance: more is no error, but another motion
+MOST_OF_TERMS = 0.2  # of the scene's main metric that inertia may change: more is another motion, too
+GROWN = 0.7  # power of e by which a vibration may grow over a way unseen
+MOST_POWER = 20.0  # of e, that a sentence states
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What rules measure: a plan, and of a run its record; of many gears signals are (n, t), numbers (n,).
+
+    Attributes:
+        gear: the gear, or what many have in common.
+        fidelity: of a plan.
+        motion: of a plan.
+        signals: of a run.
+        record: of a single run.
+        axis_offset: of the pinion's axis from its nominal place [m], by default the gear's.
+        valid_to: signals above which the contact's law does not hold, with their bounds.
+        numbers: of a run with error bars, by name.
+    """
+
+    gear: SteeringGear
+    fidelity: Fidelity | None = None
+    motion: Motion = "steady"
+    signals: Signals = field(default_factory=dict)
+    record: Record | None = None
+    axis_offset: Any = None
+    valid_to: Mapping[str, float] = field(default_factory=dict)
+    numbers: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def model(self) -> Fidelity:
+        """The fidelity of a plan."""
+        assert self.fidelity is not None
+        return self.fidelity
+
+    @property
+    def is_shaken(self) -> bool:
+        """Whether pulses may part the teeth."""
+        return self.record is not None and self.record.pulse_power is not None
+
+    @property
+    def has_spheres(self) -> bool:
+        """Whether teeth touch by spheres."""
+        return self.record is not None and self.record.forces.spheres is not None
+
+
+@dataclass(frozen=True, eq=False)
+class Rule:
+    """One limit.
+
+    Attributes:
+        code: what its breach is about.
+        status: of a run that breaks it; ok: its sentence is a remark.
+        measured: the quantity, a number or over the instants (t,), of many gears (n,) or (n, t).
+        limit: the largest allowed value.
+        sentence: about a breach, without a full stop.
+        applies: whether there is anything to measure.
+        repair: choices of the fidelity that meet the limit.
+    """
+
+    code: Code
+    status: Status
+    measured: Callable[[Seen], Any]
+    limit: Callable[[Seen], Any]
+    sentence: Callable[["Breach"], str]
+    applies: Callable[[Seen], bool] = lambda seen: True
+    repair: Callable[["Breach"], dict[str, Any]] = lambda breach: {}
+
+    def breach(self, seen: Seen) -> "Breach | None":
+        """Return what breaks the rule."""
+        if not self.applies(seen):
+            return None
+        found = Breach(self, seen, np.asarray(self.measured(seen)), self.limit(seen))
+        return found if found.beyond.any() else None
+
+    def within(self, seen: Seen, share: float = 1.0) -> Any:
+        """Return which gears stay below a share of the limit, (n,)."""
+        if not self.applies(seen):
+            return np.True_
+        below = np.asarray(self.measured(seen) <= share * self.limit(seen))
+        return below.all(axis=-1) if below.ndim > 1 else below
+
+
+@dataclass(frozen=True, eq=False)
+class Breach:
+    """A rule that is broken: the measured values and their limit."""
+
+    rule: Rule
+    seen: Seen
+    measured: np.ndarray
+    limit: Any
+
+    @property
+    def beyond(self) -> np.ndarray:
+        """Whether each value is beyond the limit; what is no number is."""
+        return np.asarray(~(self.measured <= self.limit))
+
+    @property
+    def value(self) -> float:
+        """The largest value."""
+        return float(self.measured.max())
+
+    @property
+    def where(self) -> str:
+        """The pinion's angle at the first instant beyond the limit, as text."""
+        return first_angle(self.seen.signals, self.beyond)
+
+    @property
+    def sentence(self) -> str:
+        """Sentence without a full stop."""
+        return self.rule.sentence(self)
+
+    @property
+    def repair(self) -> dict[str, Any]:
+        """Choices of the fidelity that meet the limit; {} if none does."""
+        return self.rule.repair(self)
+
+
+def breaches(rules: Iterable[Rule], seen: Seen) -> Iterator[Breach]:
+    """Yield what breaks each of the rules."""
+    return (breach for rule in rules if (breach := rule.breach(seen)))
+
+
+def breaches_of_plan(gear: SteeringGear, fidelity: Fidelity, *, motion: Motion) -> Iterator[Breach]:
+    """Yield the limits that a plan does not meet."""
+    return breaches(OF_PLAN, Seen(gear, fidelity, motion))
+
+
+def refused(gear: SteeringGear, fidelity: Fidelity, *, motion: Motion) -> list[str]:
+    """Return the sentences about them."""
+    return [breach.sentence for breach in breaches_of_plan(gear, fidelity, motion=motion)]
+
+
+def remarks(gear: SteeringGear, signals: Signals) -> Iterator[Remark]:
+    """Yield remarks on the record of a run that is all right: which limits of the gear it met."""
+    for breach in breaches(REMARKS, Seen(gear, signals=signals)) if signals else ():
+        yield Remark(breach.rule.code, breach.sentence)
+
+
+# --- Plans -----------------------------------------------------------------------------------------
+# A motion to and fro is made on two levels, which show what the zone of friction takes. At rest friction has
+# crept away, whatever its zone, and a chain of segments yields as the condensed bush.
+
+
+def _asks(quantity: str, why: str, show: str, scale: float = 1.0) -> Callable[[Breach], str]:
+    def sentence(breach: Breach) -> str:
+        value, limit = (show.format(abs(scale * each)) for each in (breach.value, breach.limit))
+        side = "at least" if breach.limit < 0 else "at most"
+        return f"{quantity} is {value}; {why.format(seen=breach.seen)} asks for {side} {limit}"
+
+    return sentence
+
+
+def _plan(
+    measured: Callable[[Seen], Any],
+    limit: Callable[[Seen], Any],
+    sentence: Callable[[Breach], str],
+    applies: Callable[[Seen], bool],
+    repair: Callable[[Breach], dict[str, Any]],
+) -> Rule:
+    def simulated(seen: Seen) -> bool:
+        return seen.model.solver != "closed-form" and applies(seen)
+
+    return Rule(Code.REFUSED, Status.INVALID, measured, limit, sentence, simulated, repair)
+
+
+def _at_least(choice: str, least: Callable[[SteeringGear], int], mesh: str) -> Rule:
+    return _plan(
+        lambda seen: -getattr(seen.model, choice),
+        lambda seen: -least(seen.gear),
+        _asks(f"fidelity.{choice}", "the integral over the contact", "{:.0f}"),
+        lambda seen: seen.model.mesh == mesh,
+        lambda breach: {choice: int(-breach.limit)},
+    )
+
+
+def _pitch(gear: SteeringGear) -> float:
+    return 2 * np.pi / gear.pinion.teeth
+
+
+def _is_chain(seen: Seen) -> bool:
+    return seen.model.bush == "chain" and seen.motion != "at rest"
+
+
+def _is_straight_only(seen: Seen) -> bool:
+    return seen.model.mesh == "general-contact" or _is_chain(seen)
+
+
+def _bowed(breach: Breach) -> str:
+    model = breach.seen.model
+    contact = model.mesh == "general-contact"
+    part = "fidelity.mesh = general-contact" if contact else f"fidelity.bush = {model.bush}"
+    return _asks("rack.bow", f"{part}, which holds for straight bars only,", "{:.4g} um", 1e6)(breach)
+
+
+def _straightened(breach: Breach) -> dict[str, Any]:
+    bush = {"bush": "condensed"} if _is_chain(breach.seen) else {}
+    return bush | ({"mesh": "flank"} if breach.seen.model.mesh == "general-contact" else {})
+
+
+OF_PLAN = (
+    _plan(
+        lambda seen: seen.model.step_angle,
+        lambda seen: _pitch(seen.gear) / STEPS_PER_PITCH * (1 + 1e-9),
+        lambda breach: _asks(
+            "fidelity.step_angle",
+            f"a tooth pitch of {np.degrees(_pitch(breach.seen.gear)):.4g} deg, which needs {STEPS_PER_PITCH} "
+            "steps,",
+            "{:.4g} deg",
+            180 / np.pi,
+        )(breach),
+        lambda seen: seen.motion == "steady",
+        lambda breach: {"step_angle": float(_pitch(breach.seen.gear) / REPAIRED_STEPS_PER_PITCH)},
+    ),
+    _plan(
+        lambda seen: seen.model.zone_ratio,
+        lambda seen: widest_zone(seen.gear, seen.model.zone_ratio, LOST_IN_ZONE),
+        _asks(
+            "fidelity.zone_ratio",
+            "a motion that stops, where friction is too small within the zone,",
+            "{:.3g}",
+        ),
+        lambda seen: (
+            seen.motion == "stopping"
+            and seen.model.zone_ratio > NARROW_ZONE
+            and work_in_zone(seen.gear, seen.model.zone_ratio) > LOST_IN_ZONE
+        ),
+        lambda breach: {"zone_ratio": 0.99 * breach.limit},
+    ),
+    _plan(lambda seen: abs(seen.gear.rack.bow), lambda seen: 0.0, _bowed, _is_straight_only, _straightened),
+    _plan(
+        lambda seen: float(np.abs(rack_errors(seen.gear)).max()),
+        lambda seen: 0.0,
+        _asks(
+            "the largest of rack.pitch_errors",
+            "fidelity.mesh = general-contact, whose racks have teeth without errors,",
+            "{:.4g} um",
+            1e6,
+        ),
+        lambda seen: seen.model.mesh == "general-contact" and bool(seen.gear.rack.pitch_errors),
+        lambda breach: {"mesh": "flank"},
+    ),
+    _at_least("strip_points", lambda gear: 2, "flank"),
+    _at_least("strip_stations", lambda gear: LEAST_STATIONS[gear.mesh.contact_law], "flank"),
+    _at_least(
+        "profile_samples", lambda gear: max(LEAST_ROWS, least_profile_samples(gear)), "general-contact"
+    ),
+    _at_least("axial_samples", lambda gear: LEAST_ROWS, "general-contact"),
+    _plan(
+        lambda seen: DEEPEST * mean_depth(seen.gear),
+        lambda seen: sphere_radius(GearPair.of(seen.gear)),
+        _asks(
+            "the deepest contact predicted from yoke.preload and the teeth's stiffness",
+            "general contact, through whose flanks a sphere passes that is deeper than its radius,",
+            "{:.0f} um",
+            1e6,
+        ),
+        lambda seen: seen.model.mesh == "general-contact",
+        lambda breach: {"mesh": "flank"},
+    ),
+)
+"""Limits of methods, before a run."""
+
+
+# --- Records ---------------------------------------------------------------------------------------
+
+
+def _not_finite(seen: Seen) -> Any:
+    return sum(~np.isfinite(values) for values in seen.signals.values())
+
+
+def _lift(seen: Seen) -> Any:
+    place = seen.gear.installation.axis_offset if seen.axis_offset is None else seen.axis_offset
+    return np.abs(seen.signals["rack_y"] - place)
+
+
+def _beyond_law(breach: Breach) -> str:
+    signals, valid_to = breach.seen.signals, breach.seen.valid_to
+    name = max(valid_to, key=lambda each: float(signals[each].max()) / valid_to[each])
+    quantity, bound = SIGNALS[name], valid_to[name]
+    return (
+        f"{name} is {quantity.show(signals[name].max())}, first above the {quantity.show(bound)} to which "
+        f"the contact's law holds at {first_angle(signals, signals[name] > bound)}"
+    )
+
+
+IN_RECORD = (
+    Rule(
+        Code.NOT_FINITE,
+        Status.DIVERGED,
+        _not_finite,
+        lambda seen: 0,
+        lambda breach: (
+            next(name for name, each in breach.seen.signals.items() if not np.isfinite(each).all())
+            + " is not finite"
+        ),
+    ),
+    Rule(
+        Code.RACK_OUT_OF_MESH,
+        Status.CONTACT_LOST,
+        _lift,
+        lambda seen: largest_lift(seen.gear),
+        lambda breach: (
+            f"the rack is {1e6 * breach.value:.4g} um out of its place, first above "
+            f"{1e6 * breach.limit:.4g} um at {breach.where}"
+        ),
+    ),
+    Rule(
+        Code.TEETH_UNLOADED,
+        Status.CONTACT_LOST,
+        lambda seen: seen.signals["mesh_normal_force"] <= 0,
+        lambda seen: 0,
+        lambda breach: f"the teeth carry no load, first at {breach.where}",
+        lambda seen: "mesh_normal_force" in seen.signals and not seen.is_shaken,
+    ),
+    Rule(
+        Code.BEYOND_LAW,
+        Status.INVALID,
+        lambda seen: np.max([seen.signals[name] / to for name, to in seen.valid_to.items()], axis=0),
+        lambda seen: 1.0,
+        _beyond_law,
+        lambda seen: bool(seen.valid_to),
+    ),
+)
+"""Limits of physics, in any record: why it may have ended early, too."""
+
+
+def _touching(seen: Seen) -> float:
+    """Spheres that touch, half of those on an edge: shafts askew, or the yoke at its nut."""
+    record = seen.record
+    assert record is not None
+    mesh = next(part for part in record.forces.parts if part.name == "mesh")
+    column = mesh.size + ENERGY_TERMS + mesh.outputs.index("mesh_touching")
+    stopped = (seen.signals.get("yokenut_force", np.zeros(1)) > 0).any()
+    on_an_edge = bool(seen.gear.installation.angle_error) or bool(stopped)
+    return float(np.median(record.outputs(mesh)[:, column])) / (2 if on_an_edge else 1)
+
+
+def _displaced(seen: Seen) -> float:
+    """How far the rack stands from where its teeth are pressed in by the mean depth, over the path of
+    contact."""
+    pair = GearPair.of(seen.gear)
+    axis = pair.axis_offset + pair.runout * np.cos(seen.signals["pinion_angle"] + pair.runout_angle)
+    raised = float(np.mean(seen.signals["rack_y"] - axis)) + rack_approach(pair, mean_depth(seen.gear))
+    return abs(raised) / float((pair.active_path[1] - pair.active_path[0]) * np.sin(pair.alpha_t))
+
+
+def _on_nut(seen: Seen) -> float:
+    carried = float(seen.signals["yokenut_force"].mean())
+    return carried / float(seen.signals["seat_force"].mean()) if carried > 0 else 0.0
+
+
+def _disagreement(seen: Seen) -> float:
+    assert seen.record is not None
+    return contact_disagreement(seen.record)
+
+
+OF_GENERAL_CONTACT = (
+    Rule(
+        Code.CONTACT_DISAGREES,
+        Status.INVALID,
+        _disagreement,
+        lambda seen: AGREEMENT,
+        lambda breach: (
+            f"two evaluations of the contact forces differ by {breach.value:.2g} (limit {AGREEMENT:.0g})"
+        ),
+    ),
+    Rule(
+        Code.FEW_SPHERES,
+        Status.INVALID,
+        lambda seen: -_touching(seen),
+        lambda seen: -LEAST_TOUCHING,
+        lambda breach: (
+            f"{-breach.value:g} spheres touch, of which half count on an edge; {LEAST_TOUCHING} are needed: "
+            "raise fidelity.profile_samples or axial_samples"
+        ),
+        lambda seen: seen.has_spheres,
+    ),
+    Rule(
+        Code.SPHERES_OUT_OF_PLACE,
+        Status.INVALID,
+        _displaced,
+        lambda seen: OUT_OF_PLACE,
+        lambda breach: (
+            f"the rack is displaced from its preloaded position by {breach.value:.1%} of the path of contact "
+            f"(limit of general contact {OUT_OF_PLACE:.0%}): choose fidelity.mesh = flank"
+        ),
+        lambda seen: seen.has_spheres,
+    ),
+    Rule(
+        Code.SPHERES_AT_NUT,
+        Status.INVALID,
+        _on_nut,
+        lambda seen: AT_NUT,
+        lambda breach: (
+            f"the yokenut carries {breach.value:.0%} of the yoke's force on average, which spheres on a grid "
+            f"show 8 % and more off (limit of general contact {AT_NUT:.0%}): choose fidelity.mesh = flank"
+        ),
+        lambda seen: seen.has_spheres and not seen.is_shaken,
+    ),
+)
+"""Limits of Exudyn's contact and of spheres, in a whole record."""
+
+OF_BARS = (
+    Rule(
+        Code.WORK_MISSING,
+        Status.INVALID,
+        lambda seen: seen.numbers["work_missing"],
+        lambda seen: MOST_OF_WORK,
+        lambda breach: (
+            f"the error of the work balance is {breach.value:.1%} (limit {MOST_OF_WORK:.0%}); lower "
+            "fidelity.step_angle"
+        ),
+    ),
+    Rule(
+        Code.TURN_TOO_FAST,
+        Status.INVALID,
+        lambda seen: seen.numbers["moved_by_inertia"],
+        lambda seen: MOST_OF_TERMS,
+        lambda breach: (
+            f"the motion is too fast for equilibria: inertia may change the scene's main metric by "
+            f"{breach.value:.0%} (limit {MOST_OF_TERMS:.0%}); choose generalized-alpha"
+        ),
+        lambda seen: "moved_by_inertia" in seen.numbers,
+    ),
+)
+"""Limits beyond which a run shows another motion: no level of the ladder shows the right one."""
+
+VIBRATES = Rule(
+    Code.PEAKS_UNRESOLVED,
+    Status.OK,
+    lambda seen: seen.numbers.get("vibration_grows", 0.0),
+    lambda seen: GROWN,
+    lambda breach: (
+        f"friction excites a vibration that grows {np.exp(min(breach.value, MOST_POWER)):.3g} times over a "
+        "pass and that the steps damp: the errors of peak to peak values, ranges, largest and smallest "
+        "values are unknown"
+    ),
+)
+"""Eigenvalues along the path: no pair of levels sees a vibration that both damp."""
+
+
+# --- Remarks ---------------------------------------------------------------------------------------
+
+
+def _lifted(side: str, other: str) -> Rule:
+    name = f"mesh_normal_force_{side}"
+    return Rule(
+        Code.FLANK_LIFTED,
+        Status.OK,
+        lambda seen: seen.signals[name] <= 0,
+        lambda seen: 0,
+        lambda breach: (
+            f"the {side} flanks carry no load in {breach.beyond.mean():.0%} of the record, first at "
+            f"{breach.where}; all load is on the {other} flanks"
+        ),
+        lambda seen: name in seen.signals,
+    )
+
+
+REMARKS = (
+    _lifted("drive", "coast"),
+    _lifted("coast", "drive"),
+    Rule(
+        Code.YOKE_STOPPED,
+        Status.OK,
+        lambda seen: seen.signals["yokenut_force"],
+        lambda seen: 0.0,
+        lambda breach: (
+            f"yoke.clearance = {1e6 * breach.seen.gear.yoke.clearance:.4g} um is closed, first at "
+            f"{breach.where}; the yokenut carries up to {breach.value:.4g} N; the error of the contact law "
+            "is unknown there"
+        ),
+        lambda seen: "yokenut_force" in seen.signals,
+    ),
+    Rule(
+        Code.TEETH_OVERLOADED,
+        Status.OK,
+        lambda seen: seen.signals["mesh_pressure"],
+        lambda seen: BEARABLE_PRESSURE,
+        lambda breach: (
+            f"the contact pressure is up to {1e-6 * breach.value:.4g} MPa (limit of case-hardened steel "
+            f"{1e-6 * BEARABLE_PRESSURE:.4g} MPa, ISO 6336-5), first exceeded at {breach.where}; the model "
+            "stays elastic"
+        ),
+        lambda seen: "mesh_pressure" in seen.signals,
+    ),
+)
+"""Limits of the gear that a run met."""
+
+CONTACT_LIMITS = frozenset({Code.FLANK_LIFTED, Code.YOKE_STOPPED})
+"""Codes of a contact that opens or closes, beyond which numbers follow another law."""
+
+
+def met_limit(codes: Iterable[str]) -> bool:
+    """Return whether the remarks on a run are about a contact that opened or closed."""
+    return not CONTACT_LIMITS.isdisjoint(codes)
