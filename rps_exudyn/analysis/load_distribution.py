@@ -16,7 +16,6 @@ from rps_exudyn.analysis.passes import Signals
 from rps_exudyn.analysis.rack_motion import NEEDED, rack_poses
 from rps_exudyn.base.compiled import called
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.forces.rigid_motion import rotation_matrix
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.tooth_stiffness import EFFECTIVE_MODULUS
 from rps_exudyn.parameters.gear import SteeringGear
@@ -79,32 +78,28 @@ def load_distribution(gear: SteeringGear, signals: Signals) -> LoadDistribution:
         )
     pair = GearPair.of(gear)
     points, tilts, _ = rack_poses(pair, signals)
-    handle, angle = loads_data(gear), np.asarray(signals["pinion_angle"])
-    poses = [
-        called(line_loads, -a, point, tilt, handle)
-        for a, point, tilt in zip(angle, points, tilts, strict=True)
-    ]
-    instant = np.repeat(np.arange(angle.size), [pose.load.size for pose in poses])
-    all_of = {name: np.concatenate([getattr(pose, name) for pose in poses]) for name in LineLoads._fields}
-    all_of["load"] *= _scale(all_of, instant, signals)
-    per_radius = np.cos(pair.beta_b) / all_of["roll"]
-    pressure = np.sqrt(np.maximum(all_of["load"], 0) * EFFECTIVE_MODULUS / np.pi * per_radius)
-    return LoadDistribution(angle, instant, **all_of, pressure=pressure)
+    angle = np.asarray(signals["pinion_angle"])
+    found: LineLoads = called(line_loads, -angle, points, tilts, loads_data(gear))
+    load = found.load * _scale(found, signals)
+    per_radius = np.cos(pair.beta_b) / found.roll
+    pressure = np.sqrt(np.maximum(load, 0) * EFFECTIVE_MODULUS / np.pi * per_radius)
+    return LoadDistribution(angle, *found._replace(load=load), pressure)
 
 
-def _scale(stations: dict[str, np.ndarray], instant: np.ndarray, signals: Signals) -> np.ndarray:
+def _scale(stations: LineLoads, signals: Signals) -> np.ndarray:
     """Factors that give each side its recorded normal force, shape (k,).
 
     The run had fewer stations on a line, with which teeth are up to 4 % stiffer; its forces are right.
     """
-    factors, forces = np.ones(instant.size), stations["load"] * stations["length"]
+    factors, forces = np.ones(stations.pose.size), stations.load * stations.length
     for side, name in ((-1, "mesh_normal_force_drive"), (+1, "mesh_normal_force_coast")):
         if name not in signals:
             continue
-        chosen = stations["side"] == side
-        sums = np.bincount(instant[chosen], forces[chosen], minlength=len(signals[name]))
+        chosen = stations.side == side
+        instant = stations.pose[chosen]
+        sums = np.bincount(instant, forces[chosen], minlength=len(signals[name]))
         ratio = np.divide(signals[name], sums, out=np.ones(len(sums)), where=sums > 0)
-        factors[chosen] = ratio[instant[chosen]]
+        factors[chosen] = ratio[instant]
     return factors
 
 
@@ -132,13 +127,13 @@ def face_loading(gear: SteeringGear, signals: Signals) -> dict[str, float]:
     force, face = load[chosen], loads.face[chosen]
     if not force.size:
         return {}
-    half = loads.length[chosen, None] * np.cos(pair.beta_b) / 2  # of a station, along the face
+    width = loads.length[chosen] * np.cos(pair.beta_b)  # of a station, along the face
+    low = face - width / 2
     ends = np.linspace(-pair.face_width / 2, pair.face_width / 2, FACE_CELLS + 1)
-    reached = np.clip((ends - (face[:, None] - half)) / (2 * half), 0.0, 1.0)
-    cells = force @ np.diff(reached, axis=1)
+    cells = np.diff([np.sum(force * np.clip((end - low) / width, 0.0, 1.0)) for end in ends])
     return {
         "face_load_factor": float(cells.max() / cells.mean()),
-        "load_centre": float(force @ face / force.sum()),
+        "load_centre": float(np.sum(force * face) / force.sum()),
         "contact_pressure_max": float(np.max(loads.pressure, where=~at_ends(loads), initial=0.0)),
     }
 
@@ -179,24 +174,23 @@ def mesh_stiffness(gear: SteeringGear, signals: Signals) -> np.ndarray:
         InputError: the record lacks the rack's motions.
     """
     pair = GearPair.of(gear)
-    points, tilts, _ = rack_poses(pair, signals)
+    points, tilts, turns = rack_poses(pair, signals)
     data = loads_data(
         gear if gear.mesh.contact_law != "area" else gear.replace({"mesh.law": "line"}), STATIONS
     )
     normals = {side: pair.rack_flank_normal(side) for side in (-1, +1)}
+    angles = -np.asarray(signals["pinion_angle"])
 
-    def force(angle: float, point: np.ndarray, tilt: np.ndarray) -> np.ndarray:
-        """Normal forces on the rack, shape (3,)."""
-        loads = called(line_loads, angle, point, tilt, data)
-        pressed = loads.load * loads.length
-        outward = sum(normals[side] * pressed[loads.side == side].sum() for side in normals)
-        return np.asarray(-rotation_matrix(tilt) @ outward)
+    def force(points: np.ndarray) -> np.ndarray:
+        """Normal forces on the rack at every instant, shape (n, 3)."""
+        loads = called(line_loads, angles, points, tilts, data)
+        pressed = {side: loads.load * loads.length * (loads.side == side) for side in normals}
+        sums = {side: np.bincount(loads.pose, pressed[side], angles.size) for side in normals}
+        outward = sum(sums[side][:, None] * normals[side] for side in normals)
+        return np.asarray(-np.einsum("nij,nj->ni", turns, outward))
 
-    def slope(angle: float, point: np.ndarray, tilt: np.ndarray, axis: int) -> float:
-        step = np.zeros(3)
-        step[axis] = STEP
-        there, beyond = force(angle, point - step, tilt), force(angle, point + step, tilt)
-        return float(there[axis] - beyond[axis]) / (2 * STEP)
+    def slope(axis: int) -> np.ndarray:
+        step = STEP * np.eye(3)[axis]
+        return (force(points - step) - force(points + step))[:, axis] / (2 * STEP)
 
-    poses = zip(-np.asarray(signals["pinion_angle"]), points, tilts, strict=True)
-    return np.array([[slope(*pose, axis) for axis in (X, Y)] for pose in poses])
+    return np.stack([slope(axis) for axis in (X, Y)], axis=-1)

@@ -5,7 +5,7 @@ import numpy as np
 from rps_exudyn.analysis.harmonics import order_amplitude
 from rps_exudyn.analysis.passes import Signals, largest, number_of, passes, spread
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.forces.rigid_motion import rotation_matrix
+from rps_exudyn.forces.rigid_motion import fill_rotation
 from rps_exudyn.gears.gear_pair import GearPair
 
 RANGES = {"rack_lift_range": "rack_y", "rack_roll_range": "rack_roll", "rack_yaw_range": "rack_yaw"}
@@ -59,7 +59,9 @@ def rack_poses(pair: GearPair, signals: Signals) -> tuple[np.ndarray, np.ndarray
         raise InputError(f"The result has no {missing[0]}: not computed by this model.")
     x = signals["rack_displacement"]
     angles = np.column_stack([signals[f"rack_{name}"] for name in ("roll", "yaw", "pitch")])
-    turns = np.stack([rotation_matrix(each) for each in angles])
+    turns = np.empty((3, 3, x.size))
+    fill_rotation.py_func(angles.T, turns)
+    turns = np.ascontiguousarray(np.moveaxis(turns, -1, 0))
     along, rise, swing = turns[:, :, 0].T  # of the bar's axis, on which the reference point travels
     height = pair.bar_axis_height + signals["rack_y"] + x * rise / along
     return np.column_stack([x, height, signals["rack_z"] + x * swing / along]), angles, turns

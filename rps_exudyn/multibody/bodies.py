@@ -182,7 +182,7 @@ def add_forces(
         mbs: the system.
         nodes: whose coordinates the law takes, one after the other.
         size: number of coordinates.
-        force_of: (q, v) -> forces (size,).
+        force_of: (q, v) -> forces (size,), a new array each time.
         tangent_of: (q, v, factor_q, factor_v) -> factor_q dF/dq + factor_v dF/dv, shape (size, size).
         memory: state of the bristle friction, where the time at which a step ends is set.
         mass: of these coordinates besides that of their bodies, shape (size, size); none by default.
@@ -196,7 +196,7 @@ def add_forces(
         if memory is not None:
             memory[1, TIME] = t
         rates = np.array(v)  # Exudyn uses its arrays again
-        return secant.noted(t, rates, np.array(force_of(np.asarray(q), rates)))
+        return secant.noted(t, rates, force_of(np.asarray(q), rates))
 
     def force_with_applied(
         mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]
