@@ -14,6 +14,7 @@ from math import inf
 from time import monotonic
 
 FIRST, INTERVAL = 2.0, 0.5  # [s] until the first word, and between words
+LEAST = 0.01  # of the whole that must be done, until the time left follows from it
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ class _Follower:
         if whole < self.last:  # the first step, or another run or part begins
             self.first = now, whole
         self.last, (since, before) = whole, self.first
-        if now - self.began < FIRST or now - self.reported < INTERVAL or whole <= max(before, 0.0):
+        if now - self.began < FIRST or now - self.reported < INTERVAL or whole - max(before, 0.0) < LEAST:
             return
         self.reported = now
         left = (now - since) * (1 - whole) / (whole - before)

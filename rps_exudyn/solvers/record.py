@@ -80,7 +80,6 @@ class Record:
     energy: np.ndarray  # kinetic, and elastic of what is no force element [J]
     contact: np.ndarray | None = None  # the solver's own contact forces on pinion and rack, (n, 7)
     pulse_power: np.ndarray | None = None  # of what shakes the rack [W]
-    settled: bool = False  # whether a tooth pitch was turned before
     start: Start = SETTLED  # how far it depends on how the gear came there
     begun: np.ndarray | None = None  # (n, .) state of the bristles at the start of the steps that end here
     wheel: np.ndarray | None = None  # (n, 2) angle and rate of the wheel, where the rig turns it [rad, rad/s]

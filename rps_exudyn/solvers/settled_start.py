@@ -65,22 +65,20 @@ class SteadyApproach(Approach):
 
     unit: float  # time in which a tooth pitch is turned [s]
     toothed: float
-    density: int = 1  # times the equilibria of a tooth pitch
     step: float = 0.0  # of the motion [s]: rates are half a step late, so that the last steps are as long
     distances = DISTANCES
 
     def instants(self, distance: float) -> np.ndarray:
         """Return the instants of a beginning so many tooth pitches back, the last of a far one fine."""
         fine = min(distance, FINE_PITCHES) if distance >= FINE_FROM else 0.0
-        coarse, close = COARSE * self.density, FINE * self.density
-        far = np.linspace(-distance, -fine, max(round(coarse * (distance - fine)), 1), endpoint=False)
-        near = np.linspace(-fine, 0.0, round(close * fine), endpoint=False)
+        far = np.linspace(-distance, -fine, max(round(COARSE * (distance - fine)), 1), endpoint=False)
+        near = np.linspace(-fine, 0.0, round(FINE * fine), endpoint=False)
         instants = self.unit * np.concatenate([far, near])
         if not self.step:
             return instants
         step = max(self.step, self.unit / FINEST)
         last = -step * np.arange(np.ceil(LAST * self.unit / step), 0, -1)
-        return np.concatenate([instants[instants < last[0] - self.unit / close], last])
+        return np.concatenate([instants[instants < last[0] - self.unit / FINE], last])
 
     def allowed(self, distance: float, rolling: float) -> float:
         """Return more for fine steps than for coarse ones, of a rack that rolls nothing for coarse ones."""

@@ -1,5 +1,7 @@
 """Runs that Exudyn ends without an error, and that `solve` must not call ok (exudyn 1.13.6)."""
 
+from dataclasses import replace
+
 import exudyn as exu
 import numpy as np
 import pytest
@@ -11,7 +13,10 @@ from rps_exudyn.multibody import solve as solver
 from rps_exudyn.multibody.bodies import add_forces
 from rps_exudyn.multibody.secant import Secant
 from rps_exudyn.multibody.solve import MOST_DIVISIONS, SolverPlan, StepRefusedError, solve
+from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.outcome import Code, Status
+from rps_exudyn.scenes.maneuver import maneuvers_of_test
+from rps_exudyn.scenes.run_maneuver import run_maneuver
 
 PLAN = SolverPlan(end_time=0.1, steps=100)
 
@@ -190,11 +195,14 @@ def test_no_step_leads_into_another_tooth_space(hand: int, monkeypatch: pytest.M
     angles = dict.fromkeys(("pinion.helix_angle", "rack.tooth_angle"), f"{0.5 * hand} deg")
     teeth = {"pinion.teeth": 8, "pinion.normal_module": "1.7 mm", "pinion.profile_shift": 0.6}
     gear = rps.SteeringGear().replace({**angles, **teeth, "mesh.law": "line", "test.turns": 0.25})
-    run = rps.run("free-pinion-torque", gear, fidelity="flank")
-    expected = rps.run("free-pinion-torque", gear, fidelity="quasi-static").summary["torque_mean"]
-    assert run.status is Status.OK, run.message
-    assert run.summary["torque_mean"] == pytest.approx(expected, rel=1e-3)
+    maneuver, step = maneuvers_of_test(gear, "pinion", np.deg2rad(1))[0], np.deg2rad(1)
+    drive = replace(maneuver.drive, start=-step)
+    maneuver = replace(maneuver, time_step=step / gear.test.speed, lead=1, steps=90, drive=drive)
+    still, run = (run_maneuver(gear, Fidelity.preset(name), maneuver) for name in ("quasi-static", "flank"))
+    assert run.outcome.status is Status.OK, run.outcome.message
+    means = [each.signals["pinion_torque"].mean() for each in (still, run)]
+    assert means[1] == pytest.approx(means[0], rel=1e-3)
     monkeypatch.setattr(solver, "MOST_RESTARTS", 0)
-    run = rps.run("free-pinion-torque", gear, fidelity="flank")
-    assert (run.status, run.codes) == (Status.DIVERGED, (Code.OUT_OF_BOUNDS,))
-    assert "50 deg: lower fidelity.step_angle" in run.message
+    outcome = run_maneuver(gear, Fidelity.preset("flank"), maneuver).outcome
+    assert (outcome.status, outcome.codes) == (Status.DIVERGED, (Code.OUT_OF_BOUNDS,))
+    assert "lower fidelity.step_angle" in outcome.message
