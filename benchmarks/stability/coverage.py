@@ -1,6 +1,7 @@
 """Coverage of error bars: how many metrics of random plans lie within their bars, and each one that does not.
 
-Plans are drawn as for `random_plans`, by a seed that no constant was set on, and run as a user runs them.
+Plans are drawn over every declared parameter, scene and choice, by a seed that no constant was set on, and
+run as a user runs them.
 Their references are made without the ladder: by other methods where there are any, else by finer runs in two
 lengths of steps, with a doubt of their own. A metric is judged where that doubt is no more than its bar, and
 covered where it lies within both. A run that is stopped goes on where it was.
@@ -16,7 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.stability.random_plans import Child, described, go_on, references
+from benchmarks.stability.plan_worker import Child, described, go_on
+from benchmarks.stability.references import references
 from benchmarks.topic import Topic, load_rows, markdown
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.results.outcome import Status
@@ -79,8 +81,6 @@ def run(folder: Path, plans: int = PLANS) -> None:
         return described(number, plan_of(number)) | worker.do(number, TIME_LIMIT, TIME_LIMIT)
 
     go_on(folder / DATA, COLUMNS, plans, plan_of, row_of)
-    for table in (coverage_table, misses_table, outcomes_table):
-        print(table(folder), flush=True)
 
 
 class Judged:
@@ -153,4 +153,10 @@ def outcomes_table(folder: Path) -> str:
     return markdown(("outcome", "plans"), [(name, str(count)) for name, count in counts.most_common()])
 
 
-TOPIC = Topic("2 h", "coverage", run, {"plans": 2})
+TOPIC = Topic(
+    "2 h",
+    "coverage",
+    run,
+    {"plans": 2},
+    {"coverage": coverage_table, "coverage_misses": misses_table, "coverage_outcomes": outcomes_table},
+)

@@ -16,7 +16,7 @@ from zlib import crc32
 
 import numpy as np
 
-from benchmarks.stability.random_plans import LOST, TIME_LIMIT, Child
+from benchmarks.stability.plan_worker import LOST, Child
 from benchmarks.topic import Topic, load_rows, markdown, save_rows
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.friction_law import LAWS, RUBBING_PARTS
@@ -27,6 +27,7 @@ from rps_exudyn.simulate.run import simulate
 from verification.sampler import SCENE_WEIGHTS, random_gear
 
 SEED = 33
+TIME_LIMIT = 30.0  # [s] of CPU time of a run
 GEARS = 5  # in each scene by each law
 STEADY = "free-pinion-torque"
 SCENES = [scene for scene in SCENE_WEIGHTS if not scene_named(scene).at_rest]
