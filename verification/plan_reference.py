@@ -184,7 +184,6 @@ def _finer_model(plan: ScenePlan, solver: str) -> Fidelity:
         "strip_points": min(model.strip_points + 2, STATIONS["strip_points"]),
         "step_angle": float(np.clip(model.step_angle, *STEPS_OF_FINER[solver])),
         "tolerance": min(model.tolerance, LARGEST_TOLERANCE),
-        "torque_tolerance": 0.0,
         "bush": model.bush if as_given else "condensed",
         "solver": solver,
     }

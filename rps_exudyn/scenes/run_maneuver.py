@@ -28,7 +28,6 @@ from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Remark, Statu
 from rps_exudyn.scenes.checks.before_run import check_memory
 from rps_exudyn.scenes.checks.needs_finer import (
     STRIPS_AGREE,
-    bends_more,
     finer_strips,
     needs_finer,
     rolls_late_by,
@@ -92,7 +91,6 @@ JUMPS = (
     f"through at a reversal, the gear jumps; {FOLLOWS}"
 )
 JUMPS_UNDER_TORQUE = f"; under a given torque the gear jumps where friction falls; {FOLLOWS}"
-HALVINGS_FOR_TOLERANCE = 4  # more than a record asks for by itself: kinks are never resolved
 CLOSED = 1e-3  # of the drive's force: how much all periods may drift for one to stand for all
 
 
@@ -256,12 +254,11 @@ def by_equilibrium(
     """
     if maneuver.pulse is not None:
         raise InputError("fidelity.solver is equilibrium, which has no pulses: choose generalized-alpha.")
-    period, tolerance = maneuver.one_period(), fidelity.torque_tolerance
-    most = options.least_steps.halvings + (HALVINGS_FOR_TOLERANCE if tolerance else 0)
+    period, most = maneuver.one_period(), options.least_steps.halvings
     late: list[float] = []  # of each run, by how much its steps miss the rack's rolling
 
     def asks(run: SceneRun) -> bool:
-        coarse = _is_coarse(run, gear, maneuver, tolerance)
+        coarse = _is_coarse(run, gear, maneuver)
         if coarse and not maneuver.is_steady:
             late.append(rolls_late_by(run.signals, gear))
         return coarse and not vibrates(late)
@@ -318,9 +315,8 @@ def _by_finer_strips(
     return run, fidelity
 
 
-def _is_coarse(run: SceneRun, gear: SteeringGear, maneuver: Maneuver, tolerance: float) -> bool:
-    """Return whether a whole record of steady motion, or of a swing, needs shorter steps: for its own sake,
-    or to show the drive's torque to a tolerance."""
+def _is_coarse(run: SceneRun, gear: SteeringGear, maneuver: Maneuver) -> bool:
+    """Return whether a whole record of steady motion, or of a swing, needs shorter steps."""
     if run.outcome.status not in (Status.OK, Status.INVALID) or not run.signals:
         return False
     if maneuver.drive.body == "wheel" and Code.WORK_MISSING in run.outcome.codes:
@@ -329,9 +325,7 @@ def _is_coarse(run: SceneRun, gear: SteeringGear, maneuver: Maneuver, tolerance:
         return False
     if isinstance(maneuver.drive, Swing):
         return rolls_over_late(run.signals, gear)
-    if not maneuver.is_steady:
-        return False
-    return needs_finer(run.signals, gear) or (tolerance > 0 and bends_more(run.signals, gear, tolerance))
+    return maneuver.is_steady and needs_finer(run.signals, gear)
 
 
 def _along_equilibria(

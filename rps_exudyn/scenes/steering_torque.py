@@ -147,5 +147,4 @@ SCENE = Scene(
     chart="steering_feel",
     revolutions=None,
     at_test_speed=False,
-    unpromised=lambda gear: "its number of steps per cycle is fixed",
 )

@@ -8,13 +8,10 @@ from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.checks.before_run import breaches, work_in_zone
-from rps_exudyn.scenes.maneuver import StepLimits, maneuvers_of_test
 from rps_exudyn.scenes.remarks import unresolved_peaks
-from rps_exudyn.scenes.run_maneuver import run_maneuver
-from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
-from rps_exudyn.simulate.run import isolated_run, run
+from rps_exudyn.simulate.run import run, simulate
 from rps_exudyn.simulate.run_plan import run_unchecked, run_with_fallback
 from verification.law_area import by_law
 from verification.references import STRIPS
@@ -160,14 +157,14 @@ def test_fallback_in_vain_keeps_the_first_failure() -> None:
 
 
 def test_time_limit_ends_a_run_from_outside() -> None:
-    result = isolated_run(TORQUE, GEAR, STILL.replace({"step_angle": "0.01 deg"}), TimeLimit(0.001))
+    result = simulate(TORQUE, GEAR, STILL.replace({"step_angle": "0.01 deg"}), time_limit=TimeLimit(0.001))
     assert result.status is Status.TIMEOUT
     assert "time limit of 0.001 s" in result.message
 
 
 def test_run_within_its_time_limit_is_the_same_run() -> None:
     gear = SteeringGear().replace({"test.turns": 1 / 6})
-    result = isolated_run(TORQUE, gear, STILL, TimeLimit(60.0))
+    result = simulate(TORQUE, gear, STILL, time_limit=TimeLimit(60.0))
     assert result.summary["torque_mean"] == pytest.approx(
         run(TORQUE, gear, fidelity=STILL).summary["torque_mean"]
     )
@@ -188,12 +185,3 @@ def test_dynamics_confirm_few_stations_of_teeth_that_bend(stations: int, halving
     gear = SteeringGear().replace({"mesh.law": "teeth", "test.turns": 1 / 6})
     result = run(TORQUE, gear, fidelity=Fidelity.preset("flank").replace({"strip_stations": stations}))
     assert result.findings.get("halvings") == halvings
-
-
-@pytest.mark.parametrize(("times", "more"), [(0, 4), (3, 1), (4, None)])
-def test_a_run_in_halved_steps_halves_them_less_often_by_itself(times: int, more: int | None) -> None:
-    """A confirming run of a gear with kinks was halved up to nine times, and took 500 times the instants."""
-    gear, model = SteeringGear().replace({"test.turns": 0.1}), STILL.replace({"torque_tolerance": 1e-9})
-    maneuvers = maneuvers_of_test(gear, "pinion", model.step_angle, StepLimits())
-    options = RunOptions(least_steps=StepLimits(halvings=0), halvings=times)
-    assert run_maneuver(gear, model, maneuvers, options).outcome.findings.get("halvings") == more

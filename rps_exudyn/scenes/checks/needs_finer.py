@@ -13,11 +13,9 @@ import numpy as np
 
 from rps_exudyn.analysis.curve import every_second, missed
 from rps_exudyn.analysis.work_balance import losses
-from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.checks.after_run import driven_along, missed_mean, rolling_lag
-from rps_exudyn.solvers.closed_form import closed_form
 
 MEAN = 0.01  # of the mean that may hide between the steps ...
 ROLLING = 0.01  # ... or be moved by a late rate of rolling
@@ -63,15 +61,6 @@ def force_size(signals: dict[str, np.ndarray], mean: np.ndarray, path: np.ndarra
     """Return the size (...) of a drive's torque or force: its mean (...), or that of friction over the path
     (..., n), of which a weight may leave little to the drive."""
     return np.maximum(np.abs(mean), sum(losses(signals).values()) / np.ptp(path, axis=-1))
-
-
-def bends_more(signals: dict[str, np.ndarray], gear: SteeringGear, tolerance: float) -> bool:
-    """Return whether the torque or force of the drive bends between the steps by more than a share of the
-    mean free torque."""
-    force, path = driven_along(signals)
-    mean = abs(closed_form(gear).free_torque)
-    allowed = tolerance * (mean if "pinion_torque" in signals else mean / float(GearPair.of(gear).gain))
-    return bool(missed(path, force).max(initial=0.0) > allowed)
 
 
 def yoke_stops(signals: dict[str, np.ndarray]) -> bool:
