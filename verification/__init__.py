@@ -1,9 +1,9 @@
 """Independent methods, references, and where methods fail. For benchmarks and tests.
 
-references         methods of a scene that must agree, and the reference they give; `variants`, `limited`
+references         methods of a scene that must agree, and the reference they give; `variants`
 runs               measured runs of a scene, their headline signal and its errors
 work_precision     errors of curves, Pareto fronts
-population         random gears that promises are made for
+population         random gears around the default one; `wide_tests`
 runge_kutta        the gear by classical Runge-Kutta          } methods
 slow_swing         a reversal in the limit of slow motion     } besides
 flywheel           the gear by Exudyn's explicit solvers      } those of

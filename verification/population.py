@@ -1,4 +1,4 @@
-"""Random gears of the kind the package is for: the population that a promise about accuracy is made for.
+"""Random gears of the kind the package is for: the usual ones around the default gear.
 
 Passenger-car proportions around the paper's gear, both hands, with and without manufacturing errors. A gear
 that `gears.limits` does not admit is drawn again; whether it runs is seen later.

@@ -166,7 +166,6 @@ FIDELITY: Mapping[str, Range] = {
     # formulas have no error of method: what they leave out is said where they stand
     "solver": Choice({"equilibrium": 1, "generalized-alpha": 1, "closed-form": 0}),
     "step_angle": Logarithmic(0.1 * DEG, 15 * DEG),
-    "torque_tolerance": Seldom(0.2, Logarithmic(1e-4, 1e-2)),
     "swing_steps": Choice({0: 1}),  # the scene's own
     "tolerance": Logarithmic(1e-6, 1e-2),
     "strip_stations": Whole(2, 8),

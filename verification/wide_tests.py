@@ -1,4 +1,4 @@
-"""Gears of the usual kind under tests of every kind: what a table of accuracies is measured on.
+"""Gears of the usual kind under tests of every kind: what climbs of the ladder are tried on.
 
     gears = gears_under_tests(seed=1, scene="rack-push", count=40)
 
@@ -6,7 +6,7 @@ The gears are those of `population`; speed, direction, start, path, turns, load,
 of the test, gravity and the rack's travel come from the wide ranges of `stated_ranges`.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import islice
 from typing import Any
 
@@ -23,7 +23,7 @@ BESIDE_TEST = ("installation.gravity", "rack.travel")
 TRIES = 20  # tests drawn for a gear before the next one is taken
 
 
-def gears_under_tests(seed: int, scene: str, count: int) -> list[SteeringGear]:
+def gears_under_tests(seed: int | Sequence[int], scene: str, count: int) -> list[SteeringGear]:
     """Return the first gears of a seed, each with a test of the scene that stays on its teeth."""
     return list(islice(_tested(np.random.default_rng(seed), scene), count))
 

@@ -42,11 +42,10 @@ def print_sheet(sheet: Sheet, files: Iterable[Path], more: str) -> None:
     put(f"{f'written: {names}' if names else 'nothing written'}  (--all: {more})")
 
 
-def put_accuracy(result: "Result", every: bool) -> None:
-    """Print on standard error which model --accuracy has chosen and how it was checked; `every` word."""
-    for finding in ("accuracy", "accuracy_checked"):
-        if text := result.findings.get(finding):
-            note(text if every else text.split(";")[0])
+def put_accuracy(result: "Result") -> None:
+    """Print on standard error what --accuracy has reached and what the next level would cost."""
+    if text := result.findings.get("accuracy"):
+        note(f"{text}.")
 
 
 def verdict(result: "Result") -> int:

@@ -11,7 +11,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import RESULT_FILES, check_writable
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import All, Json
-from rps_exudyn.cli.output import print_json, put, put_table
+from rps_exudyn.cli.output import note, print_json, put, put_table
 
 
 def rerun(file: Path, /, *, out: Path | None = None, every: All = False, json: Json = False) -> int:
@@ -25,6 +25,7 @@ def rerun(file: Path, /, *, out: Path | None = None, every: All = False, json: J
     from rps_exudyn.cli.printed import print_result, result_as_dict, verdict
     from rps_exudyn.parameters.fidelity import Fidelity
     from rps_exudyn.parameters.gear import SteeringGear
+    from rps_exudyn.parameters.retired import gone
     from rps_exudyn.simulate.run import simulate
     from rps_exudyn.study.case_blocks import load
 
@@ -33,6 +34,8 @@ def rerun(file: Path, /, *, out: Path | None = None, every: All = False, json: J
     old = load(file)
     gear = SteeringGear.from_tables(old.gear.model_dump(), where=str(file))
     fidelity = Fidelity.from_tables(old.fidelity, where=str(file))
+    for sentence in gone(old.fidelity, "fidelity"):
+        note(sentence)
     with redirect_stdout(sys.stderr), shown_progress(asked=False):
         new = simulate(old.scene, gear, fidelity)
     new = replace(new, measured=old.measured)

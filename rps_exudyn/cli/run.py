@@ -42,6 +42,7 @@ def run(
     setup: SetupOptions = PAPER_SETUP,
     level: int | None = None,
     accuracy: str | None = None,
+    metrics: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
     out: Path | None = None,
     plot: Path | None = None,
     measured: Path | None = None,
@@ -65,8 +66,10 @@ def run(
     Args:
         level: Level of the ladder, 1 by default: each level halves the steps and refines the contacts. The
             printed error bars come from this level and the one below; see docs/accuracy.md.
-        accuracy: Allowed error of the torque, for instance 1%. The run uses the cheapest model with this
-            accuracy, of all models or of the given --fidelity; see docs/accuracy.md.
+        accuracy: Allowed error of the scene's own metric, for instance 1%. The run climbs the levels, by the
+            cheapest preset first or by the given --fidelity, until the error bar is within it; see
+            docs/accuracy.md.
+        metrics: Metrics that --accuracy keeps instead.
         out: HDF5 file; default: SCENE.h5 in the current folder.
         plot: Picture (.png, .svg, .pdf); default: a .png beside the HDF5 file.
         measured: Text file of a measured torque over the pinion angle, with a unit for each column. The run
@@ -75,7 +78,8 @@ def run(
             about the file are printed on standard error.
         band: Compute the band of the result for uncertain inputs, from this number of runs; without a number
             a quick band from 64 runs. NAME.band.json holds every sample.
-        robust: If the run fails or its plan is refused, try safer settings, and name them.
+        robust: If the run fails or its plan is refused, try safer settings, and name them; --accuracy tries
+            the next preset anyway.
         time_limit: Elapsed time after which the run is stopped, for instance "20 s"; starting and compiling
             count. What was recorded is kept. With --band: the limit of each sample.
         progress: Show progress even when output is redirected.
@@ -101,7 +105,7 @@ def run(
     if band is not None or inputs is not None:
         from rps_exudyn.cli.run_band import do_band, sample_count
 
-        refused = {"level": level is not None, "accuracy": accuracy, "robust": robust}
+        refused = {"level": level is not None, "accuracy": accuracy, "metrics": metrics, "robust": robust}
         count = sample_count(band, [name for name, given in refused.items() if given])
         seconds = limit.seconds if limit else inf
         files = Files(out, picture, overwrite)
@@ -140,6 +144,7 @@ def run(
                 model,
                 level=level,
                 accuracy=accuracy,
+                metrics=metrics,
                 robust=robust,
                 time_limit=limit,
             )
@@ -149,7 +154,7 @@ def run(
         raise KeyboardInterrupt(f"interrupted; the record until then is {where}.") from None
     result = replace(result, measured=curve)
     with printing(quiet):
-        put_accuracy(result, every)
+        put_accuracy(result)
         written, problems = keep(result, Files(out, picture, overwrite))
         with naming(written):
             put_result(result, json, written, every)

@@ -74,15 +74,6 @@ class Fidelity(Table):
         ge=0.001 * DEG,  # the rack's travel takes a million of them
         le=40 * DEG,
     )
-    torque_tolerance: Number = parameter(
-        0.0,
-        "equilibrium: steady motion is repeated in half the steps until the torque's error is below this "
-        "share of "
-        "its mean; 0: off",
-        "choice",
-        ge=0,
-        lt=1,
-    )
     swing_steps: int = parameter(
         0,
         "yoke-impact and rattle: time steps per vibration of the plunger between seat and yokenut, the "
@@ -155,7 +146,7 @@ class Fidelity(Table):
             return {choice: value for choice, value in tables.items() if (choice, value) != ("yoke", "body")}
         preset = str(tables["name"]).partition(" ")[0]
         known = {"based_on": preset} if preset in PRESETS else {}
-        dropped = "name", "yoke", "generators"
+        dropped = "name", "yoke", "generators", "torque_tolerance"
         return known | {choice: value for choice, value in tables.items() if choice not in dropped}
 
     def __repr__(self) -> str:

@@ -3,6 +3,7 @@
 Results made by them remain readable; they are not run again.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 from pydantic import ValidationInfo, ValidatorFunctionWrapHandler
@@ -21,8 +22,21 @@ CHOICES: dict[str, dict[str, str]] = {
 PARAMETERS = {
     "fidelity.yoke": "the plunger is always a body, and fidelity.solver = equilibrium leaves out its inertia",
     "fidelity.generators": "fidelity.strip_stations and fidelity.strip_points integrate the contact",
+    "fidelity.torque_tolerance": "accuracy, of a run and of a study, keeps an error; also --level",
 }
 """Path -> what replaces it."""
+USELESS = {"fidelity.yoke": "body"}
+"""Path -> value that changes nothing."""
+
+
+def gone(tables: Mapping[str, Any], table: str) -> list[str]:
+    """Return a sentence for each parameter of a stored table that had an effect and has gone."""
+    known = {path: tables.get(path.removeprefix(f"{table}.")) for path in PARAMETERS}
+    return [
+        f"{path} was {value} and has gone: {PARAMETERS[path]}."
+        for path, value in known.items()
+        if value and value != USELESS.get(path)
+    ]
 
 
 STORED = {"stored": True}

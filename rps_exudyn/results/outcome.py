@@ -95,15 +95,8 @@ class Code(StrEnum):
     THRESHOLD_RESOLUTION = "threshold-resolution", "the threshold is known to one cycle of the growing force"
     CAP_PRESSES = "cap-presses", "the yoke's cap still presses the plunger"
     OTHER_SETTINGS = "other-settings", "the run used safer settings than those asked for"
-    ACCURACY_NOT_CONFIRMED = "accuracy-not-confirmed", "the finer run failed"
-    ACCURACY_NOT_REACHED = (
-        "accuracy-not-reached",
-        "the finest runs differ by more than the accuracy",
-    )
-    ACCURACY_NOT_PROMISED = (
-        "accuracy-not-promised",
-        "the table of accuracies does not cover this run",
-    )
+    ACCURACY_NOT_REACHED = "accuracy-not-reached", "the error bar is wider than the accuracy asked for"
+    PRESET_LEFT = "preset-left", "a cheaper preset failed, or could not reach the accuracy"
 
 
 RETIRED_CODES = {

@@ -10,7 +10,7 @@ from importlib.metadata import distribution, version
 from pathlib import Path
 
 FIELDS = ("package_version", "library_versions", "git_hash", "date", "machine")
-MODEL_VERSION = 1
+MODEL_VERSION = 2
 """To be raised when the same parameters give other numbers: finished cases are then done anew."""
 LIBRARIES = ("exudyn", "numpy", "scipy", "numba", "h5py", "trimesh", "manifold3d")
 

@@ -60,8 +60,6 @@ formulas differ by 1.7 % at most, those of spheres by 0.3 %. Formulas leave out 
 
 MATTERS = 0.05  # of a range or of a share, that inertia changes at its limits of `neglected_inertia`
 MAGNIFIED = 5  # times the same most of the time, that forces change: a rack that swings on yoke and teeth
-MOST_OF_WORK = 0.05  # that may be missing in the balance: more is no error, but another motion
-MOST_OF_TERMS = 0.2  # of the scene's main metric that inertia may change: more is another motion, too
 
 Terms = Mapping[str, Any]
 
@@ -104,6 +102,16 @@ def moved_by_inertia(scene: Scene, signals: Signals, values: Mapping[str, Any], 
     unit, figure = SUMMARY[scene.figure].unit, values.get(scene.figure, 0.0)
     size = np.maximum(np.abs(figure), sizes(signals, values).get(unit, 0.0))
     return terms.get(scene.figure, 0.0) / np.where(size > 0, size, np.inf)
+
+
+def numbers_of(
+    scene: Scene, fidelity: Fidelity, signals: Signals, values: Mapping[str, Any], terms: Terms
+) -> dict[str, Any]:
+    """Return what the rules of bars measure; numbers, or of many gears (n,)."""
+    inertia = leaves_inertia_out(scene, fidelity)
+    return {"work_missing": missing_share(signals)} | (
+        {"moved_by_inertia": moved_by_inertia(scene, signals, values, terms)} if inertia else {}
+    )
 
 
 def _model(fidelity: Fidelity, size: Terms, of_run: Terms) -> Terms:

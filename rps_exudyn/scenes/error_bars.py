@@ -1,6 +1,6 @@
 """Error bars: the numerical error of each metric, from the runs of two neighbouring levels of the ladder.
 
-    bar = max(2 hypot(change, scatter), 0.2 % of the size)
+    bar = max(2 hypot(change, scatter), 0.2 % of the size, halved with each level above 1)
 
     change = max(|fine - coarse|,                           the metric's own
                  max over time |y_fine - y_coarse|,         of its signal, where one instant gives the metric
@@ -25,7 +25,8 @@ from rps_exudyn.scenes.scene_run import Signals
 from rps_exudyn.scenes.sizes import size_of, sizes
 
 FACTOR = 2.0  # times the change between two levels: covers 98 % where 1 covers 95 and 3 covers 99
-FLOOR = 0.002  # of a metric's size: levels of smooth curves agree better than their models' tolerances
+FLOOR = 0.002  # of a metric's size at level 1: levels of smooth curves agree better than their models'
+# tolerances, which halve with each level, and the floor with them
 CHANCE = 0.5  # of the median change, by which every metric changes at least
 
 Metrics = Callable[[Signals], Mapping[str, Any]]
@@ -39,6 +40,7 @@ def error_bars(
     coarse_values: Mapping[str, Any],
     *,
     curves: bool = True,
+    floor: float = FLOOR,
 ) -> dict[str, Any]:
     """Return the half widths of the metrics' bars; inf of one that the coarser level lacks.
 
@@ -50,6 +52,7 @@ def error_bars(
         coarse_values: its metrics.
         curves: whether signals of both may be compared instant by instant: not where pulses shift in time,
             nor where loads stand one after the other.
+        floor: least bar over the metric's size.
     """
     names = [name for name in values if SUMMARY[name].simulated]
     of_run = sizes(fine, values)
@@ -69,7 +72,7 @@ def error_bars(
     for name in names:
         scatter = values.get(SCATTERS.get(name, ""), 0.0)
         each = np.fmax(change[name], CHANCE * usual * size[name])
-        bars[name] = np.fmax(FACTOR * np.hypot(each, scatter), FLOOR * size[name])
+        bars[name] = np.fmax(FACTOR * np.hypot(each, scatter), floor * size[name])
     return bars
 
 

@@ -76,5 +76,4 @@ SCENE = Scene(
     at_rest=True,
     revolutions=None,
     at_test_speed=False,
-    unpromised=lambda gear: "its load steps are fixed",
 )

@@ -19,7 +19,7 @@ FINEST = 8
 
 
 KNOBS = (
-    *("step_angle", "swing_steps", "tolerance", "zone_ratio", "torque_tolerance"),
+    *("step_angle", "swing_steps", "tolerance", "zone_ratio"),
     *("strip_stations", "strip_points", "profile_samples", "axial_samples"),
 )
 """Choices of a model that a level decides."""
@@ -58,7 +58,6 @@ def model_at(level: int, fidelity: Fidelity) -> Fidelity:
         return fidelity
     finer = 2.0 ** (level - 1)
     changed = {
-        "torque_tolerance": 0.0,
         "tolerance": fidelity.tolerance / finer,
         "zone_ratio": fidelity.zone_ratio / finer,
         "strip_stations": doubled(fidelity.strip_stations, level),

@@ -11,7 +11,6 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.checks.rules import remarks
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.metrics import figures_of_motion
-from rps_exudyn.scenes.rack_push import SCENE as RACK_PUSH
 from rps_exudyn.scenes.rack_push import push_figures
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
@@ -53,5 +52,4 @@ SCENE = Scene(
     figure="roller_force_mean",
     chart="rack_push",
     steady=True,
-    promised_as=RACK_PUSH.name,  # the rack is pushed in the same way
 )

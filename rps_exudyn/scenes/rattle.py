@@ -171,13 +171,6 @@ def _thinned(signals: Signals, maneuvers: list[Maneuver]) -> Signals:
     return {name: np.concatenate([run[name] for run in kept]) for name in kept[0]} if kept else signals
 
 
-def _unpromised(gear: SteeringGear) -> str:
-    """Why no accuracy is promised of a test: a threshold is another quantity than the table's."""
-    if gear.test.road_shape != GROWING:
-        return ""
-    return f"test.road_shape is {GROWING}, which serves to find a threshold; choose sine or half-sine"
-
-
 SCENE = Scene(
     name="rattle",
     title="Rattle: yokenut's force under a road's",
@@ -189,5 +182,4 @@ SCENE = Scene(
     has_impacts=True,
     revolutions=None,
     at_test_speed=False,
-    unpromised=_unpromised,
 )

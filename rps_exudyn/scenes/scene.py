@@ -87,11 +87,6 @@ class SteadyTest:
     formulas: Callable[[SteeringGear], dict[str, float]] | None = None
 
 
-def always_promised(gear: SteeringGear) -> str:
-    """Return no reason against a promise of accuracy."""
-    return ""
-
-
 def turns_of_test(gear: SteeringGear) -> float:
     """Return the revolutions that the test records one way."""
     return gear.test.turns
@@ -117,8 +112,6 @@ class Scene:
         test: its maneuvers and metrics, where many gears can be computed together.
         revolutions: how often the pinion turns in a run one way; None where it does not turn.
         short_path: `test.path` of a run over a few tooth pitches.
-        promised_as: name of the scene whose table of accuracy holds; "" if it is its own.
-        unpromised: why no accuracy can be promised of a test; "" if one can.
         law: contact law that its metrics need, where the gear's is by-scene (`law_by_scene`).
 
     Examples:
@@ -142,8 +135,6 @@ class Scene:
     test: SteadyTest | None = None
     revolutions: Callable[[SteeringGear], float] | None = turns_of_test
     short_path: str = "one-way"
-    promised_as: str = ""
-    unpromised: Callable[[SteeringGear], str] = always_promised
     law: NeededLaw = "line"
 
     @property

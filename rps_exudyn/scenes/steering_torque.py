@@ -133,5 +133,4 @@ SCENE = Scene(
     chart="steering_feel",
     revolutions=None,
     at_test_speed=False,
-    unpromised=lambda gear: "its number of steps per cycle is fixed",
 )

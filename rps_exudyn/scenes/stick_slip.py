@@ -111,5 +111,4 @@ SCENE = Scene(
     chart="stick_slip",
     needs_inertia=True,
     revolutions=None,
-    unpromised=lambda gear: "its steps are fixed by the scene",
 )

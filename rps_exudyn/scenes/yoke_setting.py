@@ -20,7 +20,6 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.checks.before_run import largest_angle
 from rps_exudyn.scenes.checks.rules import remarks
-from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_PINION_TORQUE
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.metrics import figures_of_turning
 from rps_exudyn.scenes.run_maneuver import run_maneuver
@@ -128,5 +127,4 @@ SCENE = Scene(
     steady=True,
     revolutions=_revolutions,
     short_path="there-and-back",
-    promised_as=FREE_PINION_TORQUE.name,  # the pinion is turned in the same way, the yoke set anew
 )

@@ -7,8 +7,9 @@
 Every row ends as a single run of that gear would: same equations, statuses, messages and figures.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -283,15 +284,13 @@ def _row(
         varied = gear.replace(settings)
     except InputError as error:  # a value that is not allowed
         return failed(scene, gear, fidelity, Status.INVALID, " ".join(error.problems))
-    return single_run(scene, varied, fidelity, options)
+    return as_outcome(partial(simulate, scene, varied, fidelity, options=options), scene, varied, fidelity)
 
 
-def single_run(
-    scene: str, gear: SteeringGear, fidelity: Fidelity, options: RunOptions = DEFAULT_OPTIONS
-) -> Result:
-    """Simulate a gear; what goes wrong is its outcome."""
+def as_outcome(run: Callable[[], Result], scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
+    """Return the result of a run; what goes wrong is its outcome."""
     try:
-        return simulate(scene, gear, fidelity, options=options)
+        return run()
     except InputError as error:  # a gear that cannot be built
         status, message = Status.INVALID, " ".join(error.problems)
     except Exception as error:

@@ -1,218 +1,106 @@
-"""The cheapest model that keeps a wanted accuracy, from the table that was measured and published with it.
+"""An accuracy that is asked for: a climb of the ladder, by the cheapest preset first.
 
-    choice = choose("free-pinion-torque", gear, percent("1%"))
-    choice.fidelity, choice.why
+    result = climb("reversal", gear, Wanted.of("1%", ["hysteresis_area"]))
+    result.findings["accuracy"]    level, its bar, and what the next level would cost
 
-`rps.run(..., accuracy="1%")` and `rps-exudyn run --accuracy 1%` use it.
-
-The error is that of a quantity: the scene's torque or force, RMS over the motion in % of its mean, or a
-number of its summary where that curve jumps (`accuracy_check.error_between`). What a setting promises is its
-worst error on many random gears and tests, with a margin, and what the reference itself leaves open.
-docs/accuracy.md describes the method.
+The climb ends where the bars of the metrics asked for are within the accuracy. It takes 3 times the change
+between two levels where printed bars are 2 times that: 98.9 % of metrics lie within these, and 97.8 % within
+printed ones. Where a preset fails, or going on with it cannot help, the next one is tried.
 """
 
-import json
 import re
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cache
-from math import ceil
-from pathlib import Path
-from typing import Any
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from time import perf_counter, process_time
 
 import numpy as np
 
-from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.errors import InputError, unwrapped_interrupts
+from rps_exudyn.base.progress import duration
 from rps_exudyn.base.units import short
-from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import PRESETS, Fidelity, unknown_preset
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.law_error import law_error
-from rps_exudyn.scenes import SCENE_NAMES, scene_named
-from rps_exudyn.scenes.maneuver import whole_periods
+from rps_exudyn.results.outcome import Code, Interrupted, Remark, Status, each_once, sentences
+from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.results.result import Result
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.error_bars import FACTOR
+from rps_exudyn.scenes.ladder import FINEST
+from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, Scene
+from rps_exudyn.scenes.sizes import size_of, sizes
+from rps_exudyn.scenes.with_bars import Levels
+from rps_exudyn.simulate.cases.time_limit import TimeLimit
+from rps_exudyn.simulate.run_plan import Plan
 
-LEAST_SLIDING = 0.2  # of the mean, somewhere in mesh: below it references of random gears do not agree
-
-TABLE = Path(__file__).with_name("table.json")
-
-
-@dataclass(frozen=True)
-class Setting:
-    """A row of the table."""
-
-    preset: str
-    angles_per_pitch: int | None  # None: steps are the scene's own
-    settings: Mapping[str, Any]  # of the fidelity, besides the step
-    promised: float  # error [%]
-    median: float  # error on the gears it was tried on [%]
-    cost: float  # CPU seconds of the solver per revolution where all teeth are alike, median of gears
-    cost_of_turn: float  # the same where errors single out a tooth, so that no pitch stands for another
-    failed: float  # fraction of these gears on which it gave no result
-
-    def angles_for(self, gear: SteeringGear) -> int | None:
-        """Return the angles on a tooth pitch that keep the promise by the gear's contact law."""
-        if self.angles_per_pitch is None:
-            return None
-        return ceil(denser(gear.mesh.contact_law) * self.angles_per_pitch)
-
-    def cost_for(self, gear: SteeringGear) -> float:
-        """Return about how many CPU seconds of the solver a revolution of this gear costs."""
-        alike = whole_periods(gear, 2 * np.pi) == gear.pinion.teeth
-        return denser(gear.mesh.contact_law) * (self.cost if alike else self.cost_of_turn)
-
-    def for_gear(self, gear: SteeringGear) -> Fidelity:
-        """Return the fidelity, with the step that has the setting's angles on this gear's tooth pitch."""
-        settings = dict(self.settings)
-        if angles := self.angles_for(gear):
-            settings = {"step_angle": 2 * np.pi / gear.pinion.teeth / angles, **settings}
-        return Fidelity.preset(self.preset).replace(settings)
+INSIDE = 3.0  # times the change between two levels: covers 98.9 % of metrics
+BARS = INSIDE / FACTOR  # printed ones
+STILL, MOVING = "quasi-static", "flank"  # presets in the order of their cost
+HALVED = 0.5  # what a level makes of all that steps decide
 
 
 @dataclass(frozen=True)
-class SceneTable:
-    """Settings measured on one quantity of a scene."""
+class Wanted:
+    """What is asked for.
 
-    scene: str
-    quantity: str  # name of its signal, or of a number of its summary
-    floor: float  # below it the references' methods disagree [%]
-    gears: int  # on which the settings were tried
-    settings: tuple[Setting, ...]
-
-    def known(self, gear: SteeringGear, presets: Collection[str]) -> list[Setting]:
-        """Return the settings of these presets whose model has the gear's contact law."""
-        return [each for each in self.settings if each.preset in presets and knows_law(each, gear)]
-
-
-@dataclass(frozen=True)
-class Choice:
-    """Setting chosen, its fidelity, what it promises, and why."""
-
-    fidelity: Fidelity
-    setting: Setting
-    quantity: str  # whose error is promised
-    why: str
-    beside: str  # what the promise leaves out: the error of the contact law
-    promised: bool  # False of a gear for which the table promises nothing
-
-
-def choose(
-    scene: str,
-    gear: SteeringGear,
-    wanted: float,
-    preset: str | None = None,
-    without: Collection[str] = (),
-) -> Choice:
-    """Return the cheapest setting that promises `wanted` [%], of all or of one preset.
-
-    Where none promises it of the scene's signal, one that promises it of a number of the summary is taken.
-    `without` names presets that were tried and did not run.
-
-    Raises:
-        InputError: the accuracy is below the floor, no setting promises it, or nothing is known of the scene
-            or its test.
+    Attributes:
+        accuracy: largest share of each metric's size that 1.5 bars may be.
+        metrics: names; none stands for the scene's own.
+        preset: the only one that is taken; "" if any may be.
     """
-    if why := scene_named(scene).unpromised(gear):
-        raise InputError(_nothing_promised(scene, why))
-    tables = scene_tables(scene)
-    if preset is not None and preset not in PRESETS:
-        raise InputError(unknown_preset(preset))
-    presets = {preset} if preset else PRESETS.keys() - set(without)
-    _check_reach(tables, gear, wanted, preset, presets)
-    for table in tables:
-        enough = [each for each in table.known(gear, presets) if each.promised <= wanted]
-        if enough and wanted >= table.floor:
-            break
-    taken = min(enough, key=lambda each: each.cost_for(gear))
-    why, beyond = _why(taken, table, gear, wanted, len(enough)), beyond_promise(gear)
-    why += _instead_of(tables[0], table) + beyond
-    fidelity = taken.for_gear(gear)
-    return Choice(fidelity, taken, table.quantity, why, _beside(gear, fidelity), not beyond)
 
+    accuracy: float
+    metrics: tuple[str, ...] = ()
+    preset: str = ""
 
-def _check_reach(
-    tables: Sequence[SceneTable],
-    gear: SteeringGear,
-    wanted: float,
-    preset: str | None,
-    presets: Collection[str],
-) -> None:
-    """Check that a setting promises what is wanted of one of the quantities.
+    @classmethod
+    def of(
+        cls, accuracy: str, metrics: Sequence[str] | None = None, fidelity: str | Fidelity | None = None
+    ) -> "Wanted":
+        """Return what a user asks for.
 
-    Raises:
-        InputError: none does; the sentence states how far they go.
-    """
-    scene, floor = tables[0].scene, min(table.floor for table in tables)
-    if wanted < floor:
-        raise InputError(
-            f"--accuracy is {wanted:g} %; the references of {scene} are known to {floor:.2g} %, and no "
-            f"stricter accuracy can be promised."
-        )
-    known = [(each, table) for table in tables for each in table.known(gear, presets)]
-    if not known:
-        measured = ", ".join(sorted({each.preset for table in tables for each in table.settings}))
-        raise InputError(f"fidelity is {preset}; for {scene} accuracies are known of {measured}.")
-    if not any(each.promised <= wanted and wanted >= table.floor for each, table in known):
-        best = min(max(each.promised, table.floor) for each, table in known)
-        of = f"of {preset} " if preset else ""
-        raise InputError(
-            f"--accuracy is {wanted:g} %; the most exact setting {of}in the table for {scene} "
-            f"promises {best:.2g} %."
-        )
+        Raises:
+            InputError: no percentage above zero, no metrics with error bars, or a model without a ladder.
+        """
+        if isinstance(fidelity, Fidelity):
+            raise InputError(
+                "accuracy chooses the model itself; give fidelity by the name of a preset, or leave it out."
+            )
+        if fidelity is not None and fidelity not in PRESETS:
+            raise InputError(unknown_preset(fidelity))
+        if fidelity is not None and Fidelity.preset(fidelity).solver == "closed-form":
+            raise InputError(f"fidelity is {fidelity}, which has no ladder to climb; leave out accuracy.")
+        if isinstance(metrics, str) or not all(isinstance(name, str) for name in metrics or ()):
+            raise InputError(f"metrics is {short(str(metrics))}; it must be a list of names.")
+        barred = [name for name, each in SUMMARY.items() if each.simulated]
+        _check_metrics(metrics or (), barred, "no metric with an error bar")
+        return cls(percent(accuracy) / 100, tuple(metrics or ()), fidelity or "")
 
+    @property
+    def words(self) -> str:
+        """What is asked for in words."""
+        of = f" of {', '.join(self.metrics)}" if self.metrics else ""
+        return f"{self.preset or f'{STILL} or {MOVING}'}, accuracy {100 * self.accuracy:g} %{of}"
 
-def _instead_of(first: SceneTable, taken: SceneTable) -> str:
-    """Return a note that another quantity than the scene's signal is promised; empty if it is the signal."""
-    if taken is first:
-        return ""
-    best = min(each.promised for each in first.settings)
-    return f"; the promise is for {taken.quantity}; for {first.quantity} it is {best:.2g} % at best"
+    def presets(self, scene: Scene) -> list[str]:
+        """Return the presets of a climb, cheapest first."""
+        return [self.preset] if self.preset else [MOVING] if scene.needs_inertia else [STILL, MOVING]
 
+    def widest(self, run: Result) -> tuple[float, str]:
+        """Return 1.5 bars over the metric's size, and the metric's name, of the metric where this share is
+        largest; inf of an unknown bar.
 
-def beyond_promise(gear: SteeringGear) -> str:
-    """Return why the table promises nothing for this gear; empty if it does."""
-    if GearPair.of(gear).slowest_sliding < LEAST_SLIDING:
-        return "; NOT promised for this gear: its teeth hardly slide at the pitch point, where friction jumps"
-    return ""
-
-
-def beyond_in_run(scene: str, signals: Mapping[str, np.ndarray]) -> str:
-    """Return why the table promises nothing for what a run has shown; empty if it does.
-
-    Where the pinion is held the yoke may stop: that is what such scenes are for.
-    """
-    stopped = (signals.get("yokenut_force", np.zeros(1)) > 0).any()
-    if scene_named(scene).revolutions and stopped:
-        return "; NOT promised for this run, in which the yoke stops at its nut"
-    return ""
-
-
-def knows_law(setting: Setting, gear: SteeringGear) -> bool:
-    """Return whether a setting's model has the gear's contact law; formulas and spheres have no teeth that
-    bend."""
-    return gear.mesh.contact_law != "teeth" or Fidelity.preset(setting.preset).bends_teeth
-
-
-def _beside(gear: SteeringGear, fidelity: Fidelity) -> str:
-    """Return what the promise leaves out: the error of the contact law, and models that do not have it."""
-    law = law_error(gear, fidelity.model_dump())
-    if law is None:
-        return ""
-    only = "; closed form and general contact do not model it and are not considered"
-    left_out = only if gear.mesh.contact_law == "teeth" else ""
-    return f"; this is the numerical error; in addition, {law.clause}{left_out}"
-
-
-def _why(taken: Setting, table: SceneTable, gear: SteeringGear, wanted: float, enough: int) -> str:
-    angles, cost = taken.angles_for(gear), taken.cost_for(gear)
-    knobs = [f"{angles} angles per tooth pitch"] if angles is not None else []
-    knobs += [f"{name} {value:g}" for name, value in taken.settings.items()]
-    per = scene_named(table.scene).unit_of_cost
-    return (
-        f"{taken.preset}, {', '.join(knobs) or 'unmodified'}: the cheapest of {enough} settings within "
-        f"{wanted:g} %; it promises {taken.promised:.2g} % of {table.quantity} (half of {table.gears} "
-        "random gears stay below "
-        f"{taken.median:.2g} %) at about {1e3 * cost:.2g} ms of CPU time per {per}"
-    )
+        Raises:
+            InputError: metrics that the run does not have.
+        """
+        _check_metrics(self.metrics, run.errors, f"no metric of {run.scene}")
+        figure = scene_named(run.scene).figure
+        names, of_run = self.metrics or (figure,), sizes(dict(run.signals), run.summary)
+        shares = [(0.0, figure)]  # where nothing is hit there is no peak, and none that is wrong
+        for name in names:
+            if name in run.errors:
+                share = BARS * run.errors[name] / size_of(name, run.summary[name], of_run)
+                shares.append((float(share) if np.isfinite(share) else np.inf, name))
+        return max(shares)
 
 
 def percent(text: str) -> float:
@@ -228,55 +116,147 @@ def percent(text: str) -> float:
         value = np.nan
     if not (0 < value < np.inf):
         raise InputError(
-            f"--accuracy is {short(str(text))}; it must be a percentage greater than 0, for instance 1%."
+            f"accuracy is {short(str(text))}; it must be a percentage greater than 0, for instance 1%."
         )
     return value
 
 
-def known_scenes() -> list[str]:
-    """Return the scenes that have a table."""
-    return [name for name in SCENE_NAMES if _measured_as(name) in _tables()["scenes"]]
+def _check_metrics(names: Sequence[str], known: Collection[str], what: str) -> None:
+    if unknown := [name for name in names if name not in known]:
+        raise InputError(f"metrics has {short(unknown[0])}, which is {what}; there are {', '.join(known)}.")
 
 
-def _measured_as(scene: str) -> str:
-    """Return the name under which the table has a scene."""
-    return scene_named(scene).promised_as or scene
-
-
-def _nothing_promised(scene: str, why: str) -> str:
-    known = ", ".join(known_scenes())
-    return (
-        f"--accuracy has tables for {known}; for {scene} nothing can be promised{f': {why}' if why else ''}."
-    )
-
-
-def scene_tables(scene: str) -> list[SceneTable]:
-    """Return the published tables of a scene, that of its signal first if there is one.
+# --- the climb -------------------------------------------------------------------------------------
+def climb(scene: str, gear: SteeringGear, wanted: Wanted, time_limit: TimeLimit | None = None) -> Result:
+    """Return the first run whose bars are within what is wanted, else the best one with a remark.
 
     Raises:
-        InputError: there is none.
+        InputError: metrics that the scene does not have, or a gear or test that no preset can run.
+        Interrupted: Ctrl-C, or an alarm; it carries the best run, else what was recorded.
     """
-    measured = _measured_as(scene)
-    if measured not in _tables()["scenes"]:
-        raise InputError(_nothing_promised(scene, ""))
-    return [
-        SceneTable(
-            scene,
-            table["quantity"],
-            table["floor"],
-            table["gears"],
-            tuple(Setting(**row) for row in table["settings"]),
+    found = _Climb(scene, gear, wanted, time_limit)
+    try:
+        with unwrapped_interrupts():
+            any(found.is_over_by(preset) for preset in wanted.presets(scene_named(scene)))
+    except KeyboardInterrupt:
+        if found.best is None:
+            raise
+        found.left.setdefault(found.preset, "the next level was interrupted")
+        raise Interrupted(found.result()) from None
+    if found.best is None and found.problem is not None:
+        raise found.problem
+    return found.result()
+
+
+@dataclass(frozen=True, eq=False)
+class _Rung:
+    """A run with bars: 1.5 bars of the widest as a share, inf of an unknown one; what they are and cost."""
+
+    result: Result
+    share: float = np.inf
+    bar: str = ""
+    above: str = ""  # what the next level would cost
+
+    @property
+    def rank(self) -> tuple[float, bool]:
+        """Return what is smaller of a better one."""
+        return self.share, self.result.status is not Status.OK
+
+
+class _Climb:
+    """The best run so far, and why presets were left: by name a reason, or what they cannot run."""
+
+    def __init__(self, scene: str, gear: SteeringGear, wanted: Wanted, limit: TimeLimit | None) -> None:
+        self._scene, self._gear, self._wanted, self._limit = scene, gear, wanted, limit
+        self._wall, self._cpu = perf_counter(), process_time()
+        self.best: _Rung | None = None
+        self.preset = ""
+        self.left: dict[str, str] = {}
+        self.problem: InputError | None = None
+
+    def is_over_by(self, preset: str) -> bool:
+        """Climb by a preset; return whether what is wanted is reached, or no time is left for another."""
+        self.preset, fidelity = preset, Fidelity.preset(preset)
+        plan = Plan(self._scene, self._gear, fidelity)
+        if refusal := plan.refusal:
+            self._take(_Rung(refusal), f"it is {refusal.message}")
+            return False
+        levels, level = Levels(plan.scene, plan.tested, fidelity, DEFAULT_OPTIONS), 1
+        shares: list[float] = []
+        while preset not in self.left:
+            try:
+                run = levels.with_bars(level)
+            except (
+                InputError
+            ) as error:  # the record does not fit into the memory, or the model has no such test
+                self.problem = error
+                self.left[preset] = f"level {level} is refused, {error.problems[0].rstrip('.')}"
+                break
+            except Interrupted as interrupt:
+                raise Interrupted(plan.result(interrupt.recorded)) from None
+            result = plan.result(run)
+            if not run.ok:
+                self._take(_Rung(result), f"level {level} ends {result.status}, {result.message}")
+                break
+            level = result.findings["level"]
+            share, name = self._wanted.widest(result)
+            shares.append(share)
+            rung = _Rung(result, share, *_words(levels, level, share, name))
+            if share <= self._wanted.accuracy:
+                self._take(rung, "")
+                return True
+            self._take(rung, self._why_no_further(levels, level, name, shares))
+            level += 1
+        return self._limit is not None and self._limit.remaining < levels.seconds_above(level - 1)
+
+    def _take(self, rung: _Rung, left: str) -> None:
+        if self.best is None or rung.rank <= self.best.rank:
+            self.best = rung
+        if left:
+            self.left[self.preset] = sentences(left)[0]
+
+    def _why_no_further(self, levels: Levels, level: int, name: str, shares: list[float]) -> str:
+        """Return why the next level cannot help, or costs too much; "" if it is to be run."""
+        if np.isinf(shares[-2:]).all() and len(shares) > 1:
+            return f"the bar of {name} is unknown on two levels"
+        run, lasting = levels.made[level], levels.terms[level].get(name, 0.0)
+        size = size_of(name, run.summary[name], sizes(run.signals, run.summary))
+        lasts = lasting > HALVED * levels.terms.get(level - 1, {}).get(name, np.inf)
+        if lasts and BARS * lasting > self._wanted.accuracy * size:
+            return f"{100 * BARS * lasting / size:.2g} % of it is not of the steps, and lasts on finer levels"
+        if level == FINEST:
+            return f"level {level} is the finest"
+        if self._limit is not None and levels.seconds_above(level) > self._limit.remaining:
+            return f"level {level + 1} would take longer than is left of the time limit"
+        return ""
+
+    def result(self) -> Result:
+        """Return the best run with what is to be said of it."""
+        assert self.best is not None
+        best, wanted = self.best, self._wanted.accuracy
+        why = [f"{preset}: {reason}" for preset, reason in self.left.items()]
+        remarks = []
+        if best.result.status is Status.OK and best.share > wanted:
+            text = f"accuracy {100 * wanted:g} % is not reached, {best.bar} ({', '.join(why)})"
+            remarks = [Remark(Code.ACCURACY_NOT_REACHED, text)]
+        elif best.result.status is Status.OK:
+            remarks = [Remark(Code.PRESET_LEFT, f"another preset was tried first, {each}") for each in why]
+        return replace(
+            best.result,
+            message="; ".join(filter(None, [*(each.text for each in remarks), best.result.message])),
+            codes=each_once([*(each.code for each in remarks), *best.result.codes]),
+            findings={
+                **best.result.findings,
+                "accuracy": "; ".join(filter(None, [best.bar, best.above, *why])),
+            },
+            cpu_s=process_time() - self._cpu,
+            wall_s=perf_counter() - self._wall,
         )
-        for table in _tables()["scenes"][measured]["quantities"]
-    ]
 
 
-def denser(law: str) -> float:
-    """Return how many times the angles of the table a contact law needs, as measured."""
-    return float(_tables()["laws"].get(law, 1.0))
-
-
-@cache
-def _tables() -> dict[str, Any]:
-    tables: dict[str, Any] = json.loads(TABLE.read_text(encoding="utf-8"))
-    return tables
+def _words(levels: Levels, level: int, share: float, name: str) -> tuple[str, str]:
+    """Return what the bar of a level is and costs, and what the next level would cost."""
+    bar = f"{BARS:g} bars of {name} are {100 * share:.2g} %" if np.isfinite(share) else f"{name} has no bar"
+    spent = f"at {duration(levels.seconds[level])} of CPU time"
+    above = f"level {level + 1} would take about {duration(levels.seconds_above(level))}"
+    return f"{levels.fidelity.based_on}, level {level}: {bar} {spent}", above if level < FINEST else ""

@@ -6,6 +6,7 @@ result.findings["tries"]      what was tried, and how each ended
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from time import perf_counter, process_time
 from typing import Any
 
@@ -13,14 +14,67 @@ from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
-from rps_exudyn.results.result import Result
+from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.checks.rules import breaches_of_plan
+from rps_exudyn.scenes.checks.rules import breaches_of_plan, refused
 from rps_exudyn.scenes.law_by_scene import with_law
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.scenes.with_bars import run_with_bars
 from rps_exudyn.solvers.temperature_and_wear import operating_gear, tested_gear
+
+
+class Plan:
+    """A gear in a scene by a model: what it is run with, and the results of its runs.
+
+    Attributes:
+        gear: as it is given, with the contact law that the scene needs.
+        tested: the same in operation: warm or cold, worn.
+    """
+
+    def __init__(self, scene: str, gear: SteeringGear, fidelity: Fidelity) -> None:
+        """Prepare a plan.
+
+        Raises:
+            InputError: a gear that cannot exist.
+        """
+        self._wall, self._cpu = perf_counter(), process_time()
+        self.scene, self.fidelity = scene_named(scene), fidelity
+        self.gear = with_law(gear, fidelity, self.scene.law)
+        self._geometry, in_operation = geometry_report(self.gear).numbers, operating_gear(self.gear)
+        self.tested, self._numbers = (
+            (in_operation.gear, in_operation.numbers) if in_operation else (self.gear, {})
+        )
+
+    def result(self, done: SceneRun) -> Result:
+        """Return the result of a run; its times are those since the plan was prepared."""
+        return Result(
+            scene=self.scene.name,
+            gear=self.gear,
+            fidelity=self.fidelity.model_dump(),
+            solver=done.outcome.settings,
+            findings=done.outcome.findings,
+            status=done.outcome.status,
+            message=done.outcome.message,
+            codes=each_once(done.outcome.codes),
+            signals=done.signals,
+            summary=done.summary | self._numbers,
+            errors=done.errors,
+            counters={**done.outcome.counters, "solver_cpu": done.outcome.cpu_s},
+            geometry=self._geometry,
+            cpu_s=process_time() - self._cpu,
+            wall_s=perf_counter() - self._wall,
+        )
+
+    @property
+    def refusal(self) -> Result | None:
+        """Return the result of a plan that a check before the run refuses; None of any other."""
+        if not (sentences := refused(self.tested, self.fidelity, motion=self.scene.motion)):
+            return None
+        message = "; ".join(sentences)
+        result = failed(self.scene.name, self.gear, self.fidelity, Status.INVALID, f"not run: {message}")
+        found = {"refused": message}
+        return replace(result, codes=(Code.REFUSED.value,), findings=found, geometry=self._geometry)
 
 
 def run_unchecked(
@@ -32,36 +86,12 @@ def run_unchecked(
         InputError: a gear that cannot exist, or a test that it does not allow.
         Interrupted: Ctrl-C; it carries what was recorded.
     """
-    wall, cpu = perf_counter(), process_time()
-    gear = with_law(gear, fidelity, scene_named(scene).law)
-    report, in_operation = geometry_report(gear), operating_gear(gear)
-    tested, numbers = (in_operation.gear, in_operation.numbers) if in_operation else (gear, {})
-
-    def result_of(done: SceneRun) -> Result:
-        return Result(
-            scene=scene,
-            gear=gear,
-            fidelity=fidelity.model_dump(),
-            solver=done.outcome.settings,
-            findings=done.outcome.findings,
-            status=done.outcome.status,
-            message=done.outcome.message,
-            codes=each_once(done.outcome.codes),
-            signals=done.signals,
-            summary=done.summary | numbers,
-            errors=done.errors,
-            counters={**done.outcome.counters, "solver_cpu": done.outcome.cpu_s},
-            geometry=report.numbers,
-            cpu_s=process_time() - cpu,
-            wall_s=perf_counter() - wall,
-        )
-
+    plan = Plan(scene, gear, fidelity)
+    run = partial(run_with_bars, plan.scene) if options.bars else plan.scene.run
     try:
-        if not options.bars:
-            return result_of(scene_named(scene).run(tested, fidelity, options))
-        return result_of(run_with_bars(scene_named(scene), tested, fidelity, options))
+        return plan.result(run(plan.tested, fidelity, options))
     except Interrupted as interrupt:
-        raise Interrupted(result_of(interrupt.recorded)) from None
+        raise Interrupted(plan.result(interrupt.recorded)) from None
 
 
 # --- Fallback: the first try is the plan as given, repaired where `checks.before_run` refuses it. Changed

@@ -19,15 +19,9 @@ from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Remark
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.bar_terms import (
-    MOST_OF_TERMS,
-    MOST_OF_WORK,
-    bar_terms,
-    missing_share,
-    moved_by_inertia,
-)
+from rps_exudyn.scenes.bar_terms import bar_terms, numbers_of
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses, of_many
-from rps_exudyn.scenes.checks.rules import refused, remarks
+from rps_exudyn.scenes.checks.rules import OF_BARS, Seen, refused, remarks
 from rps_exudyn.scenes.error_bars import error_bars
 from rps_exudyn.scenes.ladder import model_at
 from rps_exudyn.scenes.maneuver import StepLimits
@@ -363,7 +357,9 @@ class _Followed:
         terms = bar_terms(
             self.common.scene, family.fidelity, self.metrics, self.signals, values, findings, masses
         )
-        holds = moved_by_inertia(self.common.scene, self.signals, values, terms) < SAFE * MOST_OF_TERMS
+        numbers = numbers_of(self.common.scene, family.fidelity, self.signals, values, terms)
+        seen = Seen(family.gear, numbers=numbers)
+        holds = np.logical_and.reduce([rule.within(seen, SAFE) for rule in OF_BARS])
         none = np.zeros(len(self.gears))
         return {name: bars[name] + terms.get(name, none) for name in bars}, holds
 
@@ -373,7 +369,6 @@ class _Followed:
         if not self.gears or test is None:
             return NO_GEARS
         bars, holds = self.bars(coarse)
-        holds = holds & (missing_share(self.signals) < SAFE * MOST_OF_WORK)
         if not holds.all():
             return self.some(holds).described(coarse.some(holds))
         summary = dict(self.summary)

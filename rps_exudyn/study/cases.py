@@ -4,6 +4,7 @@ import hashlib
 import json
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import asdict
 from functools import partial
 from typing import Any
 
@@ -13,6 +14,7 @@ from rps_exudyn.parameters.declaration import Table
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import Setup, SteeringGear
 from rps_exudyn.results.provenance import MODEL_VERSION
+from rps_exudyn.simulate.by_accuracy import Wanted
 from rps_exudyn.study.definition import GRID_DESIGN, Case, Description, Study, settings_of
 from rps_exudyn.study.designs import points, points_per_sample
 
@@ -22,10 +24,12 @@ MOST_KNOWN = 4096
 NAMES = {"name", "based_on"}  # of a fidelity: no number depends on them
 
 
-def case_hash(scene: str, gear: SteeringGear, fidelity: Fidelity) -> str:
+def case_hash(scene: str, gear: SteeringGear, fidelity: Fidelity, wanted: Wanted | None = None) -> str:
     """Sixteen hex digits that name a case: of all that its numbers depend on, and nothing else."""
     tables = ",".join(f'"{name}":{_json(getattr(gear, name))}' for name in sorted(SteeringGear.model_fields))
     model = _json(fidelity)
+    if wanted:
+        model = _canonical(asdict(wanted))
     content = (
         f'{{"fidelity":{model},"gear":{{{tables}}},"model":{MODEL_VERSION},"scene":{_canonical(scene)}}}'
     )
@@ -76,7 +80,7 @@ def describe(study: Study, provenance: Mapping[str, Any]) -> Description:
         name=study.name,
         title=study.title,
         scene=study.scene,
-        fidelity=base.fidelity.model_dump(),
+        fidelity=base.fidelity.model_dump() | ({"name": study.wanted.words} if study.wanted else {}),
         base=base.steering_gear.changes(),
         axes=study.axes,
         design=study.design,
@@ -109,6 +113,6 @@ def _cases(study: Study) -> Iterator[Case]:
             if len(problems) >= MOST_PROBLEMS:
                 break
         else:
-            yield Case(case_hash(study.scene, setup, setup.fidelity), values)
+            yield Case(case_hash(study.scene, setup, setup.fidelity, study.wanted), values)
     if problems:
         raise InputError(problems)

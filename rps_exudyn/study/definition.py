@@ -23,6 +23,7 @@ from rps_exudyn.results.block import AxisColumns, Keep
 from rps_exudyn.results.quantities import Quantity
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.law_by_scene import SERIES, with_law
+from rps_exudyn.simulate.by_accuracy import Wanted
 
 FILETYPE = "rps_exudyn-study"
 VERSION = (1, 2)
@@ -198,6 +199,7 @@ class Study:
     seed: int
     time_limit: float  # [s]
     keep: Keep
+    wanted: Wanted | None = None  # to which each case climbs the ladder; None: one run with bars
     blocks: bool | None = None  # whether cases are kept in blocks; None: if they are many
     correlation: Mapping[str, float] = field(default_factory=dict)  # "axis, axis" -> that of their scores
 
@@ -232,13 +234,6 @@ class Study:
     def toy(self) -> "Study":
         """The same study at the smallest size: two values of each axis, or four samples."""
         return replace(self, axes=tuple(_first_two(axis) for axis in self.axes), samples=min(self.samples, 4))
-
-
-def choices(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """The settings of the fidelity, by their names within it."""
-    return {
-        path.removeprefix(FIDELITY): value for path, value in settings.items() if path.startswith(FIDELITY)
-    }
 
 
 def _first_two(axis: Axis) -> Axis:

@@ -80,7 +80,8 @@ def in_groups(study: Study, description: Description) -> bool:
     paths = [path for axis in study.axes for path in (*axis.paths, *axis.along)]
     model = study.base.fidelity
     return (
-        len(description.hashes) >= FEWEST
+        study.wanted is None
+        and len(description.hashes) >= FEWEST
         and scene_named(description.scene).steady
         and model.solver in ("equilibrium", "closed-form")
         and model.mesh != "general-contact"
@@ -136,7 +137,9 @@ class Handover(Iterator[Task]):
         settings = {case.hash: settings_of(self._study.axes, case.values) for case in cases}
         ranges = None if cases[0].hash in self._apart else self._ranges
         about = self._description
-        group = CaseGroup(about.scene, self._study.base, settings, about.signals, ranges)
+        study = self._study
+        goal = None if study.wanted is None else (study.wanted, study.time_limit)
+        group = CaseGroup(about.scene, study.base, settings, about.signals, ranges, goal)
         task = Task(group.records, group.warm_up)
         self._given[task] = cases
         return task

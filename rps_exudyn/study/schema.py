@@ -13,13 +13,14 @@ from rps_exudyn.parameters.declaration import QUANTITY, Table
 from rps_exudyn.parameters.distribution import KINDS
 from rps_exudyn.parameters.fidelity import PRESETS
 from rps_exudyn.parameters.gear import Setup, SteeringGear
-from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.study.axis_tables import DISTRIBUTIONS, MOST_ON_AN_AXIS, SHAPES
 from rps_exudyn.study.definition import DESIGNS
 from rps_exudyn.study.study_file import MOST_SAMPLES
 
 Schema = dict[str, Any]
+BARRED = [name for name, each in SUMMARY.items() if each.simulated]
 CORRELATIONS: Schema = {
     "type": "object",
     "additionalProperties": {"anyOf": [{"type": "number", "minimum": -1, "maximum": 1}, {"enum": [AS_ONE]}]},
@@ -46,7 +47,8 @@ def study_schema() -> Schema:
         "scene": {"enum": list(SCENE_NAMES)},
         "gear": {"type": "string", "description": "gear file, beside or below this one"},
         "fidelity": {"enum": list(PRESETS), "description": "model preset", "default": "flank"},
-        "accuracy": {"type": "string", "description": 'largest error, for instance "1 %"'},
+        "accuracy": {"type": "string", "description": 'largest error, for instance "1 %": each case climbs'},
+        "metrics": {"type": "array", "items": {"enum": BARRED}, "description": "whose error it is"},
         "set": _closed(settings, "parameters of all cases"),
         "axis": {"type": "array", "items": _axis(paths, settings), "description": "what is varied"},
         "design": {"enum": list(DESIGNS), "default": "grid"},

@@ -34,18 +34,18 @@ from rps_exudyn.base.progress import reached
 from rps_exudyn.base.units import short, shown, to_si
 from rps_exudyn.inference.uncertainty.joint import correlated, read_pairs
 from rps_exudyn.parameters.declaration import read_toml
-from rps_exudyn.parameters.fidelity import PRESETS, Fidelity, preset_table
-from rps_exudyn.parameters.gear import CORRELATION, SteeringGear
+from rps_exudyn.parameters.fidelity import PRESETS, preset_table
+from rps_exudyn.parameters.gear import CORRELATION
 from rps_exudyn.results.block import Keep
 from rps_exudyn.results.quantities import SIGNALS
-from rps_exudyn.scenes import SCENE_NAMES, scene_named
-from rps_exudyn.scenes.law_by_scene import with_law
+from rps_exudyn.scenes import SCENE_NAMES
+from rps_exudyn.simulate.by_accuracy import Wanted
 from rps_exudyn.study.axis_tables import check_twice, read_axes
-from rps_exudyn.study.definition import DESIGNS, FIDELITY, GRID_DESIGN, UNCERTAIN_DESIGN, Axis, Study, choices
+from rps_exudyn.study.definition import DESIGNS, FIDELITY, GRID_DESIGN, UNCERTAIN_DESIGN, Axis, Study
 from rps_exudyn.study.designs import ends, uncertain_axes
 from rps_exudyn.study.toml_keys import Keys
 
-MODEL_KEYS = ("scene", "gear", "fidelity", "accuracy", "set")
+MODEL_KEYS = ("scene", "gear", "fidelity", "accuracy", "metrics", "set")
 DESIGN_KEYS = ("axis", "design", "samples", "seed", "inputs", CORRELATION)
 KEYS = ("title", *MODEL_KEYS, *DESIGN_KEYS, "time_limit", "keep")
 CORRELATED_DESIGNS = ("latin-hypercube", "sobol", "random", UNCERTAIN_DESIGN)
@@ -83,13 +83,12 @@ class _StudyKeys(Keys):
         settings = self.flat(self.table(content, "set"), "set")
         gear = self.gear(content)
         axes, shared = self.axes(content, design, gear, settings)
-        model = self.cheapest if "accuracy" in content else self.fidelity
-        fidelity = model(content, gear, settings)
+        wanted = self.wanted(content, settings, axes)
         return Study(
             file=self.file,
             title=self.text(content, "title", self.file.stem),
             scene=self.scene(content),
-            tables={**gear, "fidelity": fidelity},
+            tables={**gear, "fidelity": self.fidelity(content)},
             settings=settings,
             axes=axes,
             design=design,
@@ -97,6 +96,7 @@ class _StudyKeys(Keys):
             seed=self.whole(content, "seed", 0, 0, 2**32 - 1),
             time_limit=self.time_limit(content),
             keep=self.keep(self.table(content, "keep")),
+            wanted=wanted,
             blocks=self.blocks(self.table(content, "keep")),
             correlation=self.correlation(content, design, axes, shared),
         )
@@ -147,30 +147,27 @@ class _StudyKeys(Keys):
                 correlated(np.full((1, len(names)), 0.5), names, pairs)
         return {", ".join(sorted(pair)): value for pair, value in pairs.items()}
 
-    def fidelity(
-        self, content: Mapping[str, Any], gear: Mapping[str, Any], settings: Mapping[str, Any]
-    ) -> dict[str, Any]:
-        name = self.choice(content, "fidelity", tuple(PRESETS), "flank")
-        return preset_table(name)
+    def fidelity(self, content: Mapping[str, Any]) -> dict[str, Any]:
+        return preset_table(self.choice(content, "fidelity", tuple(PRESETS), "flank"))
 
-    def cheapest(
-        self, content: Mapping[str, Any], gear: Mapping[str, Any], settings: Mapping[str, Any]
-    ) -> dict[str, Any]:
-        """The cheapest model, of all or of the preset named, that keeps the accuracy on the base gear."""
-        from rps_exudyn.simulate.by_accuracy import choose, percent
-
-        if own := choices(settings):
-            self.wrong("accuracy", f"chooses the model itself; leave out fidelity.{', fidelity.'.join(own)}.")
-            return {}
-        preset = self.choice(content, "fidelity", tuple(PRESETS), "flank") if "fidelity" in content else None
-        with self.gathering():
-            of_gear = {path: value for path, value in settings.items() if not path.startswith(FIDELITY)}
-            base = SteeringGear.from_tables(gear, of_gear, where=str(self.file))
-            scene = self.scene(content)
-            base = with_law(base, Fidelity.preset(preset or "flank"), scene_named(scene).law)
-            chosen = choose(scene, base, percent(self.text(content, "accuracy", "")), preset)
-            return chosen.fidelity.model_dump()
-        return {}
+    def wanted(
+        self, content: Mapping[str, Any], settings: Mapping[str, Any], axes: tuple[Axis, ...]
+    ) -> Wanted | None:
+        """The accuracy to which each case climbs the ladder; None: each is run once, with its bars."""
+        if "accuracy" not in content:
+            if "metrics" in content:
+                self.wrong("metrics", "are those that accuracy keeps; give accuracy, too.")
+            return None
+        own = [*settings, *(path for axis in axes for path in (*axis.paths, *axis.along))]
+        if own := [path for path in own if path.startswith(FIDELITY)]:
+            self.wrong("accuracy", f"chooses the model itself; leave out {', '.join(own)}.")
+        metrics, preset = content.get("metrics", []), content.get("fidelity")
+        if not isinstance(metrics, list):
+            self.wrong("metrics", f"is {shown(metrics)}; it must be a list of names.")
+        elif preset is None or preset in PRESETS:  # else said already
+            with self.gathering():
+                return Wanted.of(self.text(content, "accuracy", ""), metrics, preset)
+        return None
 
     def gear(self, content: Mapping[str, Any]) -> dict[str, Any]:
         """The gear file's tables; it must lie in the study file's folder or below."""

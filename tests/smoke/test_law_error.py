@@ -13,12 +13,10 @@ from benchmarks.topic import RESULTS, load_data
 from rps_exudyn.pages.charts.scene_figures import torque_figure
 from rps_exudyn.pages.report.sheet import sheet_of
 from rps_exudyn.pages.report.write_report import write_report
-from rps_exudyn.parameters.fidelity import PRESETS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import MEASURED, error_of_law, law_error
 from rps_exudyn.results.outcome import Code
 from rps_exudyn.results.result import Result
-from rps_exudyn.simulate.by_accuracy import Setting, choose, knows_law
 from shell import Command
 from verification.law_area import by_law
 
@@ -140,24 +138,6 @@ def test_summary_and_description_say_it(command: Command) -> None:
     described = command(["describe", "mesh", "--set", "mesh.law=teeth"])
     assert MEASURED["teeth"].sentence in described.out
     assert "finite elements" not in command(["describe", "yoke"]).out
-
-
-def test_accuracy_says_what_it_leaves_out() -> None:
-    for law in MEASURED:
-        error = law_error(gear_by(law), FLANK)
-        assert error
-        beside = choose("free-pinion-torque", gear_by(law), 1.0).beside
-        assert beside.startswith(f"; this is the numerical error; in addition, {error.clause}")
-        assert ("are not considered" in beside) == (law == "teeth")
-
-
-def test_accuracy_takes_no_model_that_does_not_know_the_law() -> None:
-    def setting(preset: str) -> Setting:
-        return Setting(preset, 12, {}, 0.1, 0.1, 1.0, 1.0, 0.0)
-
-    known = [preset for preset in PRESETS if knows_law(setting(preset), gear_by("teeth"))]
-    assert known == ["flank", "quasi-static"]
-    assert knows_law(setting("full"), gear_by("line"))
 
 
 def test_formulas_say_that_they_take_another_law() -> None:

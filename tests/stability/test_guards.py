@@ -10,7 +10,7 @@ from rps_exudyn.scenes.checks.predicted import work_in_zone
 from rps_exudyn.scenes.checks.rules import breaches_of_plan
 from rps_exudyn.scenes.scene import WITHOUT_BARS
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
-from rps_exudyn.simulate.run import isolated_run, run
+from rps_exudyn.simulate.run import run, simulate
 from rps_exudyn.simulate.run_plan import run_unchecked, run_with_fallback
 from verification.law_area import by_law
 from verification.references import STRIPS
@@ -138,14 +138,14 @@ def test_fallback_in_vain_keeps_the_first_failure() -> None:
 
 
 def test_time_limit_ends_a_run_from_outside() -> None:
-    result = isolated_run(TORQUE, GEAR, STILL.replace({"step_angle": "0.01 deg"}), TimeLimit(0.001))
+    result = simulate(TORQUE, GEAR, STILL.replace({"step_angle": "0.01 deg"}), time_limit=TimeLimit(0.001))
     assert result.status is Status.TIMEOUT
     assert "time limit of 0.001 s" in result.message
 
 
 def test_run_within_its_time_limit_is_the_same_run() -> None:
     gear = SteeringGear().replace({"test.turns": 1 / 6})
-    result = isolated_run(TORQUE, gear, STILL, TimeLimit(60.0))
+    result = simulate(TORQUE, gear, STILL, time_limit=TimeLimit(60.0))
     assert result.summary["torque_mean"] == pytest.approx(
         run(TORQUE, gear, fidelity=STILL).summary["torque_mean"]
     )

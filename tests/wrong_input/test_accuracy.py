@@ -1,86 +1,55 @@
-"""`--accuracy`: what cannot be promised is refused in a sentence; what can be says why."""
+"""An accuracy, and metrics, that cannot be asked for: one sentence from command and Python alike."""
+
+from typing import Any
 
 import pytest
 
+import rps_exudyn as rps
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes import SCENE_NAMES, scene_named
-from rps_exudyn.simulate.by_accuracy import choose, known_scenes, percent, scene_tables
+from rps_exudyn.simulate.by_accuracy import percent
 from shell import Command
 
 
 @pytest.mark.parametrize("text", ["1", "", "%", "-1%", "0%", "nan%", "1e999%", "one%"])
 def test_no_percentage(text: str) -> None:
-    with pytest.raises(InputError, match="for instance 1%"):
+    with pytest.raises(InputError, match="a percentage greater than 0, for instance 1%"):
         percent(text)
     assert percent("0.1 %") == 0.1
 
 
-def refused(command: Command, *arguments: str) -> str:
-    answer = command(["run", *arguments])
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        (["--fidelity", "closed-form"], "fidelity is closed-form, which has no ladder to climb"),
+        (["--level", "2"], "accuracy chooses the level itself; leave out level"),
+        (["--bush", "chain"], "--accuracy chooses the model itself; leave out --bush"),
+        (["--set", "fidelity.step_angle=0.1"], "leave out --set fidelity.step_angle"),
+        (["--metrics", "torque"], "metrics has torque, which is no metric with an error bar; there are"),
+        (["--band", "9"], "leave out"),
+    ],
+)
+def test_command_refuses_it(asked: list[str], said: str, command: Command) -> None:
+    answer = command(["run", "--accuracy", "1%", *asked])
     assert answer.status == 2
-    return " ".join(answer.err.split())
+    assert said in " ".join(answer.err.split())
 
 
-def test_stricter_than_the_floor(command: Command) -> None:
-    floor = scene_tables("free-pinion-torque")[0].floor
-    assert f"{floor:.2g} %, and no stricter accuracy" in refused(command, "--accuracy", "0.0001%")
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({"accuracy": "1%", "fidelity": Fidelity()}, "accuracy chooses the model itself"),
+        ({"accuracy": "1%", "fidelity": "fast"}, "fidelity is 'fast'; it must be one of"),
+        ({"accuracy": "1%", "metrics": "torque_mean"}, "metrics is torque_mean; it must be a list of names"),
+        ({"metrics": ["torque_mean"]}, "metrics are those that accuracy keeps; give accuracy"),
+    ],
+)
+def test_python_refuses_it(asked: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        rps.run("free-pinion-torque", **asked)
 
 
-def test_stricter_than_any_setting_of_the_preset(command: Command) -> None:
-    table = scene_tables("rack-push")[0]
-    best = min(each.promised for each in table.settings)
-    said = refused(command, "rack-push", "--accuracy", f"{(best + table.floor) / 2}%")
-    assert f"promises {best:.2g} %" in said
-
-
-def test_scene_or_preset_that_was_not_measured(command: Command) -> None:
-    said = refused(command, "stick-slip", "--accuracy", "1%")
-    assert (
-        f"--accuracy has tables for {', '.join(known_scenes())}; for stick-slip nothing can be promised: it"
-        in said
-    )
-    assert "accuracies are known of flank, quasi-static" in refused(
-        command, "--fidelity", "closed-form", "--accuracy", "1%"
-    )
-
-
-def test_a_growing_force_which_finds_another_quantity(command: Command) -> None:
-    said = refused(command, "rattle", "--set", "test.road_shape=growing-sine", "--accuracy", "1%")
-    assert "test.road_shape is growing-sine, which serves to find a threshold" in said
-
-
-def test_every_scene_has_a_table_or_a_reason_why_it_has_none() -> None:
-    for name in SCENE_NAMES:
-        assert (name in known_scenes()) is not bool(scene_named(name).unpromised(SteeringGear())), name
-
-
-def test_settings_in_a_scenes_own_steps(monkeypatch: pytest.MonkeyPatch) -> None:
-    row = {"preset": "flank", "angles_per_pitch": None, "settings": {"tolerance": 1e-3}, "promised": 2.0}
-    row |= {"median": 1.0, "cost": 2.0, "cost_of_turn": 2.0, "failed": 0.0}
-    quantity = {"quantity": "impact_peak_force", "floor": 0.1, "gears": 12, "settings": [row]}
-    table = {"scenes": {"yoke-impact": {"quantities": [quantity]}}, "laws": {}}
-    monkeypatch.setattr("rps_exudyn.simulate.by_accuracy._tables", lambda: table)
-    choice = choose("yoke-impact", SteeringGear(), 3.0)
-    assert choice.fidelity.step_angle == Fidelity.preset("flank").step_angle
-    assert choice.fidelity.tolerance == 1e-3
-    assert "promises 2 % of impact_peak_force" in choice.why
-    assert choice.why.endswith("ms of CPU time per run")
-
-
-def test_with_choices_of_ones_own(command: Command) -> None:
-    said = refused(command, "--accuracy", "1%", "--bush", "chain", "--set", "fidelity.step_angle=0.1")
-    assert "leave out --bush, --set fidelity.step_angle" in said
-
-
-def test_choice_and_its_reason_are_printed(command: Command) -> None:
-    """In a line, with what finer steps change in the next; how the choice was made is on the full sheet.
-    Before them may stand that force laws are compiled."""
-    answer = command(["run", "--accuracy", "1%", "--json"])
-    assert answer.status == 0
-    assert answer.json["fidelity"]["solver"] == "equilibrium"
-    choice, check = answer.err.splitlines()[-2:]
-    for word in ("quasi-static", "angles per tooth pitch", "the cheapest of", "within 1 %"):
-        assert word in choice
-    assert "in half the steps" in check
+def test_metrics_that_the_scene_does_not_have() -> None:
+    """Which these are is known from its first run."""
+    with pytest.raises(InputError, match=r"hysteresis_area, which is no metric of .*; there are torque_mean"):
+        rps.run("free-pinion-torque", accuracy="1%", metrics=["hysteresis_area"], turns=0.1)

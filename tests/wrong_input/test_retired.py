@@ -8,7 +8,7 @@ import pytest
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.parameters.retired import CHOICES, PARAMETERS, STORED
+from rps_exudyn.parameters.retired import CHOICES, PARAMETERS, STORED, gone
 from rps_exudyn.results.result import Result
 from rps_exudyn.study.case_blocks import load
 from shell import Command
@@ -52,6 +52,7 @@ def test_parameter_is_answered_with_what_replaces_it(path: str, command: Command
         ("fidelity.mesh", '"ratio"'),
         ("fidelity.yoke", '"force"'),
         ("fidelity.generators", "20"),
+        ("fidelity.torque_tolerance", "0.001"),
         ("mesh.law", '"area"'),
     ],
 )
@@ -66,7 +67,7 @@ def test_axis_of_a_study_is_answered_too(path: str, value: str, command: Command
 
 def test_what_remains_of_a_choice_is_read() -> None:
     """Models stored by earlier versions hold all their choices; studies may set the one that remains."""
-    stored = Fidelity().model_dump() | {"yoke": "body", "generators": 160}
+    stored = Fidelity().model_dump() | {"yoke": "body", "generators": 160, "torque_tolerance": 0.0}
     assert Fidelity.from_tables(stored) == Fidelity() == Fidelity.from_tables({"yoke": "body"})
 
 
@@ -94,6 +95,13 @@ def test_result_of_a_retired_choice_is_read_and_not_run_again(old: Path, command
     answer = command(["rerun", str(old)])
     assert answer.status == 2
     assert f" is '{old.stem}', which only earlier versions have" in answer.err
+
+
+def test_what_a_result_asked_for_and_has_gone_is_named() -> None:
+    stored = Fidelity().model_dump() | {"yoke": "body", "torque_tolerance": 1e-3}
+    (sentence,) = gone(stored, "fidelity")
+    assert sentence.startswith("fidelity.torque_tolerance was 0.001 and has gone: accuracy")
+    assert not gone(stored | {"torque_tolerance": 0.0}, "fidelity")
 
 
 def test_stored_nonsense_is_no_choice_of_an_earlier_version() -> None:

@@ -35,7 +35,9 @@ MISTAKES = {
     "unknown scene": (f'scene = "race"\n{AXIS}', "scene is 'race'; it must be one of free-pinion-torque"),
     "unknown fidelity": (f'fidelity = "best"\n{AXIS}', "fidelity is 'best'; it must be one of full"),
     "accuracy that is no percentage": (f'accuracy = "x"\n{AXIS}', "it must be a percentage greater than 0"),
-    "accuracy beyond the floor": (f'accuracy = "1e-6 %"\n{AXIS}', "no stricter accuracy can be promised"),
+    "metrics without an accuracy": (f'metrics = ["torque_mean"]\n{AXIS}', "give accuracy, too"),
+    "accuracy of formulas": (f'accuracy = "1%"\nfidelity = "closed-form"\n{AXIS}', "has no ladder to climb"),
+    "metrics that are none": (f'accuracy = "1%"\nmetrics = ["speed"]\n{AXIS}', "no metric with an error bar"),
     "accuracy and a model of one's own": (
         f'accuracy = "1%"\n[set]\nfidelity.step_angle = "1 deg"\n{AXIS}',
         "accuracy chooses the model itself; leave out fidelity.step_angle",

@@ -7,6 +7,7 @@ a case goes, and how it ends, depends on the case and the ranges, not on the oth
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from time import perf_counter, process_time
 from typing import Any, Literal
 
@@ -19,7 +20,10 @@ from rps_exudyn.results.block import CaseRecord, Keep
 from rps_exudyn.results.outcome import Status, each_once, joined_text
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.simulate.batch import Batch, batch, single_run
+from rps_exudyn.simulate.batch import Batch, as_outcome, batch
+from rps_exudyn.simulate.by_accuracy import Wanted, climb
+from rps_exudyn.simulate.cases.time_limit import TimeLimit
+from rps_exudyn.simulate.run import simulate
 from rps_exudyn.simulate.together import LEVEL
 from rps_exudyn.solvers.settling import TOLERANCE
 
@@ -37,6 +41,8 @@ class CaseGroup:
     keep: Keep
     # path -> over what it varies in the whole study, whose cases are computed together; None: one by one
     ranges: Mapping[str, Sequence[float]] | None = None
+    # what each climbs the ladder to, and its time limit [s]; None: one run with bars
+    goal: tuple[Wanted, float] | None = None
 
     def records(self) -> list[CaseRecord]:
         """Return the record of each case.
@@ -67,7 +73,11 @@ class CaseGroup:
         except InputError as error:
             base, why = self.base, " ".join(error.problems)
             return failed(self.scene, base.steering_gear, base.fidelity, Status.INVALID, why)
-        return single_run(self.scene, setup.steering_gear, setup.fidelity)
+        run = partial(simulate, self.scene, setup.steering_gear, setup.fidelity)
+        if self.goal is not None:
+            wanted, seconds = self.goal
+            run = partial(climb, self.scene, setup.steering_gear, wanted, TimeLimit(seconds))
+        return as_outcome(run, self.scene, setup.steering_gear, setup.fidelity)
 
     def _batch(self) -> list[Result]:
         wall, cpu = perf_counter(), process_time()
