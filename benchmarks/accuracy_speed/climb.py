@@ -13,14 +13,16 @@ from pathlib import Path
 from time import process_time
 from typing import Any
 
-from benchmarks.stability.references import Child, described, go_on, references
+from benchmarks.stability.plan_worker import Child, described, go_on
+from benchmarks.stability.references import references
 from benchmarks.topic import Topic, load_rows, markdown
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.scenes import SCENE_NAMES, scene_named
 from rps_exudyn.scenes.sizes import size_of, sizes
-from rps_exudyn.simulate.run import simulate
+from rps_exudyn.simulate.by_accuracy import Wanted, climb
+from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.solvers.temperature_and_wear import tested_gear
 from verification.sampler import REACHES
 from verification.stability import ScenePlan
@@ -30,6 +32,7 @@ SEED = 20261130
 TESTS = 60  # of each scene
 WANTED = (1.0, 0.1)  # [%]
 SCENES = tuple(name for name in SCENE_NAMES if name in REACHES)
+CLIMB_LIMIT = 20.0  # [s] of elapsed time, beyond which no level is begun
 TIME_LIMIT = 120.0  # [s] of CPU time of one test with its references
 SURE = 0.5  # of what is asked for, the doubt above which a reference judges nothing
 DATA = "climb.csv"
@@ -54,7 +57,7 @@ def outcome_of(number: int, done: Callable[[dict[str, Any]], None] = lambda foun
     figure, results = scene_named(plan.scene).figure, {}
     for wanted in WANTED:
         try:
-            result = simulate(plan.scene, plan.gear, accuracy=f"{wanted:g}%")
+            result = climb(plan.scene, plan.gear, Wanted.of(f"{wanted:g}%"), TimeLimit(CLIMB_LIMIT))
         except InputError as error:
             return found | {"status": "input-error", "message": str(error)}
         found |= {"status": result.status.value, "message": result.message, "seconds": process_time() - begun}

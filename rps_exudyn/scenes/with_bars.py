@@ -1,10 +1,9 @@
 """A run with error bars: two neighbouring levels of the ladder, the finer of which is printed.
 
-    run = run_with_bars(scene_named("reversal"), gear, fidelity, RunOptions(level=1))
+    levels = Levels(scene_named("reversal"), gear, fidelity, WITH_BARS)
+    run = levels.with_bars(1)    # two runs
     run.summary["torque_jump"], run.errors["torque_jump"]
-
-    levels = Levels(scene, gear, fidelity, options)
-    levels.with_bars(1), levels.with_bars(2)   # three runs: level 1 is the companion of level 2
+    levels.with_bars(2)          # one more: level 1 is its companion
 
 Level 1 and its companion, level 0, serve by default; level 0 has level 1 as its companion. Where the
 companion is lost, the next level serves, and is printed; where that is lost too, the bars are unknown.
@@ -35,16 +34,6 @@ GROWTH = 2.0  # at least, of CPU time from one level to the next
 LEAST_SECONDS = 1e-6  # of a run that ends at once
 
 
-def run_with_bars(scene: Scene, gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
-    """Run a scene at the level of the options with error bars.
-
-    Raises:
-        InputError: a test or a model that the scene cannot have.
-        Interrupted: Ctrl-C; it carries what was recorded.
-    """
-    return Levels(scene, gear, fidelity, options).with_bars(options.level)
-
-
 @dataclass
 class Levels:
     """Runs of one plan on levels of the ladder, each made once: the finer of two becomes the companion of the
@@ -65,7 +54,12 @@ class Levels:
     seconds: dict[int, float] = field(default_factory=dict)
 
     def with_bars(self, level: int) -> SceneRun:
-        """Return the run of a level with error bars; errors as of `run_with_bars`."""
+        """Return the run of a level with error bars.
+
+        Raises:
+            InputError: a test or a model that the scene cannot have.
+            Interrupted: Ctrl-C; it carries what was recorded.
+        """
         first = self._at(level, (0.0, FINE_SHARE))
         if self.fidelity.solver == "closed-form":
             return self._with_terms(first.unsure_of(SPREADS | EXTREMES | MOTIONS), level, {})

@@ -29,6 +29,7 @@ from rps_exudyn.scenes.ladder import FINEST
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, Scene
 from rps_exudyn.scenes.sizes import size_of, sizes
 from rps_exudyn.scenes.with_bars import Levels
+from rps_exudyn.simulate.cases.task import hand_over
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.simulate.run_plan import Plan
 
@@ -210,10 +211,12 @@ class _Climb:
         return self._limit is not None and self._limit.remaining < levels.seconds_above(level - 1)
 
     def _take(self, rung: _Rung, left: str) -> None:
-        if self.best is None or rung.rank <= self.best.rank:
-            self.best = rung
         if left:
             self.left[self.preset] = sentences(left)[0]
+        if self.best is None or rung.rank <= self.best.rank:
+            self.best = rung
+            if rung.result.status is Status.OK and not left:
+                hand_over(self.result())
 
     def _why_no_further(self, levels: Levels, level: int, name: str, shares: list[float]) -> str:
         """Return why the next level cannot help, or costs too much; "" if it is to be run."""
@@ -237,7 +240,9 @@ class _Climb:
         why = [f"{preset}: {reason}" for preset, reason in self.left.items()]
         remarks = []
         if best.result.status is Status.OK and best.share > wanted:
-            text = f"accuracy {100 * wanted:g} % is not reached, {best.bar} ({', '.join(why)})"
+            text = f"accuracy {100 * wanted:g} % is not reached, {best.bar}" + f" ({', '.join(why)})" * bool(
+                why
+            )
             remarks = [Remark(Code.ACCURACY_NOT_REACHED, text)]
         elif best.result.status is Status.OK:
             remarks = [Remark(Code.PRESET_LEFT, f"another preset was tried first, {each}") for each in why]

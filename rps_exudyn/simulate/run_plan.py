@@ -6,7 +6,6 @@ result.findings["tries"]      what was tried, and how each ended
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 from time import perf_counter, process_time
 from typing import Any
 
@@ -20,7 +19,7 @@ from rps_exudyn.scenes.checks.rules import breaches_of_plan, refused
 from rps_exudyn.scenes.law_by_scene import with_law
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.scenes.with_bars import run_with_bars
+from rps_exudyn.scenes.with_bars import Levels
 from rps_exudyn.solvers.temperature_and_wear import operating_gear, tested_gear
 
 
@@ -87,9 +86,11 @@ def run_unchecked(
         Interrupted: Ctrl-C; it carries what was recorded.
     """
     plan = Plan(scene, gear, fidelity)
-    run = partial(run_with_bars, plan.scene) if options.bars else plan.scene.run
+    given = plan.scene, plan.tested, fidelity, options
     try:
-        return plan.result(run(plan.tested, fidelity, options))
+        if not options.bars:
+            return plan.result(plan.scene.run(*given[1:]))
+        return plan.result(Levels(*given).with_bars(options.level))
     except Interrupted as interrupt:
         raise Interrupted(plan.result(interrupt.recorded)) from None
 

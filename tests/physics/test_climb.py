@@ -135,3 +135,33 @@ def test_cases_of_a_study_climb(command: Command) -> None:
     found = open_study(Path("study"))
     share = found["torque_mean_error"] / found["torque_mean"]
     assert (1.5 * share <= 1e-3).all()
+
+
+SLOW_LEVEL = """
+import time
+from dataclasses import replace
+from rps_exudyn.scenes import free_pinion_torque
+
+own = free_pinion_torque.SCENE
+
+def run(gear, fidelity, options):
+    while options.level == 2:
+        try:
+            time.sleep(1000)
+        except KeyboardInterrupt:  # as compiled code, which hears no alarm
+            pass
+    return own.run(gear, fidelity, options)
+
+free_pinion_torque.SCENE = replace(own, run=run)
+"""
+
+
+def test_the_best_level_is_kept_where_the_process_is_ended(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "sitecustomize.py").write_text(SLOW_LEVEL)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    result = rps.run(SCENE, GEAR, accuracy="0.1%", time_limit=30.0)
+    assert (result.status, result.findings["level"]) == (Status.OK, 1)
+    assert Code.ACCURACY_NOT_REACHED in result.codes
+    assert "the run took longer than its time limit of 30 s (accuracy 0.1 % is not reached" in result.message

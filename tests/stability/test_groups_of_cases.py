@@ -186,7 +186,7 @@ def test_interrupt_within_a_case_is_no_crash(
             raise SystemError("returned a result with an exception set") from interrupt
 
     group = group_of(next(tasks_of(tmp_path, FEWEST)))
-    monkeypatch.setattr("rps_exudyn.simulate.batch.simulate", interrupted)
+    monkeypatch.setattr("rps_exudyn.simulate.cases.case_group.simulate", interrupted)
     for count in (2, 1):
         call = some(group, range(count), ranges=None).records
         assert answer_to(Task(call), 0.01).timeout

@@ -18,7 +18,7 @@ import sys
 import threading
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import monotonic
 from typing import IO
@@ -26,6 +26,7 @@ from typing import IO
 from rps_exudyn.base.compiling import CompileStep, publish
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import Progress, passed_on
+from rps_exudyn.results.result import Result
 from rps_exudyn.simulate.cases.frames import frame_of, frames_in
 from rps_exudyn.simulate.cases.task import Answer, Task
 from rps_exudyn.simulate.cases.time_limit import GRACE
@@ -64,6 +65,7 @@ class _Worker:
     place: str = "while libraries were loaded"
     since: float = field(default_factory=monotonic)  # the clock of its start, or of its first task
     cpu_before: float = 0.0  # CPU time when it began its first task [s]
+    best: Result | None = None  # of its first task, so far
 
     def give(self, tasks: list[Task], time_limit: float) -> None:
         """Hand over tasks, each for at most so many seconds."""
@@ -226,7 +228,9 @@ class Processes:
                 if self.workers == 1:  # of several tasks at the same time none stands for all
                     passed_on(progress)
             case "begun":
-                worker.place = RUNNING
+                worker.place, worker.best = RUNNING, None
+            case Result() as result:
+                worker.best = result
             case "ready":
                 worker.ready = self._compiled = True
                 self._failed_starts = 0
@@ -265,7 +269,9 @@ class Processes:
                 task = worker.tasks.popleft()
                 self._again.extendleft(reversed(worker.tasks))
                 wall = monotonic() - (worker.since if task.begun is None else task.begun)
-                yield task, Answer(ended=worker.place, timeout=self.time_limit, wall_s=wall, cpu_s=cpu)
+                ended = worker.place if worker.best is None else worker.best.message
+                answer = Answer(ended=ended, timeout=self.time_limit, wall_s=wall, cpu_s=cpu)
+                yield task, replace(answer, recorded=worker.best)
             else:
                 self._count_failed_start("is not ready")
 

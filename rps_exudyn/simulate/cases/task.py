@@ -7,6 +7,8 @@ A time limit that is over and an error are answers, too.
 """
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from time import monotonic, process_time
 from typing import Any, Protocol
@@ -32,6 +34,25 @@ class Task:
     call: Callable[[], Any]
     warm_up: Callable[[], Any] | None = None
     begun: float | None = None
+
+
+_receiver: ContextVar[Callable[[Result], None] | None] = ContextVar("receiver", default=None)
+
+
+@contextmanager
+def handing_over(receiver: Callable[[Result], None]) -> Iterator[None]:
+    """Give the receiver what calls in the block hand over before they return."""
+    before = _receiver.set(receiver)
+    try:
+        yield
+    finally:
+        _receiver.reset(before)
+
+
+def hand_over(best: Result) -> None:
+    """Hand over the best result so far: it is kept where the process is ended."""
+    if (receiver := _receiver.get()) is not None:
+        receiver(best)
 
 
 @dataclass(frozen=True)

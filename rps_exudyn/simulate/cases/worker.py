@@ -33,7 +33,7 @@ def main() -> None:
     from rps_exudyn.base.compiling import listeners
     from rps_exudyn.base.progress import following
     from rps_exudyn.results.outcome import Interrupted
-    from rps_exudyn.simulate.cases.task import Answer, answer_to
+    from rps_exudyn.simulate.cases.task import Answer, answer_to, handing_over
 
     warm_up = pickle.loads(first)
     listeners.append(say)
@@ -45,7 +45,7 @@ def main() -> None:
         task, time_limit = pickle.loads(frames.get())
         say("begun")  # its modules are imported
         try:
-            with following(say):
+            with following(say), handing_over(say):
                 answer = answer_to(task, time_limit)
         except Interrupted as interrupt:  # Ctrl-C, passed on
             answer = Answer(ended=interrupt.recorded.message, recorded=interrupt.recorded)
