@@ -3,8 +3,8 @@
 A curve of free turning is simulated over a turn in both directions, and repeated; of the other tests the mean
 of each direction is predicted, from a turn, or from a tooth pitch where the runout is too small to matter.
 Under a weight that lifts a flank now and then over the turn, 20 um change the friction by 0.4 %, and so the
-preload that is fitted. Without its yoke, without its rack, or with rollers
-for its pinion, what is left of a gear are formulas of drag, bearing and plunger friction.
+preload that is fitted. Without its yoke, without its rack, or with rollers for its pinion, what is left of a
+gear are formulas of drag, bearing and plunger friction.
 """
 
 from collections.abc import Mapping, Sequence
@@ -102,13 +102,10 @@ class Prediction:
             NoPredictionError: there is no equilibrium, or no such gear.
         """
         self.simulations += 1
+        in_tests = [(block, gear_in(block.test, gear, nuisances)) for block in self.blocks]
         tasks = [
-            Task(
-                partial(
-                    pass_values, block, gear_in(block.test, gear, nuisances), self.fidelity, sense, self.level
-                )
-            )
-            for block in self.blocks
+            Task(partial(pass_values, block, in_test, self.fidelity, sense, self.level))
+            for block, in_test in in_tests
             for sense in (1, -1)
         ]
         answers = dict(self.runner.run(tasks))
@@ -129,9 +126,8 @@ class Prediction:
 
     def by_formula(self, gear: SteeringGear) -> np.ndarray:
         """Means of all tests by the closed form, on the same grids, shape (m,)."""
-        return np.concatenate(
-            [np.repeat(formula_means(gear, block.test), block.grid.size) for block in self.blocks]
-        )
+        means = [np.repeat(formula_means(gear, block.test), block.grid.size) for block in self.blocks]
+        return np.concatenate(means)
 
 
 def pass_values(
@@ -178,9 +174,8 @@ def gear_in(test: BenchTest, gear: SteeringGear, nuisances: Mapping[str, float] 
     if nuisances and test.of_kind.weighted and (change := nuisances.get(BY_LOAD, 0.0)):
         power = change * abs(test.load) / (LOAD_OF_NUISANCE * GRAVITY)
         factor = np.exp(np.clip(power, -LARGEST, LARGEST))
-        changed = {
-            path: min(1.0, gear.value_at(path) * factor) for path in ("mesh.friction", "yoke.friction")
-        }
+        frictions = ("mesh.friction", "yoke.friction")
+        changed = {path: min(1.0, gear.value_at(path) * factor) for path in frictions}
     if nuisances and test.kind == "yoke-out" and (change := nuisances.get(WITHOUT_YOKE, 0.0)):
         changed = {"bush.drag": gear.bush.drag * float(np.exp(np.clip(change, -LARGEST, LARGEST)))}
     return gear.replace(changed) if changed else gear

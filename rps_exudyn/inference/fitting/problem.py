@@ -40,10 +40,6 @@ class LevelRows:
     values: np.ndarray
     covariance: np.ndarray
 
-    def of_means(self, means: dict[BenchTest, tuple[float, float]]) -> np.ndarray:
-        """The rows that mean values of each test make, shape (rows,)."""
-        return np.array([way @ means[test] for test, way in zip(self.tests, self.ways, strict=True)])
-
     @property
     def scaled(self) -> np.ndarray:
         """Which rows are friction, so that a model's error is one of their size, shape (rows,)."""

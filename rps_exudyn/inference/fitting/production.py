@@ -7,6 +7,7 @@ conform (consumer's), that it is rejected and conforms (producer's). Drift shows
 moving average (ISO 7870-6), whose limit is the quantile of batches of as many gears without drift.
 """
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -203,8 +204,6 @@ def production_batch(
 
 def _in_order(path: Path) -> tuple[list[int | str], ...]:
     """Key by which names with numbers are in the order of these numbers."""
-    import re
-
     return tuple([int(part)] if part.isdigit() else [part] for part in re.split(r"(\d+)", path.name))
 
 
@@ -259,15 +258,15 @@ def drift_of(values: np.ndarray, seed: int = 0) -> Drift:
     random = np.random.default_rng(seed)
     average, deviation, mean = _moving(values[None, :])
     parts, deviations, means = _moving(random.standard_normal((DRAWN, values.size)))
-    spread = _spread(values.size)
+    steps = np.arange(1, values.size + 1)  # the average's deviation over that of a value:
+    spread = np.sqrt(WEIGHT / (2 - WEIGHT) * (1 - (1 - WEIGHT) ** (2 * steps)))
     farthest = np.max(np.abs(parts - means[:, None]) / (deviations[:, None] * spread), axis=1)
     factor = float(np.quantile(farthest, 1 - FALSE_ALARMS))
     return Drift(average[0], factor * float(deviation[0]) * spread, float(mean[0]))
 
 
 def _moving(values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Moving averages of rows (m, n) from their means on; deviations by moving ranges (m,), and means "
-    "(m,)."""
+    """Moving averages of rows (m, n) from their means on, deviations by moving ranges (m,), means (m,)."""
     means = values.mean(axis=1)
     deviations = np.abs(np.diff(values, axis=1)).mean(axis=1) * np.sqrt(np.pi) / 2
     average = np.empty_like(values)
@@ -276,12 +275,6 @@ def _moving(values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         last = (1 - WEIGHT) * last + WEIGHT * values[:, i]
         average[:, i] = last
     return average, np.maximum(deviations, 1e-9 * np.abs(means) + 1e-300), means
-
-
-def _spread(count: int) -> np.ndarray:
-    """Deviation of the moving average over that of a value, (count,)."""
-    steps = np.arange(1, count + 1)
-    return np.asarray(np.sqrt(WEIGHT / (2 - WEIGHT) * (1 - (1 - WEIGHT) ** (2 * steps))))
 
 
 def interval_of(gear: MeasuredGear) -> tuple[float, float]:
