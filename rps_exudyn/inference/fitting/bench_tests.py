@@ -13,6 +13,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from operator import itemgetter
 from pathlib import Path
 
 import numpy as np
@@ -297,11 +298,9 @@ def _are_parts(first: Pass, second: Pass, turned: Sequence[Pass]) -> bool:
 
 def _are_whole(found: Sequence[MeasuredPass]) -> list[bool]:
     """Which passes cover most of what the longest one their way covers."""
-    longest = {
-        sense: max((float(np.ptp(each.angle)) for each in found if each.direction == sense), default=0.0)
-        for sense in (1, -1)
-    }
-    return [bool(np.ptp(each.angle) > WHOLE * longest[each.direction]) for each in found]
+    covered = [(each.direction, float(np.ptp(each.angle))) for each in found]
+    longest = {sense: max(angle for way, angle in covered if way == sense) for sense, _ in covered}
+    return [angle > WHOLE * longest[sense] for sense, angle in covered]
 
 
 def _measured_pass(test: BenchTest, run: int, turned: Pass, after: float = 0.0) -> MeasuredPass:
@@ -454,19 +453,18 @@ def mixed_speeds(measurement: Measurement, gain: float) -> list[str]:
 
     `gain` is the rack's travel per turning angle [m/rad], which compares a rack push with the others.
     """
-    found = [
-        (float(np.min(each.speeds)) / size, float(np.max(each.speeds)) / size, each)
+    turned = [
+        (speed / (gain if each.test.pushed else 1.0), f"{measurement.names[each.run]} ({each.test.title})")
         for each in measurement.passes
-        if each.speeds.size and (size := gain if each.test.pushed else 1.0)
+        for speed in each.speeds.tolist()
     ]
-    if not found:
+    if not turned:
         return []
-    slowest, fastest = min(found, key=lambda each: each[0]), max(found, key=lambda each: each[1])
-    if fastest[1] < MIXED * slowest[0]:
+    slowest, fastest = (find(turned, key=itemgetter(0)) for find in (min, max))
+    if fastest[0] < MIXED * slowest[0]:
         return []
-    low, high = (f"{np.degrees(speed):.3g} deg/s" for speed in (slowest[0], fastest[1]))
-    where = [f"{measurement.names[each.run]} ({each.test.title})" for *_, each in (slowest, fastest)]
-    places = where[0] if where[0] == where[1] else " and ".join(where)
+    low, high = (f"{np.degrees(speed):.3g} deg/s" for speed, _ in (slowest, fastest))
+    places = " and ".join(dict.fromkeys((slowest[1], fastest[1])))
     return [
         f"speeds are mixed, {low} to {high} in {places}: one friction coefficient is fitted to all of "
         f"them; run every test at one speed"

@@ -190,7 +190,7 @@ class Fit:
     @property
     def left_out(self) -> tuple[str, ...]:
         """Rows of the files that were not fitted, and why."""
-        return self.problem.measurement.left_out
+        return self.ended.problem.measurement.left_out
 
     @property
     def found(self) -> list[str]:
@@ -430,6 +430,7 @@ def outcome_of(ended: Ended, gear: SteeringGear, warnings: list[str], began: flo
     if ended.shape is not None:
         said += shape_sentences(problem, estimates, ended.shape.covariance, ended.others)
     converged = end.converged and (ended.shape is None or ended.shape.converged)
+    law, fitted = gear.mesh.contact_law, tuple(each.path for each in problem.unknowns)
     return Fit(
         gear=ended.gear,
         given=gear,
@@ -451,14 +452,7 @@ def outcome_of(ended: Ended, gear: SteeringGear, warnings: list[str], began: flo
         simulations=problem.prediction.simulations,
         cpu_s=cpu_time() - began,
         ended=ended,
-        series=Series(
-            gear.mesh.contact_law,
-            tuple(each.path for each in problem.unknowns),
-            titles(problem),
-            _all_unknowns(ended),
-            levels.values,
-            ended.by_law,
-        ),
+        series=Series(law, fitted, titles(problem), _all_unknowns(ended), levels.values, ended.by_law),
         refusals=tuple(refused),
     )
 
@@ -621,20 +615,11 @@ def _fitted_passes(ended: Ended) -> list[FittedPass]:
         own = [i for i, test in enumerate(rows.tests) if test == each.test]
         zero = rows.values[own[1]] - of_rows[own[1]] if len(own) == 2 else 0.0
         half = NORMAL * float(np.sqrt(max(variances[own[0]], 0.0)))
-        drawn.append(
-            FittedPass(
-                problem.measurement.names[each.run],
-                each.test.title,
-                each.test.of_kind.by_angle,
-                each.direction,
-                each.angle,
-                each.value,
-                block.at(values, each.direction, each.angle - ended.offset[0]) + zero,
-                np.full(each.angle.size, half),
-                problem.whites[number],
-                each.test.unit,
-            )
-        )
+        name, test, white = problem.measurement.names[each.run], each.test, problem.whites[number]
+        model = block.at(values, each.direction, each.angle - ended.offset[0]) + zero
+        band, by_angle = np.full(each.angle.size, half), test.of_kind.by_angle
+        measured = name, test.title, by_angle, each.direction, each.angle, each.value
+        drawn.append(FittedPass(*measured, model, band, white, test.unit))
     return drawn
 
 
@@ -665,7 +650,7 @@ def shape_claims(fit: Fit) -> dict[str, float]:
 
     One simulation for each parameter of the level.
     """
-    problem, gear = fit.problem, fit.given
+    problem, gear = fit.ended.problem, fit.given
     held = {path: fit.gear.value_at(path) for path in (*VECTORS, *SIGNED, "rack.bow_angle")}
     names = [j for j, each in enumerate(problem.unknowns) if each.is_level]
     own = replace(problem, unknowns=[problem.unknowns[j] for j in names])

@@ -198,23 +198,20 @@ def _runs(test: BenchTest, passes: Sequence[MeasuredPass], gain: float) -> tuple
 
 def _parts(test: BenchTest, runs: Sequence[_Run]) -> list[Parts]:
     """The parts of each run over the angles that all passes cover; rows: half difference, half sum."""
-    ends = [(float(angle.min()), float(angle.max())) for run in runs for angle, _ in run.passes]
-    low, high = max(end[0] for end in ends), min(end[1] for end in ends)
-    shortest = min(end[1] - end[0] for end in ends)
+    begins, ends = np.array([(angle.min(), angle.max()) for run in runs for angle, _ in run.passes]).T
+    low, high, shortest = float(begins.max()), float(ends.min()), float((ends - begins).min())
     if high - low < OVERLAP * shortest or not high > low:
         raise InputError(
             f"the passes of {test.title} cover different angles of the pinion: they share "
             f"{np.degrees(max(high - low, 0.0)):.3g} of {np.degrees(shortest):.3g} deg; measure the same "
             "range forth and back, and in each run."
         )
-    found = []
-    for run in runs:
-        parts = parts_of(run.passes, low, high)
-        if len(run.passes) == 2:
-            forth, back = parts.values
-            parts = replace(parts, values=np.array([(forth - back) / 2, (forth + back) / 2]))
-        found.append(parts)
-    return found
+    found = [parts_of(run.passes, low, high) for run in runs]
+    if len(runs[0].passes) == 1:
+        return found
+    means = [each.values for each in found]
+    halves = [np.array([(forth - back) / 2, (forth + back) / 2]) for forth, back in means]
+    return [replace(each, values=values) for each, values in zip(found, halves, strict=True)]
 
 
 def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: float) -> LevelEstimate:

@@ -227,11 +227,8 @@ class _Design:
 
     def cost(self, runs: Runs) -> float:
         """Minutes of a programme."""
-        return sum(
-            self.minutes[test.kind].setup + count * self.minutes[test.kind].run
-            for test, count in runs.items()
-            if count
-        )
+        made = [(self.minutes[test.kind], count) for test, count in runs.items() if count]
+        return sum(each.setup + count * each.run for each, count in made)
 
     def information(self, runs: Runs) -> tuple[np.ndarray, np.ndarray]:
         """Information of a programme (n, n) with the beliefs, and what the other law moves (n,)."""
@@ -293,20 +290,18 @@ def _exchanged(design: _Design, runs: Runs, targets: Mapping[str, float]) -> dic
     """The programme with runs of one test exchanged for those of others, while that is cheaper."""
     now = {**dict.fromkeys(design.models, 0), **runs}
     while True:
-        cheaper = None
+        cheapest, best = design.cost(now), None
         for less, more, added in product(now, now, (1, 2, 3)):
             if less == more or now[more] + added > MOST_RUNS:
                 continue
             for left in _left(less, now[less]):
                 tried = {**now, less: left, more: now[more] + added}
                 cost = design.cost(tried)
-                if cost < (design.cost(now) if cheaper is None else cheaper[0]) - 1e-9 and _reached(
-                    design.halves(tried), targets
-                ):
-                    cheaper = cost, tried
-        if cheaper is None:
+                if cost < cheapest - 1e-9 and _reached(design.halves(tried), targets):
+                    cheapest, best = cost, tried
+        if best is None:
             return {test: count for test, count in now.items() if count}
-        now = {**dict.fromkeys(design.models, 0), **_reduced(design, cheaper[1], targets)}
+        now = {**dict.fromkeys(design.models, 0), **_reduced(design, best, targets)}
 
 
 def _in_order(design: _Design, runs: Runs, targets: Mapping[str, float]) -> Iterator[PlannedTest]:

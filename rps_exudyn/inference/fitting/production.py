@@ -194,10 +194,10 @@ def production_batch(
             on_progress(len(found) + len(refused), len(files))
     if len(found) < FEWEST:
         why = f"; the first refusal: {refused[min(refused)]}" if refused else ""
-        raise InputError(
-            f"--batch {folder} holds {len(found)} curves that can be read; a batch needs at least "
-            f"{FEWEST}{why}" + ("" if why.endswith(".") else ".")
+        needed = (
+            f"--batch {folder} holds {len(found)} curves that can be read; a batch needs at least {FEWEST}"
         )
+        raise InputError(f"{needed}{why}".removesuffix(".") + ".")
     gears = [found[number] for number in sorted(found)]
     return batch_of(gears, gear, tuple(refused[number] for number in sorted(refused)))
 
@@ -239,17 +239,9 @@ def batch_of(gears: Sequence[MeasuredGear], gear: SteeringGear, refused: tuple[s
     }
     alone = {path: float(middle / slope) for path, slope in zip(LEVEL, gradient, strict=True) if slope > 0}
     mean = float(np.exp(centre))
-    return Production(
-        tuple(gears),
-        refused,
-        mean,
-        mean * float(np.sqrt(variance)),
-        (float(middle), float(low), float(high)),
-        expected,
-        parameters,
-        alone,
-        drift_of(levels),
-    )
+    mean_sd, scatter = mean * float(np.sqrt(variance)), (float(middle), float(low), float(high))
+    drift = drift_of(levels)
+    return Production(tuple(gears), refused, mean, mean_sd, scatter, expected, parameters, alone, drift)
 
 
 def drift_of(values: np.ndarray, seed: int = 0) -> Drift:
