@@ -307,13 +307,10 @@ def _from_band(name: str, figure: str, band: Band, limits: Mapping[str, Limit]) 
         raise InputError(f"the runs give no {figure}.")
     limit, numbers = limits[name], band.drawn.numbers[figure]
     known = numbers[np.isfinite(numbers)]
-    nominal = band.nominal.summary[figure]
     share = float(np.count_nonzero(limit.keeps(known)) / numbers.size)
-    found = band.figures[figure]
-    missing = numbers.size - known.size
+    found, missing = band.figures[figure], numbers.size - known.size
     cause = next(iter(band.drawn.failures), "")
     remark = f"{missing} of {numbers.size} samples failed, most often {cause}" if missing else ""
-    row = requirement_row(
-        name, limit, (nominal, found.low, found.high), share, missing / numbers.size, remark
-    )
+    values = band.nominal.summary[figure], found.low, found.high
+    row = requirement_row(name, limit, values, share, missing / numbers.size, remark)
     return replace(row, error=band.nominal.errors.get(figure, 0.0))

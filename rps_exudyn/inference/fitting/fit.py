@@ -24,7 +24,7 @@ from rps_exudyn.inference.fitting.bench_tests import (
     measurement_of,
     read_measurement,
 )
-from rps_exudyn.inference.fitting.fitted import Ended, Fit, outcome_of, runout_in
+from rps_exudyn.inference.fitting.fitted import Ended, Fit, outcome_of, runout_in, with_runout_of
 from rps_exudyn.inference.fitting.level import levels_of
 from rps_exudyn.inference.fitting.level_fit import AGREED, LevelFit, LevelModel, fitted_levels, stepped
 from rps_exudyn.inference.fitting.nonlinear import OtherEnd, Solved, is_curved, shape_of
@@ -227,7 +227,7 @@ def _ended(problem: Problem, gear: SteeringGear, before: Series | None, believed
         if before is None:
             u[own] = stepped(model, begin).u[: len(own)]
             free = _with_runout(problem, gear.replace(settings_of(unknowns, u)), 0.0, believed, None)
-            u = _runout_in(problem, u, free)
+            u = with_runout_of(free, problem, u)
         shape, others = shape_of(problem, gear, u, search=before is None)
         begin[: len(own)] = shape.state.u[own]
     fitted, gear, offset = _levels(problem, model, gear, begin, shape, believed, corrected=before is not None)
@@ -278,15 +278,6 @@ def _with_runout(
     e_c, e_s = -runout.vector[1], -runout.vector[0]  # of -P (e_c sin + e_s cos) over the measured angle
     angle = float(np.arctan2(e_s, e_c)) + offset
     return gear.replace({"pinion.runout": max(runout.size, SMALLEST), "pinion.runout_angle": angle})
-
-
-def _runout_in(problem: Problem, u: np.ndarray, gear: SteeringGear) -> np.ndarray:
-    """The unknowns with the components of a gear's runout in place."""
-    u, size, angle = u.copy(), gear.pinion.runout, gear.pinion.runout_angle
-    for j, each in enumerate(problem.unknowns):
-        if each.path == "pinion.runout":
-            u[j] = size * (np.cos(angle) if each.component == "cos" else np.sin(angle))
-    return u
 
 
 def _by_other_law(ended: Ended, gear: SteeringGear) -> tuple[np.ndarray, list[str]]:

@@ -460,12 +460,18 @@ def outcome_of(ended: Ended, gear: SteeringGear, warnings: list[str], began: flo
 def _all_unknowns(ended: Ended) -> np.ndarray:
     """Values of all unknowns but the nuisances: of the level, of the runout, of the shape."""
     fitted = dict(zip([each.path for each in ended.levels.model.unknowns], ended.levels.end.u, strict=True))
-    size, angle = ended.gear.pinion.runout, ended.gear.pinion.runout_angle
-    u = np.zeros(len(ended.problem.unknowns)) if ended.shape is None else ended.shape.state.u.copy()
+    u = np.zeros(len(ended.problem.unknowns)) if ended.shape is None else ended.shape.state.u
+    u = with_runout_of(ended.gear, ended.problem, u)
     for j, each in enumerate(ended.problem.unknowns):
-        if each.is_level:
-            u[j] = fitted[each.path]
-        elif each.path == "pinion.runout":
+        u[j] = fitted.get(each.path, u[j])
+    return u
+
+
+def with_runout_of(gear: SteeringGear, problem: Problem, u: np.ndarray) -> np.ndarray:
+    """Return the unknowns (unknowns,) with the components of a gear's runout in place."""
+    u, size, angle = u.copy(), gear.pinion.runout, gear.pinion.runout_angle
+    for j, each in enumerate(problem.unknowns):
+        if each.path == "pinion.runout":
             u[j] = size * (np.cos(angle) if each.component == "cos" else np.sin(angle))
     return u
 

@@ -171,17 +171,11 @@ class LevelFit:
     values: np.ndarray
 
 
-RowsOf = Callable[[np.ndarray], np.ndarray]
-"""Simulated values (m,) -> rows (rows,)."""
-WithRunout = Callable[[SteeringGear, np.ndarray | None], SteeringGear]
-"""Gear and what was simulated of it last -> the gear with the runout that the half sum shows."""
-
-
 def fitted_levels(
     model: LevelModel,
     prediction: Prediction,
-    rows_of: RowsOf,
-    with_runout: WithRunout,
+    rows_of: Callable[[np.ndarray], np.ndarray],
+    with_runout: Callable[[SteeringGear, np.ndarray | None], SteeringGear],
     begin: np.ndarray,
     *,
     corrected: bool = False,
@@ -218,7 +212,9 @@ def fitted_levels(
                         raise
                     u = (u + begin_gear) / 2
                     continue
-                return LevelFit(model, replace(last, converged=False, why=str(error)), _kept(values, error))
+                if values is None:
+                    raise
+                return LevelFit(model, replace(last, converged=False, why=str(error)), values)
         else:
             raise NoPredictionError("no equilibrium between the expected gear and the fitted one")
         model = model.corrected(u, rows_of(values))
@@ -234,10 +230,5 @@ def fitted_levels(
         if moved < agreed:
             return LevelFit(model, end, values)
     why = f"{MOST_SIMULATIONS} simulations were not enough"
-    return LevelFit(model, replace(end, converged=False, why=end.why or why), _kept(values, None))
-
-
-def _kept(values: np.ndarray | None, error: NoPredictionError | None) -> np.ndarray:
-    if values is None:
-        raise error or NoPredictionError("nothing was simulated")
-    return values
+    assert values is not None
+    return LevelFit(model, replace(end, converged=False, why=end.why or why), values)

@@ -88,7 +88,10 @@ class Prediction:
     @classmethod
     def of(cls, tests: Sequence[BenchTest], whole: tuple[float, float] | None = None) -> "Prediction":
         """The prediction of tests; `whole` is the range of angles where the curve does not repeat [rad]."""
-        return cls([_block(test, whole) for test in tests])
+        low, high = whole or (-np.pi, np.pi)
+        turn = np.linspace(low, high, round((high - low) / MEAN_STEP) + 1)
+        grids = [(turn, whole is None) if test.of_kind.by_angle else (np.zeros(1), True) for test in tests]
+        return cls([CurveBlock(test, *grid) for test, grid in zip(tests, grids, strict=True)])
 
     def part(self, number: int, values: np.ndarray) -> np.ndarray:
         """The values (m, ...) of one block out of those of all."""
@@ -194,13 +197,6 @@ def formula_means(gear: SteeringGear, test: BenchTest) -> tuple[float, float]:
     if test.pushed:
         return pushing_force(gear, +1), pushing_force(gear, -1)
     return mean_state(gear, +1, test.load).torque, mean_state(gear, -1, test.load).torque
-
-
-def _block(test: BenchTest, whole: tuple[float, float] | None) -> CurveBlock:
-    if not test.of_kind.by_angle:
-        return CurveBlock(test, np.zeros(1), True)
-    low, high = whole or (-np.pi, np.pi)
-    return CurveBlock(test, np.linspace(low, high, round((high - low) / MEAN_STEP) + 1), whole is None)
 
 
 def within_the_teeth(gear: SteeringGear, low: float, high: float) -> tuple[float, float]:

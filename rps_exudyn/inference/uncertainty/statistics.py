@@ -131,7 +131,11 @@ class Polynomials:
         """From quantiles of the inputs, shape (n, inputs), even over 0 to 1, of independent groups."""
         count, inputs = u.shape
         degree = min(HIGHEST_DEGREE, count // (POINTS_PER_TERM * inputs))
-        columns = [_orthonormal(u[:, i], d) for i in range(inputs) for d in range(1, degree + 1)]
+        columns = [  # of mean 0 and variance 1 over 0 to 1
+            np.sqrt(2 * d + 1) * legval(2 * u[:, i] - 1, np.eye(d + 1)[d])
+            for i in range(inputs)
+            for d in range(1, degree + 1)
+        ]
         terms = np.stack([np.ones(count), *columns], axis=1)
         return cls(groups, degree, terms, np.linalg.pinv(terms))
 
@@ -177,8 +181,3 @@ def contributions(
 ) -> Contributions | None:
     """Return what each group of inputs contributes to the variance of one figure, see `Polynomials`."""
     return Polynomials.at(u, groups).contributions(numbers)
-
-
-def _orthonormal(u: np.ndarray, degree: int) -> np.ndarray:
-    """The Legendre polynomial of u, of mean 0 and variance 1 over 0 to 1."""
-    return np.asarray(np.sqrt(2 * degree + 1) * legval(2 * u - 1, np.eye(degree + 1)[degree]))
