@@ -526,6 +526,6 @@ def runout_of(
     middle = size / preload
     below, above = (1 - np.exp(-NORMAL * preload_sd)), (np.exp(NORMAL * preload_sd) - 1)
     least = max(0.0, float(middle - np.hypot((size - low) / preload, below * middle))) if is_found else 0.0
-    beyond = np.hypot((high - size) / preload, above * (middle if is_found else high / preload))
+    beyond = np.hypot((high - size) / preload, above * middle if is_found else above * high / preload)
     ends, angle_sd = (least, float(middle + beyond)), float(wave.sd / max(seen, 1e-300))
     return Runout(size, (low, high), middle, ends, is_found, wave.vector, angle_sd)
