@@ -38,12 +38,8 @@ def requirement_article(
         command: that makes it again.
     """
     of = {mark: [each for each in sheet if mark_of(each) is mark] for mark in ORDER}
-    rows = [
-        Row(
-            f"{len(of[Mark.KEPT])} of {len(sheet)}",
-            f"requirements kept by {100 * ASSURED:.0f} % of the gears",
-        )
-    ]
+    kept = f"{len(of[Mark.KEPT])} of {len(sheet)}"
+    rows = [Row(kept, f"requirements kept by {100 * ASSURED:.0f} % of the gears")]
     for mark in ORDER:
         if mark is Mark.NOT_KEPT:
             rows += [Row(WORDS[mark], _missed(each)) for each in of[mark]]
@@ -51,26 +47,18 @@ def requirement_article(
             rows.append(Row(WORDS[mark], listed([LABELS[each.name][0] for each in of[mark]])))
     changed = gear.changes()
     sources = [[LABELS[each.name][0], each.limit.source, each.remark, each.name] for each in sheet]
+    heads = ("requirement", "source", "computed by", "name in the file")
+    details = [
+        Fold("Sources of the limits, and choices", [Grid(heads, sources)]),
+        *([Fold("Parameters", [parameter_grid(changed)])] if changed else []),
+        Fold("Make it again", [provenance_facts(provenance()), CodeText(command)]),
+    ]
+    judged = [_judged(each, torque) for mark in ORDER for each in of[mark]]
     return Article(
         title="Requirements",
         lead=f"{gear_shown(gear)} · rated torque {torque:g} N m · contact law {law_of_sheet(gear)}",
         rows=rows,
-        sections=[
-            Section(
-                "All requirements", [Judged(HEADS, [_judged(each, torque) for m in ORDER for each in of[m]])]
-            ),
-            Section(
-                "Details",
-                [
-                    Fold(
-                        "Sources of the limits, and choices",
-                        [Grid(("requirement", "source", "computed by", "name in the file"), sources)],
-                    ),
-                    *([Fold("Parameters", [parameter_grid(changed)])] if changed else []),
-                    Fold("Make it again", [provenance_facts(provenance()), CodeText(command)]),
-                ],
-            ),
-        ],
+        sections=[Section("All requirements", [Judged(HEADS, judged)]), Section("Details", details)],
     )
 
 

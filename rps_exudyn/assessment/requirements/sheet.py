@@ -28,6 +28,7 @@ from rps_exudyn.gears.tooth_strength import (
     root_stress,
 )
 from rps_exudyn.inference.uncertainty.band import Band, OnProgress, band_of_runs
+from rps_exudyn.inference.uncertainty.quick_band import SCENE as TURN_FREELY
 from rps_exudyn.inference.uncertainty.quick_band import quick_band
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import FOR_MEANS
@@ -46,6 +47,7 @@ ASSURED = 0.95  # of the gears
 FEWEST = 8  # samples of a band
 RATED_TORQUE = 30.0  # [N m]
 LIGHTEST, HEAVIEST = 0.5, 400.0  # weights between which a kept efficiency is looked for [kg]
+NO_FACE_LOADING = "face load factor is 1, because contact forces are missing: "
 LABELS_OF_FACE = {"load_centre": "load centre", "contact_pressure_max": "pressure"}
 TURNING = {
     "free_torque": "torque_mean",
@@ -53,6 +55,7 @@ TURNING = {
     "variation_off_centre": "torque_off_centre_variation",
 }
 """Requirement -> figure of a run that turns the pinion freely."""
+BandOf = Callable[[SteeringGear], Band]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,19 +139,21 @@ def judge(
         report(0, 1)
         return report
 
-    turning = counted("free torque and its variation", 0)
-    yield from _of_turning(gear, inputs, limits, samples, jobs, turning)
-    efficiency = counted("efficiencies", samples)
-    yield _row(
-        "efficiency_ratio", limits, partial(_of_efficiency, gear, inputs, limits, few, jobs, efficiency)
-    )
+    def band_of(scene: str, samples: int, report: OnProgress) -> BandOf:
+        runs = quick_band if scene == TURN_FREELY else partial(band_of_runs, scene)
+        return lambda of: runs(of, FOR_MEANS, inputs, samples, on_progress=report, jobs=jobs)
+
+    turning = band_of(TURN_FREELY, samples, counted("free torque and its variation", 0))
+    yield from _of_turning(gear, limits, turning)
+    loaded = band_of(LOAD_TEST.name, few, counted("efficiencies", samples))
+    yield _row("efficiency_ratio", limits, partial(_of_efficiency, gear, limits, loaded))
     pair = GearPair.of(gear)
     bears = borne_under(gear, rated_torque)
     for name, form in {"rated_root_pinion": pinion_form(pair), "rated_root_rack": rack_form(pair)}.items():
         yield _row(name, limits, partial(_of_root, name, form, gear, rated_torque, bears, limits))
     yield _row("rated_flank", limits, partial(_of_flank, gear, rated_torque, bears, limits))
-    lift = counted(f"lift under {rated_torque:g} N m", samples + few)
-    yield _row("rated_lift", limits, partial(_of_lift, gear, inputs, limits, rated_torque, few, jobs, lift))
+    lifted = band_of(RACK_LIFT.name, few, counted(f"lift under {rated_torque:g} N m", samples + few))
+    yield _row("rated_lift", limits, partial(_of_lift, gear, limits, rated_torque, lifted))
     yield _exact("travel", 2 * RackBar.of(gear).largest_displacement, limits)
     yield _exact("gain", 2 * np.pi * float(pair.gain), limits)
 
@@ -176,28 +181,14 @@ def _not_evaluated(name: str, limits: Mapping[str, Limit], error: InputError) ->
     return requirement_row(name, limits[name], (np.nan,) * 3, 0.0, remark=f"Not evaluated: {cause}")
 
 
-def _of_turning(
-    gear: SteeringGear,
-    inputs: Mapping[str, Distribution],
-    limits: Mapping[str, Limit],
-    samples: int,
-    jobs: int,
-    on_progress: OnProgress,
-) -> Iterator[RequirementRow]:
+def _of_turning(gear: SteeringGear, limits: Mapping[str, Limit], band_of: BandOf) -> Iterator[RequirementRow]:
     """Torques over a turn about the centre; lock to lock where the torque changes along the travel."""
     path: dict[str, object] = {"test.path": "lock-to-lock"}
     if not (gear.rack.bow or gear.rack.pitch_errors or gear.installation.gravity):
         start = -np.pi * gear.test.direction
         path = {"test.path": "there-and-back", "test.start_angle": start, "test.turns": 1.0}
     try:
-        band = quick_band(
-            gear.replace(path),
-            FOR_MEANS,
-            inputs,
-            samples,
-            on_progress=on_progress,
-            jobs=jobs,
-        )
+        band = band_of(gear.replace(path))
     except InputError as error:
         yield from (_not_evaluated(name, limits, error) for name in TURNING)
         return
@@ -205,25 +196,9 @@ def _of_turning(
         yield _row(name, limits, partial(_from_band, name, figure, band, limits))
 
 
-def _of_efficiency(
-    gear: SteeringGear,
-    inputs: Mapping[str, Distribution],
-    limits: Mapping[str, Limit],
-    samples: int,
-    jobs: int,
-    on_progress: OnProgress,
-) -> RequirementRow:
+def _of_efficiency(gear: SteeringGear, limits: Mapping[str, Limit], band_of: BandOf) -> RequirementRow:
     short = gear.replace({"test.path": "there-and-back", "test.turns": 2 / gear.pinion.teeth})
-    band = band_of_runs(
-        LOAD_TEST.name,
-        short,
-        FOR_MEANS,
-        inputs,
-        samples,
-        on_progress=on_progress,
-        jobs=jobs,
-    )
-    judged = _from_band("efficiency_ratio", "efficiency_ratio", band, limits)
+    judged = _from_band("efficiency_ratio", "efficiency_ratio", band_of(short), limits)
     weight = f"With {gear.test.load_mass:.4g} kg; the ratio is about 1 − (T₀ / W s′)²"
     if judged.verdict is Verdict.PASS:
         return replace(judged, remark=weight)
@@ -249,14 +224,9 @@ def borne_under(gear: SteeringGear, torque: float) -> FaceLoading:
         pitch = {"test.path": "one-way", "test.turns": 1 / gear.pinion.teeth, "test.load_mass": mass}
         result = simulate(LOAD_TEST.name, gear.replace(pitch), FOR_MEANS)
     except InputError as error:
-        return FaceLoading(
-            1.0, f"face load factor is 1, because contact forces are missing: {' '.join(error.problems)}"
-        )
+        return FaceLoading(1.0, NO_FACE_LOADING + " ".join(error.problems))
     if result.status is not Status.OK or "face_load_factor" not in result.summary:
-        return FaceLoading(
-            1.0,
-            f"face load factor is 1, because contact forces are missing: {result.status} {result.message}",
-        )
+        return FaceLoading(1.0, f"{NO_FACE_LOADING}{result.status} {result.message}")
     pair, summary = GearPair.of(gear), result.summary
     factor = max(1.0, summary["face_load_factor"] * bearing_face(pair) / pair.face_width)
     found = [f"{text} {SUMMARY[name].show(summary[name])}" for name, text in LABELS_OF_FACE.items()]
@@ -291,9 +261,8 @@ def _of_flank(
     pair = GearPair.of(gear)
     stress = float(np.sqrt(bears.factor)) * flank_stress(gear, torque)
     row = _exact("rated_flank", stress, limits, stress * bears.error / (2 * bears.factor))
-    shared = (
-        f"Z_epsilon {flank_sharing(pair):.3g} for a contact ratio of {transverse_contact_ratio(pair):.2g}"
-    )
+    ratio = transverse_contact_ratio(pair)
+    shared = f"Z_epsilon {flank_sharing(pair):.3g} for a contact ratio of {ratio:.2g}"
     return replace(row, remark=f"{_face(pair)}, {shared}, all other K = 1; {bears.words}")
 
 
@@ -305,18 +274,9 @@ def _face(pair: GearPair) -> str:
 
 
 def _of_lift(
-    gear: SteeringGear,
-    inputs: Mapping[str, Distribution],
-    limits: Mapping[str, Limit],
-    rated_torque: float,
-    samples: int,
-    jobs: int,
-    on_progress: OnProgress,
+    gear: SteeringGear, limits: Mapping[str, Limit], rated_torque: float, band_of: BandOf
 ) -> RequirementRow:
-    lifting = gear.replace({"test.lift_torque": rated_torque})
-    lift = band_of_runs(
-        RACK_LIFT.name, lifting, FOR_MEANS, inputs, samples, on_progress=on_progress, jobs=jobs
-    )
+    lift = band_of(gear.replace({"test.lift_torque": rated_torque}))
     return _from_band("rated_lift", "rack_lift", lift, limits)
 
 
@@ -347,13 +307,10 @@ def _from_band(name: str, figure: str, band: Band, limits: Mapping[str, Limit]) 
         raise InputError(f"the runs give no {figure}.")
     limit, numbers = limits[name], band.drawn.numbers[figure]
     known = numbers[np.isfinite(numbers)]
-    nominal = band.nominal.summary[figure]
     share = float(np.count_nonzero(limit.keeps(known)) / numbers.size)
-    found = band.figures[figure]
-    missing = numbers.size - known.size
+    found, missing = band.figures[figure], numbers.size - known.size
     cause = next(iter(band.drawn.failures), "")
     remark = f"{missing} of {numbers.size} samples failed, most often {cause}" if missing else ""
-    row = requirement_row(
-        name, limit, (nominal, found.low, found.high), share, missing / numbers.size, remark
-    )
+    values = band.nominal.summary[figure], found.low, found.high
+    row = requirement_row(name, limit, values, share, missing / numbers.size, remark)
     return replace(row, error=band.nominal.errors.get(figure, 0.0))

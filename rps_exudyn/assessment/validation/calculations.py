@@ -116,16 +116,9 @@ def _load_test(mass: float, guided: float) -> LoadTest:
 CALCULATIONS: dict[str, Callable[..., float]] = {
     each.__name__: each
     for each in (
-        iso_single_stiffness,
-        iso_mesh_stiffness,
-        single_pair_stiffness,
-        default_approach,
-        bush_stiffness,
-        bar_frequency,
-        load_test_half_sum,
-        load_test_half_difference,
-        rack_lift_over_closed_form,
-        dynamics_over_equilibria,
+        *(iso_single_stiffness, iso_mesh_stiffness, single_pair_stiffness, default_approach),
+        *(bush_stiffness, bar_frequency, load_test_half_sum, load_test_half_difference),
+        *(rack_lift_over_closed_form, dynamics_over_equilibria),
     )
 }
 """Name in a row -> calculation."""

@@ -79,13 +79,9 @@ class ComparedRow(JudgedRow):
 
     def as_dict(self) -> dict[str, Any]:
         """Return the row for a JSON file, which has no nan: None stands for what is missing."""
-        data = self.row.data
+        row, data = self.row, self.row.data
         content = {
-            "name": self.name,
-            "title": self.row.title,
-            "kind": self.row.kind,
-            "source": self.row.source,
-            "note": self.row.note,
+            **{name: getattr(row, name) for name in ("name", "title", "kind", "source", "note")},
             "quantity": data.quantity,
             "unit": data.shown_as.unit,
             "S": self.value,
@@ -99,7 +95,7 @@ class ComparedRow(JudgedRow):
             "u_D": data.uncertainty,
             "u_val": self.uncertainty,
             "kept": self.kept and list(self.kept),
-            "agreement": self.row.agreement,
+            "agreement": row.agreement,
             "verdict": self.verdict.value,
             "message": self.remark,
         }
@@ -280,5 +276,4 @@ def _of_band(band: Band) -> dict[str, Simulated]:
 
 
 def _missing(message: str) -> Simulated:
-    nan = float("nan")
-    return Simulated(nan, nan, nan, nan, nan, message)
+    return Simulated(np.nan, np.nan, np.nan, np.nan, np.nan, message)

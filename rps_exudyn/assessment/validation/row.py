@@ -169,9 +169,9 @@ class _Reader:
         self.wrong(key, f"is {shown(value)}; it must be text")
         return ""
 
-    def one_of(self, table: Mapping[str, Any], key: str, allowed: tuple[str, ...], usual: str = "") -> str:
-        value = table.get(key, usual)
-        if value in allowed or (value == usual and usual):
+    def one_of(self, table: Mapping[str, Any], key: str, allowed: tuple[str, ...]) -> str:
+        value = table.get(key, "")
+        if value in allowed:
             return str(value)
         self.wrong(key, f"is {shown(value)}; it must be one of {', '.join(allowed)}")
         return allowed[0]
@@ -191,23 +191,16 @@ class _Reader:
         ways = [way for way in ("scene", "geometry", "calculation") if way in table]
         if len(ways) != 1:
             self.wrong("procedure", "needs one of scene, geometry and calculation")
-        scene = self.one_of(table, "scene", SCENE_NAMES) if "scene" in table else ""
-        names = tuple(CALCULATIONS)
-        calculation = self.one_of(table, "calculation", names) if "calculation" in table else ""
-        inputs = self.one_of(table, "inputs", tuple(SETS)) if "inputs" in table else ""
+        allowed = {"scene": SCENE_NAMES, "calculation": tuple(CALCULATIONS), "inputs": tuple(SETS)}
+        scene, calculation, inputs = (
+            self.one_of(table, key, names) if key in table else "" for key, names in allowed.items()
+        )
         samples = table.get("samples", SAMPLES)
         if type(samples) is not int or samples < 8:
             self.wrong("procedure.samples", f"is {shown(samples)}; it must be a whole number of at least 8")
-        return Procedure(
-            scene,
-            bool(table.get("geometry")),
-            calculation,
-            self.table(table, "arguments"),
-            table.get("fidelity", "quasi-static"),
-            inputs,
-            samples,
-            self.table(table, "set"),
-        )
+        geometry, fidelity = bool(table.get("geometry")), table.get("fidelity", "quasi-static")
+        arguments, settings = self.table(table, "arguments"), self.table(table, "set")
+        return Procedure(scene, geometry, calculation, arguments, fidelity, inputs, samples, settings)
 
     def data(self, table: Mapping[str, Any], procedure: Procedure) -> Data:
         name = self.text(table, "quantity")

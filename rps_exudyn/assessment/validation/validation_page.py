@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Sequence
+from functools import partial
 from math import inf, isfinite
 from typing import Any
 
@@ -31,17 +32,8 @@ from rps_exudyn.results.judged_row import ON_COMPARISONS, Verdict
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.results.rounding import rounded
 
-COLUMNS = (
-    "row",
-    "D",
-    "S (5 to 95 %)",
-    "E",
-    "u_num",
-    "u_input",
-    "u_D",
-    "E / u_val, or gears that keep a limit",
-    "verdict",
-)
+RATIO = "E / u_val, or gears that keep a limit"
+COLUMNS = ("row", "D", "S (5 to 95 %)", "E", "u_num", "u_input", "u_D", RATIO, "verdict")
 TITLES = {
     "validation": "Validation: data of gears",
     "comparison": "Code to code: other programs and models",
@@ -93,9 +85,13 @@ def validation_article(comparisons: Sequence[ComparedRow], command: str) -> Arti
         some = [each for each in comparisons if each.row.kind == kind]
         if some:
             some.sort(key=lambda each: (ORDER.index(mark_of(each)), each.row.title))
-            notes = Grid(("row", "source", "note"), [_note(each) for each in some])
+            said = [" ".join(part for part in (each.row.note, each.remark) if part) for each in some]
+            notes = [[each.row.title, each.row.source, text] for each, text in zip(some, said, strict=True)]
             numbers = Grid(COLUMNS, [row_cells(each) for each in some])
-            folds = [Fold("Sources and notes", [notes]), Fold("Errors and uncertainties", [numbers])]
+            folds = [
+                Fold("Sources and notes", [Grid(("row", "source", "note"), notes)]),
+                Fold("Errors and uncertainties", [numbers]),
+            ]
             sections.append(Section(TITLES[kind], [Judged(HEADS, [_judged(each) for each in some]), *folds]))
     verdicts = Facts([(each.value, each.meaning) for each in ON_COMPARISONS])
     details = [
@@ -109,10 +105,6 @@ def validation_article(comparisons: Sequence[ComparedRow], command: str) -> Arti
 
 def _judged(each: ComparedRow) -> Judgement:
     data = each.row.data
-
-    def show(value: float) -> str:
-        return rounded(data.shown_as, value)
-
     ends = limits_of(data.side, data.value, data.ends)
     if not any(map(isfinite, ends)):
         ends = (-inf, inf)
@@ -122,6 +114,7 @@ def _judged(each: ComparedRow) -> Judgement:
     verdict = f"{each.verdict.value} · {published}"
     if each.kept_shown:
         verdict += f", {each.kept_shown}"
+    show = partial(rounded, data.shown_as)
     return judgement(each, title, what.strip(), show, ends, verdict, remark, is_published=True)
 
 
@@ -137,19 +130,8 @@ def row_cells(each: ComparedRow) -> list[str]:
     uncertainties = [show(value) if value else "0" for value in (each.u_num, each.u_input, data.uncertainty)]
     ratio = f"{abs(each.error) / each.uncertainty:.2g}" if each.uncertainty and not data.side else ""
     ratio = each.kept_shown or ratio
-    return [
-        each.row.title,
-        shown,
-        show(each.value) + (f" ({band})" if band else ""),
-        show(each.error),
-        *uncertainties,
-        ratio,
-        each.verdict.value,
-    ]
-
-
-def _note(each: ComparedRow) -> list[str]:
-    return [each.row.title, each.row.source, " ".join(part for part in (each.row.note, each.remark) if part)]
+    value = show(each.value) + (f" ({band})" if band else "")
+    return [each.row.title, shown, value, show(each.error), *uncertainties, ratio, each.verdict.value]
 
 
 def validation_figure(comparisons: Sequence[ComparedRow]) -> Figure:
@@ -161,16 +143,8 @@ def validation_figure(comparisons: Sequence[ComparedRow]) -> Figure:
         size = abs(each.row.data.value)
         error, half = 100 * each.error / size, 100 * COVERAGE * each.uncertainty / size
         mark: Any = {1: "<", -1: ">"}.get(each.row.data.side, "o")
-        axes.errorbar(
-            error,
-            place,
-            xerr=half,
-            fmt=mark,
-            color=COLOURS[each.verdict],
-            markersize=5,
-            capsize=2,
-            linewidth=1,
-        )
+        look: Any = {"color": COLOURS[each.verdict], "markersize": 5, "capsize": 2, "linewidth": 1}
+        axes.errorbar(error, place, xerr=half, fmt=mark, **look)
     style.signed_decades(axes, LINEAR)
     axes.set_yticks(range(len(shown)), [each.row.title for each in shown], fontsize=8)
     axes.set_ylim(len(shown) - 0.3, -0.7)

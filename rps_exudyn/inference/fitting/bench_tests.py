@@ -13,6 +13,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from operator import itemgetter
 from pathlib import Path
 
 import numpy as np
@@ -77,10 +78,7 @@ SHORTEST = 0.2  # of the longest pass: what is shorter is a jerk, whose torque s
 WHOLE = 0.8  # of the longest pass one way: what is shorter is the way to the start, or a part of a pass
 SEAM = 0.05  # of the travel, by which two parts of a pass may overlap or lie apart
 TURNING = np.radians(3.0)  # after a turn of a reversal, where friction is still turning about
-LATE, TOO_LATE = (
-    np.radians(3.0),
-    np.radians(15.0),
-)  # after or before a turn, by which a torque changes: said, refused
+LATE, TOO_LATE = np.radians([3.0, 15.0])  # after or before a turn, where a torque changes: said, refused
 SETTLED = 0.25  # of a pass, from its end, that shows the torque of a direction
 
 
@@ -205,11 +203,8 @@ def measurement_of(curves: Iterable[tuple[BenchTest, MeasuredTorque]]) -> Measur
     Raises:
         InputError: there are none.
     """
-    found: list[MeasuredPass] = []
-    names: list[str] = []
-    assumed: list[str] = []
-    left_out: list[str] = []
-    late: list[str] = []
+    found = list[MeasuredPass]()
+    names, assumed, left_out, late = (list[str]() for _ in range(4))
     for run, (test, curve) in enumerate(curves):
         driven, measured = test.of_kind.quantities
         signals = {"pinion_angle": curve.signals[driven], "value": curve.signals[measured]}
@@ -283,10 +278,8 @@ def _joined(turned: Sequence[Pass]) -> list[Pass]:
         if other is not None:
             left.remove(other)
             parts = sorted((first, other), key=lambda each: first.direction * float(each.angle.mean()))
-            first = Pass(
-                first.direction,
-                {name: np.concatenate([each.signals[name] for each in parts]) for name in first.signals},
-            )
+            joined = {name: np.concatenate([each.signals[name] for each in parts]) for name in first.signals}
+            first = Pass(first.direction, joined)
         found.append(first)
     return found
 
@@ -305,11 +298,9 @@ def _are_parts(first: Pass, second: Pass, turned: Sequence[Pass]) -> bool:
 
 def _are_whole(found: Sequence[MeasuredPass]) -> list[bool]:
     """Which passes cover most of what the longest one their way covers."""
-    longest = {
-        sense: max((float(np.ptp(each.angle)) for each in found if each.direction == sense), default=0.0)
-        for sense in (1, -1)
-    }
-    return [bool(np.ptp(each.angle) > WHOLE * longest[each.direction]) for each in found]
+    covered = [(each.direction, float(np.ptp(each.angle))) for each in found]
+    longest = {sense: max(angle for way, angle in covered if way == sense) for sense, _ in covered}
+    return [angle > WHOLE * longest[sense] for sense, angle in covered]
 
 
 def _measured_pass(test: BenchTest, run: int, turned: Pass, after: float = 0.0) -> MeasuredPass:
@@ -372,29 +363,36 @@ def _with_signs(found: list[MeasuredPass], name: str) -> tuple[list[MeasuredPass
     Raises:
         InputError: they have signs that friction cannot have.
     """
-    kind, load = found[0].test.kind, found[0].test.load
-    ways = {sense: [each for each in found if each.direction == sense] for sense in (+1, -1)}
-    means = {sense: float(np.mean([each.value.mean() for each in way])) for sense, way in ways.items() if way}
-    if KINDS[kind].weighted:
-        if max(means.values()) < 0:
-            turned = BenchTest(kind, -load)
-            return [_replaced(each, turned, 1) for each in found], ["the weight pulls the rack towards +X"]
+    test = found[0].test
+    if test.of_kind.weighted:
+        if max(_means(found).values()) < 0:
+            turned = BenchTest(test.kind, -test.load)
+            return [replace(each, test=turned) for each in found], ["the weight pulls the rack towards +X"]
         return found, []
-    _check_signs(ways, means, name)
-    factors, said = _factors(means)
-    return [_replaced(each, each.test, factors[each.direction]) for each in found], said
+    factors, said = _factors(found, name)
+    return [_turned(each, factors[each.direction]) for each in found], said
 
 
-def _factors(means: dict[int, float]) -> tuple[dict[int, int], list[str]]:
-    """Factors that give torques of both directions the signs of result files, and what is said of it."""
+def _means(found: Sequence[MeasuredPass]) -> dict[int, float]:
+    """Direction -> mean over its passes."""
+    ways = {sense: [each.value.mean() for each in found if each.direction == sense] for sense in (1, -1)}
+    return {sense: float(np.mean(way)) for sense, way in ways.items() if way}
+
+
+def _factors(found: Sequence[MeasuredPass], name: str) -> tuple[dict[int, int], list[str]]:
+    """Factors that give torques of both directions the signs of result files, and what is said of it.
+
+    Raises:
+        InputError: the means are no friction about zero.
+    """
+    means = _means(found)
+    _check_signs(found, means, name)
     if len(means) == 2 and means[1] * means[-1] > 0:
         sign = 1 if means[1] > 0 else -1
-        return {1: sign, -1: -sign}, [
-            "torques with one sign in both directions are read as against the motion"
-        ]
+        said = "torques with one sign in both directions are read as against the motion"
+        return {1: sign, -1: -sign}, [said]
     if any(sense * mean < 0 for sense, mean in means.items()):
-        said = "torques are negative along the motion; their signs are reversed"
-        return {1: -1, -1: -1}, [said]
+        return {1: -1, -1: -1}, ["torques are negative along the motion; their signs are reversed"]
     return {1: 1, -1: 1}, []
 
 
@@ -409,13 +407,10 @@ def with_signs(curve: MeasuredTorque) -> MeasuredTorque:
     turned = [each for each in turned if np.ptp(each.angle) > shortest]
     test = BenchTest("free")
     own = [MeasuredPass(test, 0, p.direction, p.angle, p.signals["pinion_torque"]) for p in turned]
-    ways = {sense: [each for each in own if each.direction == sense] for sense in (1, -1)}
-    means = {sense: float(np.mean([each.value.mean() for each in way])) for sense, way in ways.items() if way}
     try:
-        _check_signs(ways, means, curve.name)
+        factors, said = _factors(own, curve.name)
     except InputError:
         return curve
-    factors, said = _factors(means)
     if not said:
         return curve
     begins = np.array([int(each.signals["row"].min()) for each in turned])
@@ -426,14 +421,14 @@ def with_signs(curve: MeasuredTorque) -> MeasuredTorque:
     return replace(curve, signals={**curve.signals, "pinion_torque": torque}, assumed=(*curve.assumed, *said))
 
 
-def _check_signs(ways: dict[int, list[MeasuredPass]], means: dict[int, float], name: str) -> None:
+def _check_signs(found: Sequence[MeasuredPass], means: dict[int, float], name: str) -> None:
     """Refuse means of passes that are no friction about zero.
 
     Raises:
         InputError: they have both signs in one direction, or one sign and different sizes in both.
     """
-    for way in ways.values():
-        own = [float(each.value.mean()) for each in way]
+    for sense in (1, -1):
+        own = [float(each.value.mean()) for each in found if each.direction == sense]
         if own and -min(own) > UNSIGNED * max(own) > 0 > min(own) * max(own):
             raise InputError(
                 f"{name} has passes in one direction of the angle whose torques have opposite signs, "
@@ -448,9 +443,9 @@ def _check_signs(ways: dict[int, list[MeasuredPass]], means: dict[int, float], n
         )
 
 
-def _replaced(each: MeasuredPass, test: BenchTest, sign: int) -> MeasuredPass:
+def _turned(each: MeasuredPass, sign: int) -> MeasuredPass:
     recorded = each.recorded and (each.recorded[0], sign * each.recorded[1])
-    return replace(each, test=test, value=sign * each.value, recorded=recorded)
+    return replace(each, value=sign * each.value, recorded=recorded)
 
 
 def mixed_speeds(measurement: Measurement, gain: float) -> list[str]:
@@ -458,19 +453,18 @@ def mixed_speeds(measurement: Measurement, gain: float) -> list[str]:
 
     `gain` is the rack's travel per turning angle [m/rad], which compares a rack push with the others.
     """
-    found = [
-        (float(np.min(each.speeds)) / size, float(np.max(each.speeds)) / size, each)
+    turned = [
+        (speed / (gain if each.test.pushed else 1.0), f"{measurement.names[each.run]} ({each.test.title})")
         for each in measurement.passes
-        if each.speeds.size and (size := gain if each.test.pushed else 1.0)
+        for speed in each.speeds.tolist()
     ]
-    if not found:
+    if not turned:
         return []
-    slowest, fastest = min(found, key=lambda each: each[0]), max(found, key=lambda each: each[1])
-    if fastest[1] < MIXED * slowest[0]:
+    slowest, fastest = (find(turned, key=itemgetter(0)) for find in (min, max))
+    if fastest[0] < MIXED * slowest[0]:
         return []
-    low, high = (f"{np.degrees(speed):.3g} deg/s" for speed in (slowest[0], fastest[1]))
-    where = [f"{measurement.names[each.run]} ({each.test.title})" for *_, each in (slowest, fastest)]
-    places = where[0] if where[0] == where[1] else " and ".join(where)
+    low, high = (f"{np.degrees(speed):.3g} deg/s" for speed, _ in (slowest, fastest))
+    places = " and ".join(dict.fromkeys((slowest[1], fastest[1])))
     return [
         f"speeds are mixed, {low} to {high} in {places}: one friction coefficient is fitted to all of "
         f"them; run every test at one speed"

@@ -39,20 +39,17 @@ class Refusal:
 
 def refusals(problem: Problem, levels: LevelFit) -> list[Refusal]:
     """Return what contradicts the model: the data as a whole, and the load tests."""
+    by_load = (
+        "half the torque difference changes with the weight although no flank lifts: friction depends on the "
+        "load, or the runs differ by more than the declared repeatability"
+    )
     checks = (
         (_data_probability(levels), UNLIKELY, "chi-squared", "levels of the tests contradict each other"),
-        (
-            _load_probability(problem, levels),
-            BY_CHANCE,
-            "weights",
-            "half the torque difference changes with the weight although no flank lifts: friction depends "
-            "on the load, or the runs differ by more than the declared repeatability",
-        ),
+        (_load_probability(problem, levels), BY_CHANCE, "weights", by_load),
     )
+    said = "no parameter counts as found: {} (probability {:.2g}, limit {:g})"
     return [
-        Refusal(
-            name, f"no parameter counts as found: {what} (probability {probability:.2g}, limit {limit:g})"
-        )
+        Refusal(name, said.format(what, probability, limit))
         for probability, limit, name, what in checks
         if probability < limit
     ]
@@ -85,11 +82,8 @@ def _load_probability(problem: Problem, levels: LevelFit) -> float:
     if not free:
         return 1.0
     level = formula[free[0]]
-    own = [
-        i
-        for i in own
-        if (i in free or rows.tests[i].of_kind.weighted) and abs(formula[i] / level - 1) < FLAT_LOAD
-    ]
+    own = [i for i in own if i in free or rows.tests[i].of_kind.weighted]
+    own = [i for i in own if abs(formula[i] / level - 1) < FLAT_LOAD]
     if len(own) < 2:
         return 1.0
     masses = np.array([abs(rows.tests[i].load) / GRAVITY for i in own])
@@ -154,18 +148,17 @@ def _rig(level: LevelEstimate, gear: SteeringGear) -> Iterator[str]:
         if order == 1:
             if level.first is None or not level.both_ways:
                 continue
-            share = _eccentric_share(gear)
+            of_friction, stored = runout_harmonics(gear.replace({"pinion.runout": 1e-6}))
+            share = of_friction / abs(stored)  # of an eccentric pinion alone
             c, s = level.first.vector
             vector = vector - share * np.array([-s, c])
             sd = float(np.hypot(sd, share * level.first.sd))
         size = float(np.hypot(*vector))
         if size > OWN_WAVE * sd and size > NAMED * value:
             times = "once" if order == 1 else "twice"
-            teeth = level.tooth_waves.get(1.0)
+            teeth, ratio = level.tooth_waves.get(1.0), gear.pinion.teeth / order
             if teeth is not None and not teeth.is_seen:
-                name += (
-                    f", or the teeth, where an encoder counts {gear.pinion.teeth / order:g} times the angle"
-                )
+                name += f", or the teeth, where an encoder counts {ratio:g} times the angle"
             yield f"friction changes by {100 * size / value:.2g} % {times} per turn: {name}"
     bend, sd = level.bend
     if abs(bend) > OWN_BEND * sd and abs(bend) > NAMED * value:
@@ -176,20 +169,12 @@ def _rig(level: LevelEstimate, gear: SteeringGear) -> Iterator[str]:
     yield from encoder_doubts(level, gear.pinion.teeth)
 
 
-def _eccentric_share(gear: SteeringGear) -> float:
-    """Friction's first order over that of the half sum, of an eccentric pinion alone."""
-    own, stored = runout_harmonics(gear.replace({"pinion.runout": 1e-6}))
-    return own / abs(stored)
-
-
 def encoder_doubts(level: LevelEstimate, teeth: int) -> Iterator[str]:
     """What is to be said if the teeth show at another order of the angle than their number."""
     waves = level.tooth_waves
     own = waves.get(1.0)
-    if own is None:
-        return
     others = {ratio: wave for ratio, wave in waves.items() if ratio != 1.0 and wave.size > ENCODER * wave.sd}
-    if not others:
+    if own is None or not others:
         return
     ratio = max(others, key=lambda each: others[each].size)
     wrong = not own.is_seen if ratio > 1 else others[ratio].size > 1.5 * own.size

@@ -1,6 +1,7 @@
 """What a fit found, in sentences: for the screen, the page and the head of the gear file."""
 
 from collections.abc import Iterator
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -35,8 +36,7 @@ def shown(path: str, value: float) -> str:
 def interval_shown(each: Estimate) -> str:
     """The 95 % interval of an estimate, in its unit."""
     low, high = (shown(each.path, value) for value in each.interval)
-    unit = declared(each.path.partition(" ")[0]).unit
-    return f"{low.split()[0]} to {high}" if unit is not None else f"{low} to {high}"
+    return f"{low.split()[0]} to {high}"
 
 
 def level_sentence(fit: Fit) -> str:
@@ -122,16 +122,15 @@ def open_sentences(fit: Fit) -> Iterator[str]:
     """What these tests leave open, and which tests or how many repeats would determine it."""
     if said := runout_sentence(fit):
         yield said
-    yield from _apart_sentences(fit)
+    left = [each.path for each in fit.estimates if each.verdict is Verdict.OPEN and each.path in LEVEL]
+    if left:
+        yield from _apart_sentences(fit, left)
     if said := repeats_sentence(fit):
         yield said
 
 
-def _apart_sentences(fit: Fit) -> Iterator[str]:
-    """What is not separable, what is known of it together, and which tests would separate it."""
-    left = [each.path for each in fit.estimates if each.verdict is Verdict.OPEN and each.path in LEVEL]
-    if not left:
-        return
+def _apart_sentences(fit: Fit, left: list[str]) -> Iterator[str]:
+    """That what is left is not separable, what is known of it together, and which tests would separate it."""
     yield f"not separable by these tests: {', '.join(left)}; the values below are one of many combinations"
     if fit.level is not None:
         yield f"only their sum is determined: {sum_sentence(fit)}"
@@ -195,29 +194,19 @@ def rows(fit: Fit) -> list[tuple[str, str, str, str, str]]:
     return table
 
 
+def _level_as_dict(level: LevelEstimate) -> dict[str, Any]:
+    intervals = {"interval": list(level.interval), "run_interval": list(level.run_interval)}
+    return {"value": level.value, **intervals}
+
+
 def fit_as_dict(fit: Fit) -> dict[str, Any]:
     """The fit without its curves, in SI units."""
     level = fit.level
     return {
         "converged": fit.converged,
-        "level": level
-        and {
-            "value": level.value,
-            "interval": list(level.interval),
-            "run_interval": list(level.run_interval),
-            "sd": level.sd,
-            "noise": level.noise,
-        },
+        "level": level and _level_as_dict(level) | {"sd": level.sd, "noise": level.noise},
         "budgets": {
-            each.test.title: {
-                "value": each.value,
-                "interval": list(each.interval),
-                "run_interval": list(each.run_interval),
-                "rows": [
-                    {"name": row.name, "half": row.half, "of_run": row.of_run, "basis": row.basis}
-                    for row in each.budget
-                ],
-            }
+            each.test.title: _level_as_dict(each) | {"rows": [asdict(row) for row in each.budget]}
             for each in fit.levels
         },
         "preload_times_runout": fit.runout

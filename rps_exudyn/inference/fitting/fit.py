@@ -24,7 +24,7 @@ from rps_exudyn.inference.fitting.bench_tests import (
     measurement_of,
     read_measurement,
 )
-from rps_exudyn.inference.fitting.fitted import Ended, Fit, outcome_of, runout_in
+from rps_exudyn.inference.fitting.fitted import Ended, Fit, outcome_of, runout_in, with_runout_of
 from rps_exudyn.inference.fitting.level import levels_of
 from rps_exudyn.inference.fitting.level_fit import AGREED, LevelFit, LevelModel, fitted_levels, stepped
 from rps_exudyn.inference.fitting.nonlinear import OtherEnd, Solved, is_curved, shape_of
@@ -161,8 +161,7 @@ def _tellable(measurement: Measurement, gear: SteeringGear, free: list[str]) -> 
                 f"{measurement.names[each.run]} covers {np.degrees(np.ptp(each.angle)):.3g} deg in a pass; "
                 f"{needed}: check the unit of its angle, or turn further."
             )
-    longest = max((float(np.ptp(each.angle)) for each in turning), default=0.0)
-    warnings = []
+    longest, warnings = max((float(np.ptp(each.angle)) for each in turning), default=0.0), []
     if "pinion.runout" in free and longest < LEAST_TURN * TURN:
         free.remove("pinion.runout")
         if turning:
@@ -212,12 +211,9 @@ def _ended(problem: Problem, gear: SteeringGear, before: Series | None, believed
     unknowns = problem.unknowns
     own = [j for j, each in enumerate(unknowns) if each.is_level]
     tests = problem.measurement.tests
-    needed = {
-        BY_LOAD: any(test.of_kind.weighted for test in tests),
-        WITHOUT_YOKE: any(test.kind == "yoke-out" for test in tests),
-    }
-    nuisances = nuisance_unknowns(name for name, is_needed in needed.items() if is_needed)
-    of_level = [*(unknowns[j] for j in own), *nuisances]
+    needed = [BY_LOAD] if any(test.of_kind.weighted for test in tests) else []
+    needed += [WITHOUT_YOKE] if any(test.kind == "yoke-out" for test in tests) else []
+    of_level = [*(unknowns[j] for j in own), *nuisance_unknowns(needed)]
     begin = np.array([each.before for each in of_level])
     if before is not None:
         begin[: len(own)] = before.u[own]
@@ -231,7 +227,7 @@ def _ended(problem: Problem, gear: SteeringGear, before: Series | None, believed
         if before is None:
             u[own] = stepped(model, begin).u[: len(own)]
             free = _with_runout(problem, gear.replace(settings_of(unknowns, u)), 0.0, believed, None)
-            u = _runout_in(problem, u, free)
+            u = with_runout_of(free, problem, u)
         shape, others = shape_of(problem, gear, u, search=before is None)
         begin[: len(own)] = shape.state.u[own]
     fitted, gear, offset = _levels(problem, model, gear, begin, shape, believed, corrected=before is not None)
@@ -257,7 +253,7 @@ def _levels(
 
     def offset_of(values: np.ndarray | None) -> tuple[float, float]:
         if shape is not None:
-            return shape.state.offset, float(np.sqrt(np.linalg.inv(shape.equations.information)[-1, -1]))
+            return shape.state.offset, float(np.sqrt(shape.covariance[-1, -1]))
         if values is None or not problem.with_offset:
             return 0.0, 0.0
         return found_offset(problem, values)
@@ -266,13 +262,7 @@ def _levels(
         return _with_runout(problem, fitted, offset_of(values)[0], believed, shape)
 
     done = fitted_levels(
-        model,
-        problem.prediction,
-        problem.rows_of,
-        with_runout,
-        begin,
-        corrected=corrected,
-        agreed=agreed,
+        model, problem.prediction, problem.rows_of, with_runout, begin, corrected=corrected, agreed=agreed
     )
     fitted = with_runout(gear.replace(settings_of(list(model.unknowns), done.end.u)), done.values)
     return done, fitted, offset_of(done.values)
@@ -290,15 +280,6 @@ def _with_runout(
     return gear.replace({"pinion.runout": max(runout.size, SMALLEST), "pinion.runout_angle": angle})
 
 
-def _runout_in(problem: Problem, u: np.ndarray, gear: SteeringGear) -> np.ndarray:
-    """The unknowns with the components of a gear's runout in place."""
-    u, size, angle = u.copy(), gear.pinion.runout, gear.pinion.runout_angle
-    for j, each in enumerate(problem.unknowns):
-        if each.path == "pinion.runout":
-            u[j] = size * (np.cos(angle) if each.component == "cos" else np.sin(angle))
-    return u
-
-
 def _by_other_law(ended: Ended, gear: SteeringGear) -> tuple[np.ndarray, list[str]]:
     """How far another contact law moves the unknowns, and a remark if that is unknown."""
     law, problem, shape = OTHER_LAW[gear.mesh.contact_law], ended.problem, ended.shape
@@ -309,8 +290,7 @@ def _by_other_law(ended: Ended, gear: SteeringGear) -> tuple[np.ndarray, list[st
             moved, _ = shape_of(problem, other, shape.state.u, search=False)
             by_law = moved.state.u - shape.state.u
             shape = moved
-        model = replace(ended.levels.model, gear=other)
-        begin = ended.levels.end.u
+        model, begin = replace(ended.levels.model, gear=other), ended.levels.end.u
         fitted, *_ = _levels(
             problem, model, other, begin, shape, ended.believed, corrected=True, agreed=np.inf
         )
@@ -350,11 +330,16 @@ def doubts(curve: MeasuredTorque, gear: SteeringGear) -> list[str]:
 
 
 def _wrong_sizes(measurement: Measurement, gear: SteeringGear) -> list[str]:
-    problems = []
+    return [
+        f"{name} {why}."
+        for name, passes in _by_file(measurement)
+        for why in (*_sizes(passes, gear), *_travels(passes, gear))
+    ]
+
+
+def _by_file(measurement: Measurement) -> Iterator[tuple[str, list[MeasuredPass]]]:
     for run, name in enumerate(measurement.names):
-        passes = [each for each in measurement.passes if each.run == run]
-        problems += [f"{name} {why}." for why in (*_sizes(passes, gear), *_travels(passes, gear))]
-    return problems
+        yield name, [each for each in measurement.passes if each.run == run]
 
 
 def _sizes(passes: list[MeasuredPass], gear: SteeringGear) -> Iterator[str]:
@@ -386,8 +371,7 @@ def _travels(passes: list[MeasuredPass], gear: SteeringGear, most: float = MOST_
 def beyond_the_teeth(measurement: Measurement, gear: SteeringGear) -> list[str]:
     """What is to be said of files whose angles the given gear cannot turn, though another could."""
     said = []
-    for run, name in enumerate(measurement.names):
-        own = [each for each in measurement.passes if each.run == run]
+    for name, own in _by_file(measurement):
         ratio = "" if own[0].test.pushed else ", and whether its encoder has a ratio"
         said += [f"{name} {why}{ratio}" for why in _travels(own, gear, ALL_TEETH)]
     return said

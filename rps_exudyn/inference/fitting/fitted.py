@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -36,11 +37,13 @@ from rps_exudyn.inference.fitting.unknowns import (
     WITHOUT_YOKE,
     Unknown,
     settings_of,
+    unknowns_of,
 )
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.judged_row import JudgedRow, Verdict
 from rps_exudyn.simulate.cases.run_cases import cpu_time
 
+Ends = tuple[float, float]
 UNMOVED = 0.97  # of the prior's deviation: what is left of it where the data determine nothing
 
 
@@ -67,29 +70,12 @@ class Estimate(JudgedRow):
 
     @classmethod
     def of(
-        cls,
-        path: str,
-        value: float,
-        interval: tuple[float, float],
-        before: tuple[float, float],
-        sd: float,
-        by_law: float,
-        verdict: Verdict,
+        cls, path: str, value: float, interval: Ends, before: Ends, sd: float, by_law: float, verdict: Verdict
     ) -> "Estimate":
         """Return the estimate of a parameter; `before` are its prior value and deviation."""
-        low, high = interval
-        prior, prior_sd = before
-        return cls(
-            name=path,
-            value=value,
-            low=low,
-            high=high,
-            verdict=verdict,
-            prior=prior,
-            prior_sd=prior_sd,
-            sd=sd,
-            by_law=by_law,
-        )
+        (low, high), (prior, prior_sd) = interval, before
+        fields: dict[str, Any] = {"name": path, "value": value, "low": low, "high": high, "verdict": verdict}
+        return cls(**fields, prior=prior, prior_sd=prior_sd, sd=sd, by_law=by_law)
 
     @property
     def path(self) -> str:
@@ -97,7 +83,7 @@ class Estimate(JudgedRow):
         return self.name
 
     @property
-    def interval(self) -> tuple[float, float]:
+    def interval(self) -> Ends:
         """Its 95 % interval, SI."""
         return self.low, self.high
 
@@ -204,7 +190,7 @@ class Fit:
     @property
     def left_out(self) -> tuple[str, ...]:
         """Rows of the files that were not fitted, and why."""
-        return self.problem.measurement.left_out
+        return self.ended.problem.measurement.left_out
 
     @property
     def found(self) -> list[str]:
@@ -216,9 +202,7 @@ class Fit:
 
 SURE_SHAPE = 5.991  # chi squared of two components, 95 %
 AS_GOOD = 3.84  # of chi squared, within which another end belongs to the 95 % interval
-CHANCE = (
-    6.0  # over the root of the points: by how much more than the white noise may be left, four deviations
-)
+CHANCE = 6.0  # over the root of the points: four deviations of what may be left beside the white noise
 SOFT = 1.22  # over the weighted mean square of white noise, whose tails the soft loss takes back
 ALIKE = 0.9  # correlation from which on two unknowns are named together
 BY_HAND = "the bar between centres under a dial gauge shows its bow"
@@ -235,16 +219,12 @@ def shape_estimates(
         if unknown.component == "cos":
             found += _vector(problem, j, u[j : j + 2], covariance[j : j + 2, j : j + 2], by_law, quantile)
         elif not unknown.component and not unknown.is_level:
-            found.append(_signed(unknown, float(u[j]), float(covariance[j, j]), float(by_law[j]), quantile))
+            value, sd, law = float(u[j]), float(np.sqrt(covariance[j, j])), float(by_law[j])
+            half = quantile * sd + abs(law)
+            verdict = _shape_verdict(unknown, sd, abs(value) > half)
+            interval, before = (value - half, value + half), (unknown.before, unknown.sd)
+            found.append(Estimate.of(unknown.path, value, interval, before, sd, law, verdict))
     return found
-
-
-def _signed(unknown: Unknown, value: float, variance: float, law: float, quantile: float) -> Estimate:
-    sd = float(np.sqrt(variance))
-    half = quantile * sd + abs(law)
-    verdict = _shape_verdict(unknown, sd, abs(value) > half)
-    interval, before = (value - half, value + half), (unknown.before, unknown.sd)
-    return Estimate.of(unknown.path, value, interval, before, sd, law, verdict)
 
 
 def _shape_verdict(unknown: Unknown, sd: float, differs: bool) -> Verdict:
@@ -303,19 +283,13 @@ def unexplained(problem: Problem, shape: Solved | None) -> str:
         for each, row in zip(passes, shape.equations.rows, strict=True)
     ]
     points = sum(each.value.size for each in passes)
-    whitened = [SOFT * square for square in squares]
-    misfit = float(np.sqrt(np.mean(whitened)))
+    misfit = float(np.sqrt(np.mean([SOFT * square for square in squares])))
     if shape.converged and misfit < 1 + CHANCE / np.sqrt(points):
         return ""
     return (
         f"the residual of the curves is {misfit:.2g} times their white noise: bow, angle error and runout "
         f"are uncertain and have no interval; {BY_HAND}"
     )
-
-
-def in_doubt(each: Estimate) -> Estimate:
-    """Return an estimate of the shape without a claim, that of the level as it is."""
-    return each if each.path in LEVEL else replace(each, verdict=Verdict.UNEXPLAINED)
 
 
 def shape_sentences(
@@ -373,6 +347,12 @@ class Ended:
     believed: bool  # whether a prior of the runout counts
     by_law: np.ndarray  # what another contact law moves, shape (unknowns,)
 
+    @property
+    def laws(self) -> dict[str, float]:
+        """Path of the level's parameters -> what another contact law moves."""
+        unknowns = zip(self.problem.unknowns, self.by_law.tolist(), strict=True)
+        return {each.path: law for each, law in unknowns if each.is_level}
+
 
 def runout_in(
     problem: Problem, preload: float, preload_sd: float, believed: bool, shape: Solved | None
@@ -399,25 +379,21 @@ def runout_in(
     return found and replace(found, angle_sd=seen.sd / seen.size)
 
 
-def _half_sum_of(e_c: float, e_s: float, preload: float, offset: float) -> np.ndarray:
-    """Cosine and sine over the measured angle of -P (e_c sin + e_s cos) of the model's, which is the measured
-    one less the offset."""
-    sin, cos = np.sin(offset), np.cos(offset)
-    return -preload * np.array([e_s * cos - e_c * sin, e_c * cos + e_s * sin])
-
-
 def _wave_of_shape(problem: Problem, shape: Solved, preload: float) -> Wave:
     """The half sum's wave of the runout that the shape's steps found, by the larger of its two deviations;
-    `preload` is that of a fit that holds it."""
+    `preload` is that of a fit that holds it.
+
+    It is -P (e_c sin + e_s cos) over the model's angle, which is the measured one less the offset.
+    """
     u, paths = shape.state.u, [each.path for each in problem.unknowns]
     j = paths.index("pinion.runout")
     of_preload = [k for k, path in enumerate(paths) if path == "yoke.preload"]
-    covariance = np.linalg.inv(shape.equations.information)
     where = [j, j + 1, *of_preload]
     by = np.column_stack([np.eye(2), *(u[j : j + 2] for _ in of_preload)])  # of P e by e and ln P, over P
-    spread = by @ covariance[np.ix_(where, where)] @ by.T
+    spread = by @ shape.covariance[np.ix_(where, where)] @ by.T
     preload = settings_of(problem.unknowns, u).get("yoke.preload", preload)
-    vector = _half_sum_of(float(u[j]), float(u[j + 1]), preload, shape.state.offset)
+    e_c, e_s, sin, cos = float(u[j]), float(u[j + 1]), np.sin(shape.state.offset), np.cos(shape.state.offset)
+    vector = -preload * np.array([e_s * cos - e_c * sin, e_c * cos + e_s * sin])
     return Wave(vector, preload * float(np.sqrt(np.linalg.eigvalsh(spread)[-1])))
 
 
@@ -427,20 +403,18 @@ def outcome_of(ended: Ended, gear: SteeringGear, warnings: list[str], began: flo
     end, unknowns = levels.end, list(levels.model.unknowns)
     paths = [each.path for each in unknowns]
     refused = refusals(problem, levels)
-    preload_sd = (
-        float(np.sqrt(end.covariance[j, j])) if (j := _at("yoke.preload", paths)) is not None else 0.0
-    )
+    preload = paths.index("yoke.preload") if "yoke.preload" in paths else None
+    preload_sd = 0.0 if preload is None else float(np.sqrt(end.covariance[preload, preload]))
     runout = runout_in(problem, ended.gear.yoke.preload, preload_sd, ended.believed, ended.shape)
     estimates = _levels(ended, refused)
     if runout is not None:
         estimates += _runouts(ended, runout)
     doubt = ""
     if ended.shape is not None:
-        inverse = np.linalg.inv(ended.shape.equations.information)
-        shapes = shape_estimates(problem, ended.shape.state.u, inverse, ended.by_law, NORMAL)
+        shapes = shape_estimates(problem, ended.shape.state.u, ended.shape.covariance, ended.by_law, NORMAL)
         shapes = [with_others(each, ended.others) for each in shapes]
         doubt = unexplained(problem, ended.shape)
-        estimates += [in_doubt(each) for each in shapes] if doubt else shapes
+        estimates += [replace(each, verdict=Verdict.UNEXPLAINED) for each in shapes] if doubt else shapes
     data = level_data(problem, ended.gear)
     is_open = [each.path for each in estimates if each.verdict is Verdict.OPEN and each.path in LEVEL]
     unclear = [each.path for each in estimates if each.verdict in (Verdict.OPEN, Verdict.NOT_MOVED)]
@@ -454,8 +428,9 @@ def outcome_of(ended: Ended, gear: SteeringGear, warnings: list[str], began: flo
     said = [*warnings, *(each.sentence for each in refused), *notes(problem, ended.gear)]
     said += _warnings(ended, estimates)
     if ended.shape is not None:
-        said += shape_sentences(problem, estimates, inverse, ended.others)
+        said += shape_sentences(problem, estimates, ended.shape.covariance, ended.others)
     converged = end.converged and (ended.shape is None or ended.shape.converged)
+    law, fitted = gear.mesh.contact_law, tuple(each.path for each in problem.unknowns)
     return Fit(
         gear=ended.gear,
         given=gear,
@@ -477,31 +452,26 @@ def outcome_of(ended: Ended, gear: SteeringGear, warnings: list[str], began: flo
         simulations=problem.prediction.simulations,
         cpu_s=cpu_time() - began,
         ended=ended,
-        series=Series(
-            gear.mesh.contact_law,
-            tuple(each.path for each in problem.unknowns),
-            titles(problem),
-            _all_unknowns(ended),
-            levels.values,
-            ended.by_law,
-        ),
+        series=Series(law, fitted, titles(problem), _all_unknowns(ended), levels.values, ended.by_law),
         refusals=tuple(refused),
     )
-
-
-def _at(path: str, paths: Sequence[str]) -> int | None:
-    return paths.index(path) if path in paths else None
 
 
 def _all_unknowns(ended: Ended) -> np.ndarray:
     """Values of all unknowns but the nuisances: of the level, of the runout, of the shape."""
     fitted = dict(zip([each.path for each in ended.levels.model.unknowns], ended.levels.end.u, strict=True))
-    size, angle = ended.gear.pinion.runout, ended.gear.pinion.runout_angle
-    u = np.zeros(len(ended.problem.unknowns)) if ended.shape is None else ended.shape.state.u.copy()
+    u = np.zeros(len(ended.problem.unknowns)) if ended.shape is None else ended.shape.state.u
+    u = with_runout_of(ended.gear, ended.problem, u)
     for j, each in enumerate(ended.problem.unknowns):
-        if each.is_level:
-            u[j] = fitted[each.path]
-        elif each.path == "pinion.runout":
+        u[j] = fitted.get(each.path, u[j])
+    return u
+
+
+def with_runout_of(gear: SteeringGear, problem: Problem, u: np.ndarray) -> np.ndarray:
+    """Return the unknowns (unknowns,) with the components of a gear's runout in place."""
+    u, size, angle = u.copy(), gear.pinion.runout, gear.pinion.runout_angle
+    for j, each in enumerate(problem.unknowns):
+        if each.path == "pinion.runout":
             u[j] = size * (np.cos(angle) if each.component == "cos" else np.sin(angle))
     return u
 
@@ -513,7 +483,7 @@ def _covariance(ended: Ended) -> tuple[list[str], np.ndarray]:
     if ended.shape is None:
         return names, covariance
     own = [j for j, each in enumerate(ended.problem.unknowns) if not each.is_level]
-    shapes = np.linalg.inv(ended.shape.equations.information)[np.ix_(own, own)]
+    shapes = ended.shape.covariance[np.ix_(own, own)]
     zero = np.zeros((covariance.shape[0], shapes.shape[0]))
     names += [f"{ended.problem.unknowns[j].path} {ended.problem.unknowns[j].component}".strip() for j in own]
     return names, np.block([[covariance, zero], [zero.T, shapes]])
@@ -530,20 +500,15 @@ def level_data(problem: Problem, fitted: SteeringGear) -> LevelData:
 def _posterior(fit: Fit) -> dict[str, np.ndarray]:
     """Samples of level, runout and, where it explains the curves, shape."""
     ended, runout = fit.ended, fit.runout
-    laws = dict(zip([each.path for each in ended.problem.unknowns], ended.by_law, strict=True))
-    unknowns, end = list(ended.levels.model.unknowns), ended.levels.end
-    moved = np.array([laws.get(each.path, 0.0) for each in unknowns])
-    found = level_samples(ended.levels.model, end, moved)
+    moved = np.array([ended.laws.get(each.path, 0.0) for each in ended.levels.model.unknowns])
+    found = level_samples(ended.levels.model, ended.levels.end, moved)
     if runout is not None:
         preload = found.get("yoke.preload", np.full(SAMPLES, ended.gear.yoke.preload))
         found |= runout_samples(runout, ended.gear.pinion.runout_angle, ended.offset[1], preload)
-    shaping = [
-        j
-        for j, each in enumerate(ended.problem.unknowns)
-        if not each.is_level and each.path != "pinion.runout"
-    ]
+    others = (*LEVEL, "pinion.runout")
+    shaping = [j for j, each in enumerate(ended.problem.unknowns) if each.path not in others]
     if ended.shape is not None and shaping and not unexplained(ended.problem, ended.shape):
-        covariance = np.linalg.inv(ended.shape.equations.information)[np.ix_(shaping, shaping)]
+        covariance = ended.shape.covariance[np.ix_(shaping, shaping)]
         own = [ended.problem.unknowns[j] for j in shaping]
         found |= shape_samples(own, ended.shape.state.u[shaping], covariance, ended.by_law[shaping])
     return found
@@ -574,12 +539,7 @@ def _more_runs(problem: Problem, levels: LevelFit, estimates: Sequence[Estimate]
 def _levels(ended: Ended, refused: Sequence[Refusal]) -> list[Estimate]:
     """Estimates of the level's parameters; found is what wider beliefs hardly move."""
     model, end = ended.levels.model, ended.levels.end
-    wide = _by_wide_beliefs(ended)
-    laws = {
-        each.path: float(law)
-        for each, law in zip(ended.problem.unknowns, ended.by_law, strict=True)
-        if each.is_level
-    }
+    wide, laws = _by_wide_beliefs(ended), ended.laws
     kinds, found = {test.kind for test in ended.problem.measurement.tests}, []
     paths = [each.path for each in model.unknowns]
     for j, unknown in enumerate(model.unknowns):
@@ -606,11 +566,7 @@ def _by_wide_beliefs(ended: Ended) -> LevelEnd:
     model, end = ended.levels.model, ended.levels.end
     paths = [each.path for each in model.unknowns]
     values = {path: ended.gear.value_at(path) for path in LEVEL if path not in paths}
-    held = [
-        Unknown(path, "", float(np.log(value)), LEVEL[path].sd, LEVEL[path].step)
-        for path, value in values.items()
-        if value > 0
-    ]
+    held = unknowns_of(ended.gear, [path for path, value in values.items() if value > 0], {})
     doubting = replace(model, unknowns=[*model.unknowns, *held]).believing(WIDER)
     wide = stepped(doubting, np.append(end.u, [each.before for each in held]))
     covariance = wide.covariance[: end.u.size, : end.u.size]
@@ -639,19 +595,13 @@ def _estimate(
 
 def _runouts(ended: Ended, runout: Runout) -> list[Estimate]:
     """Estimates of the runout and, where it is found, of its direction."""
-    unknown = next(each for each in ended.problem.unknowns if each.path == "pinion.runout")
-    laws = [
-        float(law)
-        for each, law in zip(ended.problem.unknowns, ended.by_law, strict=True)
-        if each.path == "yoke.preload"
-    ]
-    law = -runout.size * sum(laws)
-    before = ended.problem.unknowns[ended.problem.unknowns.index(unknown) + 1].before
+    unknown, other = (each for each in ended.problem.unknowns if each.path == "pinion.runout")
+    law = -runout.size * ended.laws.get("yoke.preload", 0.0)
     low, high = runout.interval
     interval = max(0.0, low - abs(law)), high + abs(law)
     verdict = Verdict.NOT_ZERO if runout.is_found else Verdict.MAYBE_ZERO
     sd = (high - low) / 2 / NORMAL
-    size = float(np.hypot(unknown.before, before))
+    size = float(np.hypot(unknown.before, other.before))
     found = [Estimate.of(unknown.path, runout.size, interval, (size, unknown.sd), sd, law, verdict)]
     if runout.is_found:
         angle, sd = ended.gear.pinion.runout_angle, float(np.hypot(runout.angle_sd, ended.offset[1]))
@@ -671,20 +621,11 @@ def _fitted_passes(ended: Ended) -> list[FittedPass]:
         own = [i for i, test in enumerate(rows.tests) if test == each.test]
         zero = rows.values[own[1]] - of_rows[own[1]] if len(own) == 2 else 0.0
         half = NORMAL * float(np.sqrt(max(variances[own[0]], 0.0)))
-        drawn.append(
-            FittedPass(
-                problem.measurement.names[each.run],
-                each.test.title,
-                each.test.of_kind.by_angle,
-                each.direction,
-                each.angle,
-                each.value,
-                block.at(values, each.direction, each.angle - ended.offset[0]) + zero,
-                np.full(each.angle.size, half),
-                problem.whites[number],
-                each.test.unit,
-            )
-        )
+        name, test, white = problem.measurement.names[each.run], each.test, problem.whites[number]
+        model = block.at(values, each.direction, each.angle - ended.offset[0]) + zero
+        band, by_angle = np.full(each.angle.size, half), test.of_kind.by_angle
+        measured = name, test.title, by_angle, each.direction, each.angle, each.value
+        drawn.append(FittedPass(*measured, model, band, white, test.unit))
     return drawn
 
 
@@ -715,7 +656,7 @@ def shape_claims(fit: Fit) -> dict[str, float]:
 
     One simulation for each parameter of the level.
     """
-    problem, gear = fit.problem, fit.given
+    problem, gear = fit.ended.problem, fit.given
     held = {path: fit.gear.value_at(path) for path in (*VECTORS, *SIGNED, "rack.bow_angle")}
     names = [j for j, each in enumerate(problem.unknowns) if each.is_level]
     own = replace(problem, unknowns=[problem.unknowns[j] for j in names])

@@ -31,8 +31,7 @@ SEPARATING = ("yoke.preload", "mesh.friction")
 
 @dataclass(frozen=True, eq=False)
 class LevelData:
-    """What means determine of the logarithms of all level parameters, freed or not, and of the
-    nuisances."""
+    """What means determine of the logarithms of all level parameters, freed or not, and of nuisances."""
 
     paths: tuple[str, ...]  # nuisances last
     information: np.ndarray  # (n, n)
@@ -129,9 +128,8 @@ def advice_of(gear: SteeringGear, data: LevelData, done: Sequence[BenchTest]) ->
 
     def worst(after: LevelData) -> float:
         from_data = after.from_data()
-        return sum(
-            np.log(max(from_data[path] / LEVEL[path].sd, NARROWED)) for path in SEPARATING
-        ) + 0.01 * sum(np.log(from_data[path]) for path in LEVEL)
+        apart = sum(np.log(max(from_data[path] / LEVEL[path].sd, NARROWED)) for path in SEPARATING)
+        return apart + 0.01 * sum(np.log(from_data[path]) for path in LEVEL)
 
     def separated(after: LevelData) -> bool:
         return all(after.from_data()[path] < NARROWED * LEVEL[path].sd for path in SEPARATING)
@@ -165,9 +163,7 @@ class MoreRuns:
     """What repeats of all tests would reach."""
 
     now: Mapping[str, float]  # path -> half of the 95 % interval, of the value, as it is
-    runs: Mapping[
-        str, int | None
-    ]  # path -> runs of each test for what is wanted; None: more than `MOST_RUNS`
+    runs: Mapping[str, int | None]  # path -> runs of each test that reach it; None: more than `MOST_RUNS`
 
 
 def more_runs(

@@ -8,7 +8,7 @@ The half sum of both directions holds -P e sin(phi) of an eccentric pinion, free
 the runout e follows from it and the preload.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -122,14 +122,14 @@ class LevelEstimate:
         """Whether both directions were measured."""
         return len(self.directions) == 2
 
-    def _interval(self, rows: Sequence[BudgetRow]) -> tuple[float, float]:
+    def _interval(self, rows: Iterable[BudgetRow]) -> tuple[float, float]:
         half = float(np.sqrt(sum(row.half**2 for row in rows)))
         return self.value - half, self.value + half
 
     @property
     def run_interval(self) -> tuple[float, float]:
         """95 % interval of the level of this run."""
-        return self._interval([row for row in self.budget if row.of_run])
+        return self._interval(row for row in self.budget if row.of_run)
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -182,7 +182,7 @@ def _runs(test: BenchTest, passes: Sequence[MeasuredPass], gain: float) -> tuple
     paired = zip(*(ways[sense] for sense in directions), strict=False)
     runs = []
     for own in paired:
-        cleaned, spikes, steps, constant, white = [], 0, [], True, []
+        cleaned, spikes, steps, shown, white = [], 0, [], [], []
         for each in own:
             step = resolution_of(each.raw_value)
             regular = is_regular(each.raw_value, step)
@@ -190,32 +190,28 @@ def _runs(test: BenchTest, passes: Sequence[MeasuredPass], gain: float) -> tuple
             cleaned.append((angle, each.raw_value[regular]))
             spikes += int((~regular).sum())
             steps.append(step)
-            constant = constant and not np.ptp(each.raw_value) > 0
+            shown += [step] if np.ptp(each.raw_value) > 0 else []
             white.append(white_deviation(each.raw_value[regular]))
-        shown = [step for step, each in zip(steps, own, strict=True) if np.ptp(each.raw_value) > 0]
-        runs.append(_Run(tuple(cleaned), spikes, tuple(shown or steps), constant, float(np.mean(white))))
+        runs.append(_Run(tuple(cleaned), spikes, tuple(shown or steps), not shown, float(np.mean(white))))
     return runs, directions
 
 
 def _parts(test: BenchTest, runs: Sequence[_Run]) -> list[Parts]:
     """The parts of each run over the angles that all passes cover; rows: half difference, half sum."""
-    ends = [(float(angle.min()), float(angle.max())) for run in runs for angle, _ in run.passes]
-    low, high = max(end[0] for end in ends), min(end[1] for end in ends)
-    shortest = min(end[1] - end[0] for end in ends)
+    begins, ends = np.array([(angle.min(), angle.max()) for run in runs for angle, _ in run.passes]).T
+    low, high, shortest = float(begins.max()), float(ends.min()), float((ends - begins).min())
     if high - low < OVERLAP * shortest or not high > low:
         raise InputError(
             f"the passes of {test.title} cover different angles of the pinion: they share "
             f"{np.degrees(max(high - low, 0.0)):.3g} of {np.degrees(shortest):.3g} deg; measure the same "
             "range forth and back, and in each run."
         )
-    found = []
-    for run in runs:
-        parts = parts_of(run.passes, low, high)
-        if len(run.passes) == 2:
-            forth, back = parts.values
-            parts = replace(parts, values=np.array([(forth - back) / 2, (forth + back) / 2]))
-        found.append(parts)
-    return found
+    found = [parts_of(run.passes, low, high) for run in runs]
+    if len(runs[0].passes) == 1:
+        return found
+    means = [each.values for each in found]
+    halves = [np.array([(forth - back) / 2, (forth + back) / 2]) for forth, back in means]
+    return [replace(each, values=values) for each, values in zip(found, halves, strict=True)]
 
 
 def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: float) -> LevelEstimate:
@@ -227,9 +223,7 @@ def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: fl
     span, orders = per_run[0].span, (1, 2, teeth, 2 * teeth)
     groups = _alike(per_run)
     functionals = [_functional(group[0], span, orders) for group in groups]
-    levels = np.concatenate(
-        [[g @ each.values[0] for each in group] for g, group in zip(functionals, groups, strict=True)]
-    )
+    levels = _means(groups, functionals, 0)
     value = float(levels.mean())
     law = averaged_law(
         [_regression(group, 1, span, (1, teeth, 2 * teeth), bent=False) for group in groups] if both else [],
@@ -244,9 +238,12 @@ def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: fl
     drift = _drift(law, count)
     step, white = min(min(run.steps) for run in runs), float(np.mean([run.white for run in runs]))
     dithered = float(np.exp(-2 * (np.pi * white / step) ** 2)) if step else 0.0
+    lasts = law.correlated > LIKELY
+    kind = "noise correlated over some degrees" if lasts else "white noise within the run"
+    steps = f"steps of {step:.3g} {test.unit.replace('*', ' ')}" if step else "no steps are seen"
     rows = [
-        BudgetRow("noise", NORMAL * noise, True, _noise_words(law)),
-        BudgetRow("resolution", NORMAL * step / np.sqrt(12) * dithered, True, _step_words(test, step)),
+        BudgetRow("noise", NORMAL * noise, True, f"{kind}, by restricted likelihood"),
+        BudgetRow("resolution", NORMAL * step / np.sqrt(12) * dithered, True, steps),
         BudgetRow("drift", NORMAL * drift, True, "slope of the half sum along the travel"),
     ]
     if not both:
@@ -256,7 +253,6 @@ def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: fl
         if not covers(span, order):
             leak = abs(np.sinc(order * span / (2 * np.pi))) * UNSEEN * abs(value) / np.sqrt(2)
             rows.append(BudgetRow(name, NORMAL * leak, True, "the passes are shorter than one"))
-    waves_of_sum = _tooth_waves(groups, law, both, teeth)
     asks = [
         f"{count} points of {test.title} are at {each:.4g}: check the end of its sensor's range"
         for each, count in sorted(_at_an_end(passes).items())
@@ -266,7 +262,7 @@ def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: fl
     return LevelEstimate(
         test=test,
         value=value,
-        half_sum=_half_sum(groups, functionals) if both else None,
+        half_sum=float(_means(groups, functionals, 1).mean()) if both else None,
         directions=directions,
         runs=count,
         budget=tuple(rows),
@@ -277,7 +273,7 @@ def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: fl
         first=_first(law, both, count, step * dithered, value) if covers(span, 1) else None,
         own=_own_waves(law, span, count),
         bend=_bend(law, count),
-        tooth_waves=waves_of_sum,
+        tooth_waves=_tooth_waves(groups, law, both, teeth),
         correlated=law.correlated,
         spikes=sum(run.spikes for run in runs),
         asks=tuple(asks),
@@ -299,10 +295,6 @@ def _at_an_end(passes: Sequence[MeasuredPass]) -> dict[float, int]:
         for value, count, beside in ends
         if count >= LEAST_AT_END and count > AT_END * beside.max()
     }
-
-
-def _step_words(test: BenchTest, step: float) -> str:
-    return f"steps of {step:.3g} {test.unit.replace('*', ' ')}" if step else "no steps are seen"
 
 
 def _alike(per_run: Sequence[Parts]) -> list[list[Parts]]:
@@ -339,9 +331,10 @@ def _regression(
     return Regression(parts, effects, np.array([each.values[row] for each in group]).T)
 
 
-def _half_sum(groups: Sequence[Sequence[Parts]], functionals: Sequence[np.ndarray]) -> float:
-    return float(
-        np.mean([g @ each.values[1] for g, group in zip(functionals, groups, strict=True) for each in group])
+def _means(groups: Sequence[Sequence[Parts]], functionals: Sequence[np.ndarray], row: int) -> np.ndarray:
+    """The weighted sum of a row of the parts, of each run: shape (runs,)."""
+    return np.array(
+        [g @ each.values[row] for g, group in zip(functionals, groups, strict=True) for each in group]
     )
 
 
@@ -409,10 +402,8 @@ def _bend(law: AveragedLaw, runs: int) -> tuple[float, float]:
 
 
 LOWEST_ORDER, HIGHEST_RATIO = 2.5, 4.0  # of waves: of a turn; times the number of teeth
-NEAR_ORDER, RAYLEIGH = (
-    1.0,
-    1.1774,
-)  # waves that a large one touches; median of a wave's size over its deviation
+NEAR_ORDER = 1.0  # of a turn: waves that a large one touches
+RAYLEIGH = 1.1774  # median of a wave's size over its deviation
 
 
 def _tooth_waves(
@@ -444,17 +435,16 @@ def _tooth_waves(
     return found
 
 
-def _noise_words(law: AveragedLaw) -> str:
-    if law.correlated > LIKELY:
-        return "noise correlated over some degrees, by restricted likelihood"
-    return "white noise within the run, by restricted likelihood"
-
-
 # --- From this run to the gear
+
+
+UNLIKE = 1e-3  # probability below which a test's scatter is taken for its own
 
 
 def _with_repeatability(found: list[LevelEstimate]) -> list[LevelEstimate]:
     """The levels with the rows that make them the gear's; several tests share their scatter."""
+    from scipy.special import chdtri
+
     repeated = [each for each in found if each.runs > 1 and each.value]
     freedom = sum(each.runs - 1 for each in repeated)
     parts = [float(np.var(each.run_levels, ddof=1)) / each.value**2 for each in repeated]
@@ -464,8 +454,9 @@ def _with_repeatability(found: list[LevelEstimate]) -> list[LevelEstimate]:
     done = []
     for each in found:
         scatter = pooled
-        if each.runs > 1 and len(repeated) > 1 and _is_beyond(own[each.test], each.runs - 1, pooled):
-            scatter = own[each.test]
+        if each.runs > 1 and len(repeated) > 1:
+            most = pooled * float(chdtri(each.runs - 1, UNLIKE))
+            scatter = own[each.test] if own[each.test] * (each.runs - 1) > most else pooled
         one = each.noise_sd**2 + each.drift_sd**2
         declared = (REPEATABILITY * each.value) ** 2 + each.runs * one
         known = freedom if each.runs > 1 else 0
@@ -477,27 +468,16 @@ def _with_repeatability(found: list[LevelEstimate]) -> list[LevelEstimate]:
         basis = f"{100 * REPEATABILITY:.2g} % declared"
         if known:
             basis += f", and {100 * np.sqrt(scatter):.2g} % found with {known} degrees of freedom"
-        rows = (
-            *each.budget,
-            BudgetRow("repeatability", _students(DECLARED + known) * sd, False, basis),
-            BudgetRow(
-                "calibration",
-                NORMAL * CALIBRATION * abs(each.value),
-                False,
-                f"{100 * CALIBRATION:.2g} % declared",
-            ),
+        calibration, declared_as = (
+            NORMAL * CALIBRATION * abs(each.value),
+            f"{100 * CALIBRATION:.2g} % declared",
         )
-        done.append(replace(each, budget=rows, repeat_sd=sd))
+        rows = (
+            BudgetRow("repeatability", _students(DECLARED + known) * sd, False, basis),
+            BudgetRow("calibration", calibration, False, declared_as),
+        )
+        done.append(replace(each, budget=(*each.budget, *rows), repeat_sd=sd))
     return done
-
-
-UNLIKE = 1e-3  # probability below which a test's scatter is taken for its own
-
-
-def _is_beyond(own: float, freedom: int, pooled: float) -> bool:
-    from scipy.special import chdtri
-
-    return bool(own * freedom > float(chdtri(freedom, UNLIKE)) * pooled)
 
 
 def _students(freedom: float) -> float:
@@ -545,19 +525,7 @@ def runout_of(
     low, high = (max(0.0, size - half), size + half) if is_found else (0.0, seen + NORMAL * wave.sd)
     middle = size / preload
     below, above = (1 - np.exp(-NORMAL * preload_sd)), (np.exp(NORMAL * preload_sd) - 1)
-    if is_found:
-        ends = (
-            max(0.0, middle - np.hypot((size - low) / preload, below * middle)),
-            middle + np.hypot((high - size) / preload, above * middle),
-        )
-    else:
-        ends = 0.0, middle + float(np.hypot((high - size) / preload, above * high / preload))
-    return Runout(
-        size,
-        (low, high),
-        middle,
-        (float(ends[0]), float(ends[1])),
-        is_found,
-        wave.vector,
-        float(wave.sd / max(seen, 1e-300)),
-    )
+    least = max(0.0, float(middle - np.hypot((size - low) / preload, below * middle))) if is_found else 0.0
+    beyond = np.hypot((high - size) / preload, above * middle if is_found else above * high / preload)
+    ends, angle_sd = (least, float(middle + beyond)), float(wave.sd / max(seen, 1e-300))
+    return Runout(size, (low, high), middle, ends, is_found, wave.vector, angle_sd)

@@ -36,29 +36,22 @@ class LevelModel:
     factors: np.ndarray  # of the closed form's rows, (rows,)
     terms: np.ndarray  # added to them, (rows,)
     near: np.ndarray  # deviations, of the values, where a flank is about to lift, (rows,)
-    numerical: np.ndarray | None = (
-        None  # numerical error of the simulated rows, a standard uncertainty (rows,)
-    )
+    numerical: np.ndarray | None = None  # error of the simulated rows, a standard uncertainty (rows,)
 
     @classmethod
     def of(cls, rows: LevelRows, unknowns: Sequence[Unknown], gear: SteeringGear) -> "LevelModel":
         """The model without correction."""
-        return cls(
-            rows,
-            unknowns,
-            gear,
-            np.ones(rows.values.size),
-            np.zeros(rows.values.size),
-            np.zeros(rows.values.size),
-        )
+        none = np.zeros(rows.values.size)
+        return cls(rows, unknowns, gear, np.ones_like(none), none, none)
 
     def by_formula(self, u: np.ndarray) -> np.ndarray:
         """The closed form's rows at unknowns, shape (rows,)."""
         gear = self.gear.replace(settings_of(list(self.unknowns), u))
         nuisances = nuisances_of(list(self.unknowns), u)
         tests = dict.fromkeys(self.rows.tests)
-        return self.rows.of_means(
-            {test: formula_means(gear_in(test, gear, nuisances), test) for test in tests}
+        means = {test: formula_means(gear_in(test, gear, nuisances), test) for test in tests}
+        return np.array(
+            [way @ means[test] for test, way in zip(self.rows.tests, self.rows.ways, strict=True)]
         )
 
     def at(self, u: np.ndarray) -> np.ndarray:
@@ -97,12 +90,11 @@ class LevelModel:
         """The same with deviations of all beliefs times a factor, and at least as usual: what somebody gave
         for known is no finding; those of nuisances times their own factor."""
         own = factor if nuisances is None else nuisances
-        wider = [
-            replace(
-                each, sd=each.sd * own if each.is_nuisance else max(factor * each.sd, LEVEL[each.path].sd)
-            )
+        sds = [
+            each.sd * own if each.is_nuisance else max(factor * each.sd, LEVEL[each.path].sd)
             for each in self.unknowns
         ]
+        wider = [replace(each, sd=sd) for each, sd in zip(self.unknowns, sds, strict=True)]
         return replace(self, unknowns=wider)
 
     def slopes(self, u: np.ndarray, base: np.ndarray | None = None) -> np.ndarray:
@@ -116,9 +108,8 @@ class LevelModel:
 
     def beliefs(self) -> tuple[np.ndarray, np.ndarray]:
         """Expected values and deviations, (unknowns,) each."""
-        return np.array([each.before for each in self.unknowns]), np.array(
-            [each.sd for each in self.unknowns]
-        )
+        before, sd = np.array([(each.before, each.sd) for each in self.unknowns]).reshape(-1, 2).T
+        return before, sd
 
     def cost(self, u: np.ndarray, formula: np.ndarray | None = None) -> float:
         """Chi squared of rows and beliefs; `formula` are the closed form's rows at `u`."""
@@ -180,17 +171,11 @@ class LevelFit:
     values: np.ndarray
 
 
-RowsOf = Callable[[np.ndarray], np.ndarray]
-"""Simulated values (m,) -> rows (rows,)."""
-WithRunout = Callable[[SteeringGear, np.ndarray | None], SteeringGear]
-"""Gear and what was simulated of it last -> the gear with the runout that the half sum shows."""
-
-
 def fitted_levels(
     model: LevelModel,
     prediction: Prediction,
-    rows_of: RowsOf,
-    with_runout: WithRunout,
+    rows_of: Callable[[np.ndarray], np.ndarray],
+    with_runout: Callable[[SteeringGear, np.ndarray | None], SteeringGear],
     begin: np.ndarray,
     *,
     corrected: bool = False,
@@ -227,7 +212,9 @@ def fitted_levels(
                         raise
                     u = (u + begin_gear) / 2
                     continue
-                return LevelFit(model, replace(last, converged=False, why=str(error)), _kept(values, error))
+                if values is None:
+                    raise
+                return LevelFit(model, replace(last, converged=False, why=str(error)), values)
         else:
             raise NoPredictionError("no equilibrium between the expected gear and the fitted one")
         model = model.corrected(u, rows_of(values))
@@ -243,10 +230,5 @@ def fitted_levels(
         if moved < agreed:
             return LevelFit(model, end, values)
     why = f"{MOST_SIMULATIONS} simulations were not enough"
-    return LevelFit(model, replace(end, converged=False, why=end.why or why), _kept(values, None))
-
-
-def _kept(values: np.ndarray | None, error: NoPredictionError | None) -> np.ndarray:
-    if values is None:
-        raise error or NoPredictionError("nothing was simulated")
-    return values
+    assert values is not None
+    return LevelFit(model, replace(end, converged=False, why=end.why or why), values)

@@ -60,10 +60,8 @@ def _round_step(value: float) -> float:
         return 0.0
     steps = [digit * 10.0**-power for power in range(7) for digit in (5.0, 2.5, 2.0, 1.0)]
     steps += [2.0**-power for power in range(20)]
-    fitting = [
-        step for step in steps if abs(value / step - round(value / step)) < 1e-6 and step <= abs(value)
-    ]
-    return max(fitting, default=0.0)
+    steps = [step for step in steps if step <= abs(value) and abs(value / step - round(value / step)) < 1e-6]
+    return max(steps, default=0.0)
 
 
 def white_deviation(values: np.ndarray) -> float:
@@ -79,10 +77,8 @@ def is_regular(values: np.ndarray, resolution: float) -> np.ndarray:
     held = np.pad(values, WINDOW // 2, mode="reflect")  # an outlier may be the first row
     smooth = np.median(np.lib.stride_tricks.sliding_window_view(held, WINDOW), axis=1)
     away = np.abs(values - smooth)
-    scale = max(
-        1.4826 * float(np.median(away)), resolution / np.sqrt(12.0), ROUGH * float(np.abs(values).mean())
-    )
-    far = away > SPIKE * scale
+    rough = ROUGH * float(np.abs(values).mean())
+    far = away > SPIKE * max(1.4826 * float(np.median(away)), resolution / np.sqrt(12.0), rough)
     begins = np.flatnonzero(far & ~np.append(False, far[:-1]))
     ends = np.flatnonzero(far & ~np.append(far[1:], False))
     regular = ~far
@@ -232,16 +228,8 @@ def _solved(regression: Regression, tilted: bool) -> _Solved:
     squares = np.einsum("kr,ckr->c", y, by_values) - np.einsum("cpr,cpr->c", coefficients, moments)
     logs = logs + np.linalg.slogdet(normal)[1]
     left = by_values - by_effects @ coefficients
-    return _Solved(
-        regression,
-        y.shape[1] * logs,
-        np.maximum(squares, 0.0),
-        coefficients,
-        normal,
-        left,
-        inverse[:, :, -1],
-        by_effects,
-    )
+    log, squares = y.shape[1] * logs, np.maximum(squares, 0.0)
+    return _Solved(regression, log, squares, coefficients, normal, left, inverse[:, :, -1], by_effects)
 
 
 @dataclass(frozen=True, eq=False)
@@ -298,13 +286,11 @@ class AveragedLaw:
             tilt = np.tile(TILTS, len(LAWS)) ** 2
             slope = tilt[:, None] * np.einsum("k,ckr->cr", place, each.left)
             moment = np.einsum("kp,ck->cp", x, each.by_place)
-            spread = each.by_place @ place - np.einsum(
-                "cp,cp->c", moment, np.linalg.solve(each.normal, moment[:, :, None])[:, :, 0]
-            )
+            explained = np.linalg.solve(each.normal, moment[:, :, None])[:, :, 0]
+            spread = each.by_place @ place - np.einsum("cp,cp->c", moment, explained)
             variance = self.variance * np.maximum(tilt - tilt**2 * spread, 0.0)
-            squares += float(self.weights @ (slope**2).sum(axis=1)) + slope.shape[1] * float(
-                self.weights @ variance
-            )
+            own = float(self.weights @ (slope**2).sum(axis=1))
+            squares += own + slope.shape[1] * float(self.weights @ variance)
             runs += slope.shape[1]
         return squares / max(runs, 1)
 
@@ -323,9 +309,10 @@ def averaged_law(sums: Sequence[Regression], differences: Sequence[Regression], 
     freedom = max(1, sum(each.freedom for each in (*sums, *differences)))
     variance = np.maximum(squares / freedom, (SMALLEST * level) ** 2)
     likelihood = -0.5 * freedom * np.log(variance) - 0.5 * logs
-    prior = np.outer(
-        [WHITE_PRIOR, *[(1 - WHITE_PRIOR) / (len(LAWS) - 1)] * (len(LAWS) - 1)],
-        [LEVEL_PRIOR, *[(1 - LEVEL_PRIOR) / (TILTS.size - 1)] * (TILTS.size - 1)],
-    ).ravel()
+    of_laws, of_tilts = (
+        [first, *[(1 - first) / (count - 1)] * (count - 1)]
+        for first, count in ((WHITE_PRIOR, len(LAWS)), (LEVEL_PRIOR, TILTS.size))
+    )
+    prior = np.outer(of_laws, of_tilts).ravel()
     weights = prior * np.exp(likelihood - likelihood.max())
     return AveragedLaw(weights / weights.sum(), variance, freedom, by_cell, by_law)

@@ -20,7 +20,7 @@ from rps_exudyn.inference.fitting.problem import (
     found_offset,
     linearised,
 )
-from rps_exudyn.inference.fitting.unknowns import settings_of
+from rps_exudyn.inference.fitting.unknowns import LEVEL, settings_of
 from rps_exudyn.parameters.gear import SteeringGear
 
 LONGEST = 3.0  # standard deviations of the prior that a step may go
@@ -46,6 +46,11 @@ class Solved:
     equations: Linearised
     converged: bool
     why: str  # not; "" where it did
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """Covariance of unknowns and offset, shape (size, size)."""
+        return np.asarray(np.linalg.inv(self.equations.information))
 
 
 @dataclass(frozen=True)
@@ -127,8 +132,7 @@ def scanned(problem: Problem, gear: SteeringGear, start: State) -> State:
         for tried in SCANNED:
             u = begun.copy()
             u[j] += tried * problem.unknowns[j].sd
-            state = _at(problem, gear, replace(best, u=u))
-            if state is None:
+            if (state := _at(problem, gear, replace(best, u=u))) is None:
                 continue
             state = replace(state, offset=found_offset(problem, state.values)[0])
             cost = chi_squared(linearised(problem, state))
@@ -137,13 +141,18 @@ def scanned(problem: Problem, gear: SteeringGear, start: State) -> State:
     return best
 
 
+def _simulated(problem: Problem, gear: SteeringGear, state: State) -> State:
+    """The state with the values simulated at its unknowns."""
+    values = problem.prediction.simulated(gear.replace(settings_of(problem.unknowns, state.u)))
+    return replace(state, values=values)
+
+
 def _at(problem: Problem, gear: SteeringGear, state: State) -> State | None:
-    """The state with the values simulated at its unknowns; None where there is no equilibrium."""
+    """The same; None where there is no equilibrium."""
     try:
-        values = problem.prediction.simulated(gear.replace(settings_of(problem.unknowns, state.u)))
+        return _simulated(problem, gear, state)
     except NoPredictionError:
         return None
-    return replace(state, values=values)
 
 
 def _tried(
@@ -155,11 +164,10 @@ def _tried(
         guess = problem.moved(state, _step(problem, equations, damping))
         damping *= MORE
         try:
-            values = problem.prediction.simulated(gear.replace(settings_of(problem.unknowns, guess.u)))
+            new = _simulated(problem, gear, guess)
         except NoPredictionError as error:
             reason = str(error)
             continue
-        new = replace(guess, values=values)
         if chi_squared(linearised(problem, new)) < before:
             return new, max(damping / MORE * LESS, 1e-8), ""
     return None, damping, reason
@@ -206,17 +214,15 @@ def _other_starts(problem: Problem, gear: SteeringGear, end: State) -> Iterator[
 
 def _named(problem: Problem, best: Solved, ends: list[Solved]) -> list[OtherEnd]:
     """The ends beside the best one that explain the curves nearly as well."""
-    errors = np.sqrt(np.diag(np.linalg.inv(best.equations.information)))
-    level = {each.path for each in problem.unknowns if each.is_level}
+    errors = np.sqrt(np.diag(best.covariance))
     shaping = [j for j, each in enumerate(problem.unknowns) if not each.is_level]
     found = []
     for end in ends:
         worse = chi_squared(end.equations) - chi_squared(best.equations)
         if worse < CLOSE and _distance(end.state.u, best.state.u, errors, shaping) > SAME:
             settings = settings_of(problem.unknowns, end.state.u)
-            found.append(
-                OtherEnd({path: value for path, value in settings.items() if path not in level}, worse)
-            )
+            own = {path: value for path, value in settings.items() if path not in LEVEL}
+            found.append(OtherEnd(own, worse))
     return found
 
 
@@ -250,11 +256,8 @@ def shape_of(
     except NoPredictionError as error:
         return replace(solved, converged=False, why=f"the numerical error is unknown: {error}"), others
     moved = linearised(problem, replace(state, values=state.values - change)).gradient - equations.gradient
-    covariance = np.linalg.inv(equations.information)
-    shift = (
-        covariance @ moved
-    )  # of the unknowns, by the numerical error: a bias that points do not average out
-    information = np.linalg.inv(covariance + np.outer(shift, shift))
+    shift = solved.covariance @ moved  # of the unknowns: a bias, which points do not average out
+    information = np.linalg.inv(solved.covariance + np.outer(shift, shift))
     return replace(solved, equations=replace(equations, information=information)), others
 
 

@@ -22,13 +22,7 @@ from rps_exudyn.inference.fitting.level_fit import LevelModel
 from rps_exudyn.inference.fitting.noise import NORMAL
 from rps_exudyn.inference.fitting.prediction import NoPredictionError, Prediction
 from rps_exudyn.inference.fitting.problem import expected_rows
-from rps_exudyn.inference.fitting.unknowns import (
-    BY_LOAD,
-    LEVEL,
-    WITHOUT_YOKE,
-    nuisance_unknowns,
-    unknowns_of,
-)
+from rps_exudyn.inference.fitting.unknowns import BY_LOAD, LEVEL, WITHOUT_YOKE, nuisance_unknowns, unknowns_of
 from rps_exudyn.parameters.declaration import read_toml
 from rps_exudyn.parameters.gear import SteeringGear
 
@@ -60,9 +54,8 @@ def read_minutes(path: str | Path) -> dict[str, Minutes]:
                 problems.append(f"{path}: {kind}.{key} is no time; there are setup and run, in minutes.")
             elif not (number and 0 <= value < 1e5) or (key == "run" and not value > 0):
                 problems.append(
-                    f"{path}: {kind}.{key} is {value!r}; it must be a number of minutes, from 0 (run: "
-                    "more than "
-                    "0) to 100000."
+                    f"{path}: {kind}.{key} is {value!r}; it must be a number of minutes, from 0 (run: more "
+                    "than 0) to 100000."
                 )
             else:
                 times[key] = float(value)
@@ -91,8 +84,7 @@ def parse_targets(texts: Sequence[str]) -> dict[str, float]:
         elif not 0 < half <= LARGEST_WANTED:
             problems.append(
                 f"--plan {text}: write half of the 95 % interval, more than 0 and at most 100 %, for "
-                "instance "
-                f"{path}=5%."
+                f"instance {path}=5%."
             )
         else:
             targets[path] = half
@@ -165,8 +157,7 @@ def plan(
     gear = gear or SteeringGear()
     tests = list(tests) if tests is not None else [BenchTest("free"), *candidates(gear)]
     design = _Design.of(gear, tests, minutes or MINUTES, on_progress)
-    whole = dict.fromkeys(tests, MOST_RUNS)
-    chosen = dict(whole)
+    chosen = whole = dict.fromkeys(tests, MOST_RUNS)
     if _reached(design.halves(whole), targets):
         chosen = _exchanged(design, _reduced(design, whole, targets), targets)
     return Plan(targets, tuple(_in_order(design, chosen, targets)), design.simulations)
@@ -236,11 +227,8 @@ class _Design:
 
     def cost(self, runs: Runs) -> float:
         """Minutes of a programme."""
-        return sum(
-            self.minutes[test.kind].setup + count * self.minutes[test.kind].run
-            for test, count in runs.items()
-            if count
-        )
+        made = [(self.minutes[test.kind], count) for test, count in runs.items() if count]
+        return sum(each.setup + count * each.run for each, count in made)
 
     def information(self, runs: Runs) -> tuple[np.ndarray, np.ndarray]:
         """Information of a programme (n, n) with the beliefs, and what the other law moves (n,)."""
@@ -250,14 +238,8 @@ class _Design:
             return belief, np.zeros(self.beliefs.size)
         rows = expected_rows({test: self.means[test].tolist() for test in made}, made)
         each = [self.models[test] for test in made]
-        model = LevelModel(
-            rows,
-            each[0].unknowns,
-            each[0].gear,
-            np.concatenate([one.factors for one in each]),
-            np.concatenate([one.terms for one in each]),
-            np.concatenate([one.near for one in each]),
-        )
+        corrections = ([getattr(one, name) for one in each] for name in ("factors", "terms", "near"))
+        model = LevelModel(rows, each[0].unknowns, each[0].gear, *map(np.concatenate, corrections))
         slopes = np.vstack([self.slopes[test] for test in made])
         moved = np.concatenate([self.by_law[test] for test in made])
         weighted = np.linalg.solve(model.covariance, np.column_stack([slopes, moved]))
@@ -287,7 +269,7 @@ def _reduced(design: _Design, runs: Runs, targets: Mapping[str, float]) -> dict[
     now = dict(runs)
     while True:
         cost, excess, best = design.cost(now), _excess(design.halves(now), targets), None
-        for fewer in _fewer(now):
+        for fewer in ({**now, test: left} for test, count in now.items() for left in _left(test, count)):
             halves = design.halves(fewer)
             if _reached(halves, targets):
                 merit = (cost - design.cost(fewer)) / max(_excess(halves, targets) - excess, 1e-6)
@@ -295,13 +277,6 @@ def _reduced(design: _Design, runs: Runs, targets: Mapping[str, float]) -> dict[
         if best is None:
             return {test: count for test, count in now.items() if count}
         now = best[1]
-
-
-def _fewer(runs: Runs) -> Iterator[dict[BenchTest, int]]:
-    """Programmes with one run less, and without a test."""
-    for test, count in runs.items():
-        for left in _left(test, count):
-            yield {**runs, test: left}
 
 
 def _left(test: BenchTest, count: int) -> set[int]:
@@ -315,20 +290,18 @@ def _exchanged(design: _Design, runs: Runs, targets: Mapping[str, float]) -> dic
     """The programme with runs of one test exchanged for those of others, while that is cheaper."""
     now = {**dict.fromkeys(design.models, 0), **runs}
     while True:
-        cheaper = None
+        cheapest, best = design.cost(now), None
         for less, more, added in product(now, now, (1, 2, 3)):
             if less == more or now[more] + added > MOST_RUNS:
                 continue
             for left in _left(less, now[less]):
                 tried = {**now, less: left, more: now[more] + added}
                 cost = design.cost(tried)
-                if cost < (design.cost(now) if cheaper is None else cheaper[0]) - 1e-9 and _reached(
-                    design.halves(tried), targets
-                ):
-                    cheaper = cost, tried
-        if cheaper is None:
+                if cost < cheapest - 1e-9 and _reached(design.halves(tried), targets):
+                    cheapest, best = cost, tried
+        if best is None:
             return {test: count for test, count in now.items() if count}
-        now = {**dict.fromkeys(design.models, 0), **_reduced(design, cheaper[1], targets)}
+        now = {**dict.fromkeys(design.models, 0), **_reduced(design, best, targets)}
 
 
 def _in_order(design: _Design, runs: Runs, targets: Mapping[str, float]) -> Iterator[PlannedTest]:

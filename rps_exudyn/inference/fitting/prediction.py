@@ -3,8 +3,8 @@
 A curve of free turning is simulated over a turn in both directions, and repeated; of the other tests the mean
 of each direction is predicted, from a turn, or from a tooth pitch where the runout is too small to matter.
 Under a weight that lifts a flank now and then over the turn, 20 um change the friction by 0.4 %, and so the
-preload that is fitted. Without its yoke, without its rack, or with rollers
-for its pinion, what is left of a gear are formulas of drag, bearing and plunger friction.
+preload that is fitted. Without its yoke, without its rack, or with rollers for its pinion, what is left of a
+gear are formulas of drag, bearing and plunger friction.
 """
 
 from collections.abc import Mapping, Sequence
@@ -88,7 +88,10 @@ class Prediction:
     @classmethod
     def of(cls, tests: Sequence[BenchTest], whole: tuple[float, float] | None = None) -> "Prediction":
         """The prediction of tests; `whole` is the range of angles where the curve does not repeat [rad]."""
-        return cls([_block(test, whole) for test in tests])
+        low, high = whole or (-np.pi, np.pi)
+        turn = np.linspace(low, high, round((high - low) / MEAN_STEP) + 1)
+        grids = [(turn, whole is None) if test.of_kind.by_angle else (np.zeros(1), True) for test in tests]
+        return cls([CurveBlock(test, *grid) for test, grid in zip(tests, grids, strict=True)])
 
     def part(self, number: int, values: np.ndarray) -> np.ndarray:
         """The values (m, ...) of one block out of those of all."""
@@ -102,13 +105,10 @@ class Prediction:
             NoPredictionError: there is no equilibrium, or no such gear.
         """
         self.simulations += 1
+        in_tests = [(block, gear_in(block.test, gear, nuisances)) for block in self.blocks]
         tasks = [
-            Task(
-                partial(
-                    pass_values, block, gear_in(block.test, gear, nuisances), self.fidelity, sense, self.level
-                )
-            )
-            for block in self.blocks
+            Task(partial(pass_values, block, in_test, self.fidelity, sense, self.level))
+            for block, in_test in in_tests
             for sense in (1, -1)
         ]
         answers = dict(self.runner.run(tasks))
@@ -129,9 +129,8 @@ class Prediction:
 
     def by_formula(self, gear: SteeringGear) -> np.ndarray:
         """Means of all tests by the closed form, on the same grids, shape (m,)."""
-        return np.concatenate(
-            [np.repeat(formula_means(gear, block.test), block.grid.size) for block in self.blocks]
-        )
+        means = [np.repeat(formula_means(gear, block.test), block.grid.size) for block in self.blocks]
+        return np.concatenate(means)
 
 
 def pass_values(
@@ -178,9 +177,8 @@ def gear_in(test: BenchTest, gear: SteeringGear, nuisances: Mapping[str, float] 
     if nuisances and test.of_kind.weighted and (change := nuisances.get(BY_LOAD, 0.0)):
         power = change * abs(test.load) / (LOAD_OF_NUISANCE * GRAVITY)
         factor = np.exp(np.clip(power, -LARGEST, LARGEST))
-        changed = {
-            path: min(1.0, gear.value_at(path) * factor) for path in ("mesh.friction", "yoke.friction")
-        }
+        frictions = ("mesh.friction", "yoke.friction")
+        changed = {path: min(1.0, gear.value_at(path) * factor) for path in frictions}
     if nuisances and test.kind == "yoke-out" and (change := nuisances.get(WITHOUT_YOKE, 0.0)):
         changed = {"bush.drag": gear.bush.drag * float(np.exp(np.clip(change, -LARGEST, LARGEST)))}
     return gear.replace(changed) if changed else gear
@@ -199,13 +197,6 @@ def formula_means(gear: SteeringGear, test: BenchTest) -> tuple[float, float]:
     if test.pushed:
         return pushing_force(gear, +1), pushing_force(gear, -1)
     return mean_state(gear, +1, test.load).torque, mean_state(gear, -1, test.load).torque
-
-
-def _block(test: BenchTest, whole: tuple[float, float] | None) -> CurveBlock:
-    if not test.of_kind.by_angle:
-        return CurveBlock(test, np.zeros(1), True)
-    low, high = whole or (-np.pi, np.pi)
-    return CurveBlock(test, np.linspace(low, high, round((high - low) / MEAN_STEP) + 1), whole is None)
 
 
 def within_the_teeth(gear: SteeringGear, low: float, high: float) -> tuple[float, float]:

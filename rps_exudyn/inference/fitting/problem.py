@@ -40,10 +40,6 @@ class LevelRows:
     values: np.ndarray
     covariance: np.ndarray
 
-    def of_means(self, means: dict[BenchTest, tuple[float, float]]) -> np.ndarray:
-        """The rows that mean values of each test make, shape (rows,)."""
-        return np.array([way @ means[test] for test, way in zip(self.tests, self.ways, strict=True)])
-
     @property
     def scaled(self) -> np.ndarray:
         """Which rows are friction, so that a model's error is one of their size, shape (rows,)."""
@@ -139,16 +135,8 @@ class Problem:
             block.test: block.means(self.prediction.part(i, values))
             for i, block in enumerate(self.prediction.blocks)
         }
-        return np.array(
-            [
-                np.tensordot(way, means[test], axes=1)
-                for test, way in zip(self.rows.tests, self.rows.ways, strict=True)
-            ]
-        )
-
-    def vector(self, state: State) -> np.ndarray:
-        """Everything that is varied, shape (size,)."""
-        return np.append(state.u, state.offset)
+        rows = zip(self.rows.tests, self.rows.ways, strict=True)
+        return np.array([np.tensordot(way, means[test], axes=1) for test, way in rows])
 
     def moved(self, state: State, step: np.ndarray) -> State:
         """The state after a step (size,), its model's values by its slopes."""
@@ -185,7 +173,7 @@ def linearised(problem: Problem, state: State) -> Linearised:
     before = np.array([*(each.before for each in problem.unknowns), 0.0])
     free = OFFSET * problem.pitch if problem.with_offset else 1e-9
     believed = np.array([*(each.sd for each in problem.unknowns), free])
-    away = problem.vector(state) - before
+    away = np.append(state.u, state.offset) - before
     left = problem.rows.values - problem.rows_of(state.values)
     slopes = np.hstack([problem.rows_of(state.slopes), np.zeros((left.size, 1))])
     weighted = np.linalg.solve(problem.rows.covariance, np.column_stack([slopes, left]))

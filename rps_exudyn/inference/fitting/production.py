@@ -7,6 +7,7 @@ conform (consumer's), that it is rejected and conforms (producer's). Drift shows
 moving average (ISO 7870-6), whose limit is the quantile of batches of as many gears without drift.
 """
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -193,18 +194,16 @@ def production_batch(
             on_progress(len(found) + len(refused), len(files))
     if len(found) < FEWEST:
         why = f"; the first refusal: {refused[min(refused)]}" if refused else ""
-        raise InputError(
-            f"--batch {folder} holds {len(found)} curves that can be read; a batch needs at least "
-            f"{FEWEST}{why}" + ("" if why.endswith(".") else ".")
+        needed = (
+            f"--batch {folder} holds {len(found)} curves that can be read; a batch needs at least {FEWEST}"
         )
+        raise InputError(f"{needed}{why}".removesuffix(".") + ".")
     gears = [found[number] for number in sorted(found)]
     return batch_of(gears, gear, tuple(refused[number] for number in sorted(refused)))
 
 
 def _in_order(path: Path) -> tuple[list[int | str], ...]:
     """Key by which names with numbers are in the order of these numbers."""
-    import re
-
     return tuple([int(part)] if part.isdigit() else [part] for part in re.split(r"(\d+)", path.name))
 
 
@@ -240,17 +239,9 @@ def batch_of(gears: Sequence[MeasuredGear], gear: SteeringGear, refused: tuple[s
     }
     alone = {path: float(middle / slope) for path, slope in zip(LEVEL, gradient, strict=True) if slope > 0}
     mean = float(np.exp(centre))
-    return Production(
-        tuple(gears),
-        refused,
-        mean,
-        mean * float(np.sqrt(variance)),
-        (float(middle), float(low), float(high)),
-        expected,
-        parameters,
-        alone,
-        drift_of(levels),
-    )
+    mean_sd, scatter = mean * float(np.sqrt(variance)), (float(middle), float(low), float(high))
+    drift = drift_of(levels)
+    return Production(tuple(gears), refused, mean, mean_sd, scatter, expected, parameters, alone, drift)
 
 
 def drift_of(values: np.ndarray, seed: int = 0) -> Drift:
@@ -259,15 +250,15 @@ def drift_of(values: np.ndarray, seed: int = 0) -> Drift:
     random = np.random.default_rng(seed)
     average, deviation, mean = _moving(values[None, :])
     parts, deviations, means = _moving(random.standard_normal((DRAWN, values.size)))
-    spread = _spread(values.size)
+    steps = np.arange(1, values.size + 1)  # the average's deviation over that of a value:
+    spread = np.sqrt(WEIGHT / (2 - WEIGHT) * (1 - (1 - WEIGHT) ** (2 * steps)))
     farthest = np.max(np.abs(parts - means[:, None]) / (deviations[:, None] * spread), axis=1)
     factor = float(np.quantile(farthest, 1 - FALSE_ALARMS))
     return Drift(average[0], factor * float(deviation[0]) * spread, float(mean[0]))
 
 
 def _moving(values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Moving averages of rows (m, n) from their means on; deviations by moving ranges (m,), and means "
-    "(m,)."""
+    """Moving averages of rows (m, n) from their means on, deviations by moving ranges (m,), means (m,)."""
     means = values.mean(axis=1)
     deviations = np.abs(np.diff(values, axis=1)).mean(axis=1) * np.sqrt(np.pi) / 2
     average = np.empty_like(values)
@@ -276,12 +267,6 @@ def _moving(values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         last = (1 - WEIGHT) * last + WEIGHT * values[:, i]
         average[:, i] = last
     return average, np.maximum(deviations, 1e-9 * np.abs(means) + 1e-300), means
-
-
-def _spread(count: int) -> np.ndarray:
-    """Deviation of the moving average over that of a value, (count,)."""
-    steps = np.arange(1, count + 1)
-    return np.asarray(np.sqrt(WEIGHT / (2 - WEIGHT) * (1 - (1 - WEIGHT) ** (2 * steps))))
 
 
 def interval_of(gear: MeasuredGear) -> tuple[float, float]:

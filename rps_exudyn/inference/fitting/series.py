@@ -5,7 +5,6 @@ The next gear differs from it by some percent, so that a fit that begins there n
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from rps_exudyn.base.files import content_of, read_json_tables, write_json
 from rps_exudyn.inference.fitting.problem import Problem
 
 WHAT = "rps_exudyn fit, for the next gear of the series"
-_KEYS = {"what", "law", "paths", "tests", "u", "values", "by_law"}
+_LISTS = ("paths", "tests", "u", "values", "by_law")
 _FORMERLY = {"gain", "slopes"}  # of files of earlier versions, not needed any more
 
 
@@ -56,16 +55,8 @@ def write_series(series: Series, path: str | Path) -> None:
     Raises:
         InputError: it cannot be written.
     """
-    content = {
-        "what": WHAT,
-        "law": series.law,
-        "paths": list(series.paths),
-        "tests": list(series.tests),
-        "u": series.u.tolist(),
-        "values": series.values.tolist(),
-        "by_law": series.by_law.tolist(),
-    }
-    write_json(path, content)
+    lists = {name: np.asarray(getattr(series, name)).tolist() for name in _LISTS}
+    write_json(path, {"what": WHAT, "law": series.law, **lists})
 
 
 def read_series(path: str | Path) -> Series:
@@ -79,25 +70,18 @@ def read_series(path: str | Path) -> Series:
         content = read_json_tables(written.decode("utf-8"), "it")
     except ValueError:
         content = {}
-    if set(content) - _FORMERLY != _KEYS or content["what"] != WHAT:
+    if set(content) - _FORMERLY != {"what", "law", *_LISTS} or content["what"] != WHAT:
         raise InputError(f"{path} is not a file that fit --series wrote.")
     try:
-        return _series(content)
+        law, paths, tests = (
+            str(content["law"]),
+            tuple(map(str, content["paths"])),
+            tuple(map(str, content["tests"])),
+        )
+        u, values, by_law = (np.asarray(content[name], dtype=float) for name in ("u", "values", "by_law"))
+        finite = all(np.isfinite(each).all() for each in (u, values, by_law))
+        if not finite or values.ndim != 1 or u.shape != (len(paths),) or by_law.shape != (len(paths),):
+            raise ValueError
     except (TypeError, ValueError, OverflowError):  # no numbers, or too large ones
         raise InputError(f"{path} is damaged: its numbers do not belong to one fit.") from None
-
-
-def _series(content: dict[str, Any]) -> Series:
-    u, values, by_law = (np.asarray(content[name], dtype=float) for name in ("u", "values", "by_law"))
-    count = len(content["paths"])
-    finite = all(np.isfinite(each).all() for each in (u, values, by_law))
-    if not finite or values.ndim != 1 or u.shape != (count,) or by_law.shape != (count,):
-        raise ValueError
-    return Series(
-        str(content["law"]),
-        tuple(map(str, content["paths"])),
-        tuple(map(str, content["tests"])),
-        u,
-        values,
-        by_law,
-    )
+    return Series(law, paths, tests, u, values, by_law)

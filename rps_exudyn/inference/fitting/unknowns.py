@@ -104,15 +104,14 @@ def unknowns_of(
         if path in LEVEL:
             found.append(_positive(path, value, priors.get(path)))
             continue
-        usual = VECTORS[path] if path in VECTORS else SIGNED[path]
+        usual = (VECTORS | SIGNED)[path]
         value, sd = priors.get(path, (value, usual.sd))
-        step = usual.step
         if path in VECTORS:
             angle = gear.value_at(f"{path}_angle")
-            found.append(Unknown(path, "cos", value * np.cos(angle), sd, step))
-            found.append(Unknown(path, "sin", value * np.sin(angle), sd, step))
+            found.append(Unknown(path, "cos", value * np.cos(angle), sd, usual.step))
+            found.append(Unknown(path, "sin", value * np.sin(angle), sd, usual.step))
         else:
-            found.append(Unknown(path, "", value, sd, step))
+            found.append(Unknown(path, "", value, sd, usual.step))
     return found
 
 
@@ -144,12 +143,12 @@ def settings_of(unknowns: list[Unknown], u: np.ndarray) -> dict[str, float]:
         if unknown.is_level:
             most = MOST if "friction" in unknown.path[-9:] else np.inf
             settings[unknown.path] = min(float(np.exp(np.clip(value, -LARGEST, LARGEST))), most)
-        elif unknown.component == "cos" or not unknown.component:
-            settings[unknown.path] = value
         elif unknown.component == "sin":
             size = float(np.hypot(settings[unknown.path], value))
             settings[f"{unknown.path}_angle"] = float(np.arctan2(value, settings[unknown.path]))
             settings[unknown.path] = max(size, SMALLEST)
+        else:
+            settings[unknown.path] = value
     return settings
 
 

@@ -19,11 +19,7 @@ _ANGLES = {
     "gon": pi / 200,
 }
 _TORQUES = {
-    **{
-        f"{force}{length}": a * _LENGTHS[length]
-        for force, a in _FORCES.items()
-        for length in ("m", "cm", "mm")
-    },
+    **{f"{force}{arm}": a * _LENGTHS[arm] for force, a in _FORCES.items() for arm in ("m", "cm", "mm")},
     **dict.fromkeys(("mNm", "Nmm"), 1e-3),
     "cNm": 1e-2,
     **dict.fromkeys(("inlb", "inlbs", "inlbf", "lbin", "lbsin", "lbfin"), _POUND * _INCH),

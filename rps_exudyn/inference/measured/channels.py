@@ -53,8 +53,8 @@ class Channels:
     @property
     def layout(self) -> Layout:
         """Names and units of the channels as those of a table without rows."""
-        names = [each.name for each in self.channels]
-        return Layout("", (0, names), (0, [each.unit for each in self.channels]), [])
+        names, units = ([getattr(each, text) for each in self.channels] for text in ("name", "unit"))
+        return Layout("", (0, names), (0, units), [])
 
     def column(self, index: int, driven: int) -> np.ndarray:
         """Return the values of a channel at the instants of the driven one, shape (n,); NaN outside its own.
@@ -152,9 +152,7 @@ def _with_own_names(found: tuple[Channel, ...]) -> tuple[Channel, ...]:
 
 def _numbers(values: object) -> np.ndarray | None:
     """Values as a vector of floating point numbers; None of texts, matrices, complex numbers."""
-    array = (
-        np.ma.filled(np.ma.asarray(values, dtype=None), np.nan) if np.ma.isMA(values) else np.asarray(values)
-    )
+    array = np.ma.filled(np.ma.asarray(values), np.nan) if np.ma.isMA(values) else np.asarray(values)
     if array.dtype.kind not in "iuf" or (array.ndim > 1 and max(array.shape) != array.size):
         return None
     return array.reshape(-1).astype(float)
@@ -165,10 +163,8 @@ def _mdf(content: bytes) -> Iterator[Channel]:
 
     _check_blocks(content)
     with MDF(BytesIO(content)) as file:
-        size = sum(
-            each.channel_group.cycles_nr * (each.channel_group.samples_byte_nr + 1) for each in file.groups
-        )
-        _check_size(size)
+        groups = [each.channel_group for each in file.groups]
+        _check_size(sum(each.cycles_nr * (each.samples_byte_nr + 1) for each in groups))
         for group, own in enumerate(file.groups):
             master = file.masters_db.get(group)
             for index, channel in enumerate(own.channels):

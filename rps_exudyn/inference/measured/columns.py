@@ -71,15 +71,13 @@ def known_columns(header: Sequence[str]) -> int:
     )
 
 
-_OF_OTHER_PARTS = re.compile(
-    r"yoke|plunger|joch|druckst|bush|buchse|housing|gehäuse|tie|wheel|probe|dial", re.I
-)
+_OTHERS = re.compile(r"yoke|plunger|joch|druckst|bush|buchse|housing|gehäuse|tie|wheel|probe|dial", re.I)
 
 
 def names_quantity(layout: Layout, quantity: str) -> bool:
     """Return whether a header names a quantity of pinion or rack, with or without a unit."""
     titles = _titles(layout.header[1] if layout.header else [], layout.units[1] if layout.units else None)
-    return any(each.is_named(quantity) and not _OF_OTHER_PARTS.search(each.text) for each in titles)
+    return any(each.is_named(quantity) and not _OTHERS.search(each.text) for each in titles)
 
 
 def find_columns(

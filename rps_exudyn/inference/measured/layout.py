@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.inference.measured.bench_units import is_never_unit, is_unit
@@ -15,14 +16,8 @@ from rps_exudyn.inference.measured.numbers import as_number, is_missing, pattern
 Line = tuple[int, str]
 Row = tuple[int, list[str]]
 
-SEPARATORS = {
-    ";": "semicolons",
-    "\t": "tabs",
-    "|": "bars",
-    ",": "commas",
-    "  ": "two blanks or more",
-    " ": "blanks",
-}
+SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", ",": "commas"}
+SEPARATORS |= {"  ": "two blanks or more", " ": "blanks"}
 _COMMENT = re.compile(r"\s*(?:#|%|//|!|\*)+")
 _OPEN_QUOTE = re.compile(r'^(?:[^"]*"[^"]*")*(?:[^"]*[;,\t|])?\s*"[^"]*$')
 _HEAD_LINES = 4  # that a quoted name and its unit may take beside the first
@@ -44,10 +39,7 @@ class Layout:
         return _most_frequent(len(cells) for _, cells in self.rows)
 
 
-@dataclass(frozen=True)
-class _Division:
-    """A text as one separator would divide it."""
-
+class _Division(NamedTuple):
     separator: str
     header: Row | None
     units: Row | None
@@ -176,8 +168,10 @@ def _first_of_numbers(lines: list[Line], counts: list[int], separator: str) -> i
         return None
     most = _most_frequent(count for count in counts if count > 1)
     for i, is_one in enumerate(numeric):
-        if is_one and counts[i] < most and _is_word(_cells(lines[i][1], separator)[0]):
-            continue  # numbers of channels behind a word
+        if is_one and counts[i] < most:
+            cell = _cells(lines[i][1], separator)[0]
+            if as_number(cell) is None and re.match(r"[^\W\d_]", cell):
+                continue  # numbers of channels behind a word
         ahead = numeric[i : i + _AHEAD + 1]
         if is_one and sum(ahead) > len(ahead) / 2:
             return i
@@ -187,10 +181,6 @@ def _first_of_numbers(lines: list[Line], counts: list[int], separator: str) -> i
 def _most_frequent(counts: Iterable[int]) -> int:
     """The count that is there most often, of several the first one."""
     return Counter(counts).most_common(1)[0][0]
-
-
-def _is_word(cell: str) -> bool:
-    return as_number(cell) is None and bool(re.match(r"[^\W\d_]", cell))
 
 
 def _header_cells(line: str, separator: str, width: int) -> list[str]:

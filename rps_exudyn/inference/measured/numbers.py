@@ -112,9 +112,8 @@ class Format:
         digits = re.sub(rf"['{_BLANKS}]", "", cell.digits)
         other = "," if self.decimal == "." else "."
         whole, sign, fraction = digits.partition(self.decimal)
-        if other in fraction or (
-            other in whole and not re.fullmatch(rf"[+-]?\d{{1,3}}(\{other}\d{{3}})+", whole)
-        ):
+        grouped = other not in whole or re.fullmatch(rf"[+-]?\d{{1,3}}(\{other}\d{{3}})+", whole)
+        if other in fraction or not grouped:
             raise ValueError(cell.digits)
         power = cell.power.replace("d", "e").replace("D", "e")  # of Fortran
         return float(whole.replace(other, "") + sign.replace(",", ".") + fraction + power)
@@ -125,14 +124,10 @@ class Format:
         `units` are what may follow a number; None: anything.
         """
         of_cells = patterns(cells)
-        readers = {
-            of_cell: self._reader(cell, units)
-            for of_cell, cell in dict(zip(of_cells, cells, strict=True)).items()
-        }
-        if all(reader is None for reader in readers.values()):
-            return np.array(
-                [float(cell) for cell in "\n".join(cells).replace(",", ".").split("\n")] if cells else []
-            )
+        of_pattern = dict(zip(of_cells, cells, strict=True))
+        readers = {of_cell: self._reader(cell, units) for of_cell, cell in of_pattern.items()}
+        if cells and all(reader is None for reader in readers.values()):
+            return np.array([float(cell) for cell in "\n".join(cells).replace(",", ".").split("\n")])
         values = []
         for cell, of_cell in zip(cells, of_cells, strict=True):
             reader = readers[of_cell]
@@ -165,11 +160,10 @@ class Format:
     @property
     def words(self) -> str:
         """The format in words."""
-        sign = {".": "point", ",": "comma"}
-        if not self.thousands:
-            said = f" ({self.undecided} is no thousands)" if self.undecided else ""
-            return f"decimal {sign[self.decimal]}{said}"
-        return f"decimal {sign[self.decimal]}, {sign['.' if self.decimal == ',' else ',']} between thousands"
+        sign, other = ("point", "comma") if self.decimal == "." else ("comma", "point")
+        if self.thousands:
+            return f"decimal {sign}, {other} between thousands"
+        return f"decimal {sign}" + (f" ({self.undecided} is no thousands)" if self.undecided else "")
 
 
 class AmbiguousNumbersError(ValueError):

@@ -11,7 +11,7 @@ moves along +X.
 """
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,12 +26,7 @@ from rps_exudyn.base.files import content_of
 from rps_exudyn.base.units import short
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.inference.measured.channels import Channels, channels_of
-from rps_exudyn.inference.measured.columns import (
-    MeasuredColumn,
-    find_columns,
-    known_columns,
-    names_quantity,
-)
+from rps_exudyn.inference.measured.columns import MeasuredColumn, find_columns, known_columns, names_quantity
 from rps_exudyn.inference.measured.layout import SEPARATORS, Layout, Row, layout_of, text_of
 from rps_exudyn.inference.measured.numbers import (
     AmbiguousNumbersError,
@@ -124,50 +119,51 @@ def read_curve(
     if rack_speed is not None and (wanted[0] in PUSH or gain is not None):
         beside.setdefault("speed", rack_speed if wanted[0] in PUSH else rack_speed / gain)
     if instead == "rack_displacement":
-        table[0], said = _angle_by_travel(path, table[0], gain)
-        notes.append(said)
+        if gain is None:
+            raise InputError(f"{path} holds the rack's travel {_NO_ANGLE}")
+        table[0] /= gain
+        turn = 2e3 * np.pi * gain
+        notes.append(
+            f"the pinion angle follows from the rack's travel, {turn:.4g} mm per turn of the gear given"
+        )
     elif instead == "speed":
         table = np.array([_angle_by_speed(path, beside, table[0]), table[0]])
         notes.append("the pinion angle is the sum of speed times time, from 0 on")
         if all((each >= 0).all() or (each <= 0).all() for each in (beside["speed"], table[1])):
             notes.append(ONE_WAY)
+    driven = wanted[0].replace("_", " ")
     if is_in_random_order(table[0]):
         raise InputError(
-            f"{path} holds its {wanted[0].replace('_', ' ')}s in random order: write the rows in the order "
-            f"in which they were recorded."
+            f"{path} holds its {driven}s in random order: write the rows in the order in which they were "
+            "recorded."
         )
     if wanted[0] in TORQUE and not instead:
         table[0], turns = counted_on(table[0])
         notes += [f"the angle restarts {turns} times and is continued from turn to turn"] if turns else []
     if not np.ptp(table[0]) > 0 or not passes({"pinion_angle": table[0]}):
-        raise InputError(
-            f"{path} holds one {wanted[0].replace('_', ' ')} only; a curve covers a range of them."
-        )
+        raise InputError(f"{path} holds one {driven} only; a curve covers a range of them.")
     if is_interleaved(table[1]):
         raise InputError(
             f"{path} has both directions of the motion in rows that alternate; write all rows of one way, "
-            f"then those back, with a falling {wanted[0].replace('_', ' ')}."
+            f"then those back, with a falling {driven}."
         )
     _check_directions(path, source.layout, table[0])
     moves = in_motion(table[0], beside.get("clock"))
     if not moves.all():
         resting = np.array(lines)[~moves].tolist()
-        left_out += (
-            f"{are(len(resting), 'row')} left out, {lines_in_words(resting)}, where the angle rests",
-        )
-        notes.append(left_out[-1])
+        notes.append(f"{are(len(resting), 'row')} left out, {lines_in_words(resting)}, where the angle rests")
+        left_out += (notes[-1],)
     table, beside = table[:, moves], {name: values[moves] for name, values in beside.items()}
     table[0], rows_of_step = spread_evenly(*table)
     if rows_of_step > 1:
-        notes.append(
-            f"{rows_of_step:.2g} rows of one {wanted[0].replace('_', ' ')} are spread evenly to the next"
-        )
+        notes.append(f"{rows_of_step:.2g} rows of one {driven} are spread evenly to the next")
     signals = dict(zip(wanted, table, strict=True))
     taken = [_taken(column) for column in picked]
     beside["line"] = np.array(lines, dtype=float)[moves]
     return MeasuredTorque(Path(path).stem, signals, (first, *taken, *notes), beside, left_out)
 
 
+_NO_ANGLE = "and no pinion angle: give the gear whose travel per turn is known."
 ONE_WAY = "speed and torque have one sign: read as one direction, which is wrong if the motion turned back"
 
 
@@ -175,31 +171,16 @@ def _columns_instead(
     layout: Layout, wanted: Sequence[str], chosen: Mapping[str, str]
 ) -> tuple[tuple[str, ...], str]:
     """The quantities that are read, and what stands instead of a pinion angle: "" where it is there."""
-    own = tuple(wanted)
+    own, travel = tuple(wanted), "rack_displacement"
     if wanted[0] != "pinion_angle" or "pinion_angle" in chosen:
         return own, ""
-    if "rack_displacement" in chosen:
-        return ("rack_displacement", *own[1:]), "rack_displacement"
-    if names_quantity(layout, "pinion_angle"):
+    if travel not in chosen and names_quantity(layout, "pinion_angle"):
         return own, ""
-    if names_quantity(layout, "rack_displacement"):
-        return ("rack_displacement", *own[1:]), "rack_displacement"
+    if travel in chosen or names_quantity(layout, travel):
+        return (travel, *own[1:]), travel
     if {"speed", "rack_speed"} & set(recorded(layout, lambda index: np.zeros(0))):
         return own[1:], "speed"
     return own, ""
-
-
-def _angle_by_travel(path: str | Path, travel: np.ndarray, gain: float | None) -> tuple[np.ndarray, str]:
-    if gain is None:
-        raise InputError(
-            f"{path} holds the rack's travel and no pinion angle: give the gear whose travel per turn is "
-            "known."
-        )
-    turn = 2e3 * np.pi * gain
-    return (
-        travel / gain,
-        f"the pinion angle follows from the rack's travel, {turn:.4g} mm per turn of the gear given",
-    )
 
 
 def _angle_by_speed(path: str | Path, beside: Mapping[str, np.ndarray], torque: np.ndarray) -> np.ndarray:
@@ -209,23 +190,17 @@ def _angle_by_speed(path: str | Path, beside: Mapping[str, np.ndarray], torque: 
             "pinion_angle [deg]."
         )
     if "speed" not in beside:
-        raise InputError(
-            f"{path} holds the rack's speed and no pinion angle: give the gear whose travel per turn is "
-            "known."
-        )
+        raise InputError(f"{path} holds the rack's speed {_NO_ANGLE}")
     try:
         return angle_by_speed(beside["clock"], beside["speed"], torque)
     except ValueError as error:
         raise InputError(
             f"{path} has times and speeds instead of a pinion angle, but {error}; write a pinion_angle "
-            "[deg], "
-            "or speeds that are negative where the pinion turns back."
+            "[deg], or speeds that are negative where the pinion turns back."
         ) from None
 
 
 class _Read(NamedTuple):
-    """What was read of a file."""
-
     values: np.ndarray  # in the columns' units, shape (columns, n)
     first: str  # what was assumed of the file
     notes: list[str]  # which rows were left out
@@ -291,9 +266,8 @@ class _Text:
         if layout.separator == "," and layout.header and layout.width > len(layout.header[1]):
             raise InputError(
                 f"{path} has {layout.width} cells in a row where line {layout.header[0]} names "
-                f"{len(layout.header[1])}: its commas may separate cells or decimals; write decimal "
-                "points, or "
-                "semicolons between cells."
+                f"{len(layout.header[1])}: its commas may separate cells or decimals; write decimal points, "
+                "or semicolons between cells."
             )
         return cls(path, encoding, layout)
 
@@ -338,18 +312,14 @@ def _format(path: str | Path, layout: Layout, columns: list[MeasuredColumn]) -> 
     try:
         return format_of(each for each in one_of_each(cells) if each.tail in units)
     except AmbiguousNumbersError as either:
-        with suppress(AmbiguousNumbersError):  # the numbers beside the curve may show it
-            return format_of(each for each in one_of_each(_cells_beside(layout)) if not each.tail)
+        with suppress(AmbiguousNumbersError):  # numbers beside the curve may show it; dates and times do not
+            beside = (cell for _, row in layout.rows for cell in row if cell.count(".") < 2)
+            return format_of(each for each in one_of_each(beside) if not each.tail)
         example = str(either)
         raise InputError(
             f"{path} has commas that may be decimal or divide thousands: {example} may be "
             f"{example.replace(',', '.')} or {example.replace(',', '')}; write decimal points."
         ) from None
-
-
-def _cells_beside(layout: Layout) -> Iterator[str]:
-    """All cells of the rows but dates and times, whose points divide no numbers."""
-    return (cell for _, row in layout.rows for cell in row if cell.count(".") < 2)
 
 
 def _values(
@@ -377,13 +347,14 @@ def _values(
     for i in text:
         own = [each[i] for each in cells]
         _check_text(path, layout, layout.rows[i], own, known[:, i], layout.rows[i][0] < last)
-    notes = []
-    if missing:
-        rows = are(len(missing), "row", " without a value")
-        notes.append(f"{rows} left out: {lines_in_words(missing)}")
-    if text:
-        rows = are(len(text), "line", " without numbers")
-        notes.append(f"{rows} left out: {lines_in_words(lines[text].tolist())}")
+    notes = [
+        f"{are(len(which), *words)} left out: {lines_in_words(which)}"
+        for which, words in (
+            (missing, ("row", " without a value")),
+            (lines[text].tolist(), ("line", " without numbers")),
+        )
+        if which
+    ]
     return table[:, is_kept], notes, kept
 
 
@@ -419,13 +390,9 @@ def _check_text(
         )
     wrong = [cell for cell, is_known in zip(cells, known, strict=True) if not is_known]
     numeric = all(as_number(cell) is not None or _LIKE_NUMBER.fullmatch(cell.strip()) for cell in cells)
-    if not _is_label(row) and (numeric or (within and len(wrong) < len(cells))):
+    is_label = re.match(r"[^\W\d_]{2}", row[1][0])  # a word, as of mean values and of further passes
+    if not is_label and (numeric or (within and len(wrong) < len(cells))):
         raise InputError(
             f"{path}, line {row[0]}: {short(wrong[0])!r} is no number; write one as -0.6, or leave its cell "
             "empty."
         )
-
-
-def _is_label(row: Row) -> bool:
-    """Return whether a row begins with a word, as those of mean values and of further passes do."""
-    return bool(re.match(r"[^\W\d_]{2}", row[1][0]))

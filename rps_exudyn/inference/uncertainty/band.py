@@ -99,6 +99,7 @@ class Band:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the band for a JSON file, without its nominal result; every sample is there."""
+        values = {**self.drawn.samples.values, **self.drawn.numbers}
         return {
             "scene": self.nominal.scene,
             "method": self.method,
@@ -128,16 +129,12 @@ class Band:
                 for name, each in self.contributions.items()
             },
             "law_error": self.law.mean_torque if self.law else None,
-            "curves": None
-            if self.curves is None
-            else {
+            "curves": self.curves
+            and {
                 "pinion_angle": self.nominal.signals.get("pinion_angle", np.zeros(0)).tolist(),
                 self.curves.signal: self.curves.quantiles.tolist(),
             },
-            "values": {
-                path: _plain(column)
-                for path, column in {**self.drawn.samples.values, **self.drawn.numbers}.items()
-            },
+            "values": {path: _plain(column) for path, column in values.items()},
         }
 
     def _numerical(self, name: str) -> dict[str, Any]:
@@ -188,10 +185,7 @@ def band_of_runs(
 
 
 def nominal_result(
-    scene: str,
-    gear: SteeringGear,
-    fidelity: Fidelity,
-    inputs: Mapping[str, Distribution],
+    scene: str, gear: SteeringGear, fidelity: Fidelity, inputs: Mapping[str, Distribution]
 ) -> Result:
     """Run the scene on the gear at the medians of its inputs.
 
@@ -279,13 +273,8 @@ class _Seen:
     @cached_property
     def grid(self) -> list[np.ndarray]:
         """Times of the nominal curve, by its pieces."""
-        nominal = self.nominal
-        return [
-            time
-            for time, _ in scene_named(nominal.scene)
-            .curve(nominal.signals, nominal.gear, self.fidelity)
-            .pieces
-        ]
+        scene, nominal = scene_named(self.nominal.scene), self.nominal
+        return [time for time, _ in scene.curve(nominal.signals, nominal.gear, self.fidelity).pieces]
 
     def causes(self) -> Counter[str]:
         """Number of samples of each cause of failure, in the words of the first of them."""
@@ -310,27 +299,20 @@ class _Seen:
                     float(summary[name][i]) if name in summary else np.nan for name in self.names
                 ]
                 assert part.found is not None
-                self._keep(row, self._curve_of(part.found.signals_of(i), self.nominal.gear))
+                self._add_curve(row, part.found.signals_of(i), self.nominal.gear)
             else:
                 self.rows[row] = [result.summary.get(name, np.nan) for name in self.names]
-                self._keep(row, self._curve_of(result.signals, result.gear))
+                self._add_curve(row, result.signals, result.gear)
 
-    def _keep(self, row: int, curve: np.ndarray | None) -> None:
-        """Add a curve; no sample has one as soon as one does not follow the nominal motion."""
-        if curve is None:
-            self.curves = None
-        elif self.curves is not None:
-            self.curves[row] = curve
-
-    def _curve_of(self, signals: Signals, gear: SteeringGear) -> np.ndarray | None:
-        """The curve of a run at the nominal run's times; None if its motion is another."""
+    def _add_curve(self, row: int, signals: Signals, gear: SteeringGear) -> None:
+        """Add a curve at the nominal run's times; no sample has one as soon as one's motion is another."""
         if self.curves is None:
-            return None
+            return
         try:
             curve = scene_named(self.nominal.scene).curve(signals, gear, self.fidelity)
-            return curve.over(self.grid, smooth=False)
+            self.curves[row] = curve.over(self.grid, smooth=False)
         except ValueError:  # another number of maneuvers
-            return None
+            self.curves = None
 
 
 def figure_quantiles(drawn: Drawn) -> dict[str, Quantiles]:

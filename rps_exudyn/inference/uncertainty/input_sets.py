@@ -188,23 +188,17 @@ def carried(tables: Mapping[str, Any], settings: Mapping[str, Any]) -> JointInpu
 
 def outside(item: Declared, distribution: Distribution) -> list[str]:
     """Return a sentence if an end of the distribution is not allowed for the parameter; none otherwise."""
-    for end in distribution.ends:
-        if not _allows(item, end):
-            return [
-                f"the distribution of {item.path} reaches {item.show(end)}; {item.path} must be "
-                f"{item.allowed}."
-            ]
-    return []
-
-
-def _allows(item: Declared, value: float) -> bool:
-    """Return whether a number in SI is within the parameter's limits."""
-    return all(
-        holds(value, getattr(limit, attribute))
+    limits = [
+        (holds, getattr(limit, attribute))
         for kind, attribute, holds in _HOLDS
         for limit in item.field.metadata
         if isinstance(limit, kind)
-    )
+    ]
+    return [
+        f"the distribution of {item.path} reaches {item.show(end)}; {item.path} must be {item.allowed}."
+        for end in distribution.ends
+        if not all(holds(end, limit) for holds, limit in limits)
+    ][:1]
 
 
 def _at(tables: Mapping[str, Any], path: str) -> Any:

@@ -185,26 +185,21 @@ def check_posterior(each: PosteriorValues, item: Declared, value: float) -> list
 def check_pairs(pairs: Mapping[Pair, float], inputs: Mapping[str, Distribution]) -> list[str]:
     """Return a sentence for each pair that names no input, or one of a posterior."""
     problems = []
-    for pair in pairs:
-        for name in sorted(pair):
-            if name not in inputs:
-                problems.append(
-                    f"{CORRELATION} names {name}, which does not vary; it must be one of {', '.join(inputs)}."
-                )
-            elif isinstance(inputs[name], PosteriorValues):
-                problems.append(
-                    f"{CORRELATION} names {name}, whose correlations are in the table {POSTERIOR}."
-                )
+    for name in (name for pair in pairs for name in sorted(pair)):
+        if name not in inputs:
+            varying = ", ".join(inputs)
+            problems.append(f"{CORRELATION} names {name}, which does not vary; it must be one of {varying}.")
+        elif isinstance(inputs[name], PosteriorValues):
+            problems.append(f"{CORRELATION} names {name}, whose correlations are in the table {POSTERIOR}.")
     return problems
 
 
 def read_posterior(table: Any, problems: list[str]) -> dict[str, PosteriorValues]:
     """Return path -> values of the table that a fit wrote; what is wrong is added to the problems."""
-    found: dict[str, PosteriorValues] = {}
     if not isinstance(table, Mapping):
         problems.append(f"{POSTERIOR} is {shown(table)}; it must be the table that fit writes.")
-        return found
-    counts = set()
+        return {}
+    found, counts = dict[str, PosteriorValues](), set()
     for path, values in table.items():
         listed = isinstance(values, list) and len(values) > FEWEST_OF_POSTERIOR
         if not listed or any(type(value) not in (int, float) or not np.isfinite(value) for value in values):

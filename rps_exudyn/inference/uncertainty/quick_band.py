@@ -39,14 +39,8 @@ from rps_exudyn.solvers.yoke_stop import stop_stiffness
 SCENE, FIGURE = FREE_PINION_TORQUE.name, "torque_mean"
 POINTS, RUNS = 1024, 64
 ERRORS = (
-    "installation.angle_error",
-    "installation.axis_offset",
-    "pinion.runout",
-    "pinion.runout_angle",
-    "pinion.profile_slope",
-    "pinion.pitch_error",
-    "pinion.lead_error",
-    "pinion.crowning",
+    *("installation.angle_error", "installation.axis_offset", "pinion.runout", "pinion.runout_angle"),
+    *("pinion.profile_slope", "pinion.pitch_error", "pinion.lead_error", "pinion.crowning"),
 )
 """Inputs that the formula's mean is taken without: gears that differ in these share one field of contact."""
 PHASES = np.linspace(0, 2 * np.pi, 72, endpoint=False)  # of the pinion over a turn [rad]
@@ -144,9 +138,7 @@ def stop_torque(gear: SteeringGear) -> float:
     """
     yoke, lift = gear.yoke, gear.pinion.runout * np.cos(PHASES)
     beyond = float(np.maximum(0.0, lift - yoke.clearance).mean())
-    if not beyond:
-        return 0.0
-    return torque_per_preload(gear) * stop_stiffness(gear) * beyond
+    return torque_per_preload(gear) * stop_stiffness(gear) * beyond if beyond else 0.0
 
 
 def _corrected(

@@ -85,9 +85,8 @@ class NumericalError:
 def numerical_error(numbers: np.ndarray, bars: np.ndarray) -> NumericalError:
     """Return the numerical error of finite numbers (n,) from their bars (n,), nan where unknown."""
     bars = np.where(np.isfinite(bars), bars, np.inf)
-    down, as_is, up = np.quantile(
-        [numbers - bars, numbers, numbers + bars], LEVELS, axis=1, method="nearest"
-    ).T
+    moved = [numbers - bars, numbers, numbers + bars]
+    down, as_is, up = np.quantile(moved, LEVELS, axis=1, method="nearest").T
     return NumericalError(float(np.quantile(bars, 0.5, method="nearest")), np.fmax(as_is - down, up - as_is))
 
 
@@ -132,7 +131,11 @@ class Polynomials:
         """From quantiles of the inputs, shape (n, inputs), even over 0 to 1, of independent groups."""
         count, inputs = u.shape
         degree = min(HIGHEST_DEGREE, count // (POINTS_PER_TERM * inputs))
-        columns = [_orthonormal(u[:, i], d) for i in range(inputs) for d in range(1, degree + 1)]
+        columns = [  # of mean 0 and variance 1 over 0 to 1
+            np.sqrt(2 * d + 1) * legval(2 * u[:, i] - 1, np.eye(d + 1)[d])
+            for i in range(inputs)
+            for d in range(1, degree + 1)
+        ]
         terms = np.stack([np.ones(count), *columns], axis=1)
         return cls(groups, degree, terms, np.linalg.pinv(terms))
 
@@ -155,13 +158,11 @@ class Polynomials:
         noise = float(left @ left) / max(count - self.terms.shape[1], 1)
         chance = noise * (self.inverse[1:] ** 2).sum(axis=1)
         single = (coefficients[1:] ** 2 - chance).reshape(-1, self.degree).sum(axis=1)
-        each = np.array(
-            [
-                single[group[0]] if len(group) == 1 else self._together(group, coefficients, noise)
-                for group in self.groups.values()
-            ]
-        )
-        each = np.maximum(each, 0.0)
+        found = [
+            single[group[0]] if len(group) == 1 else self._together(group, coefficients, noise)
+            for group in self.groups.values()
+        ]
+        each = np.maximum(found, 0.0)
         whole = float(each.sum()) + noise  # not the sample's variance, which chance correlations change
         shares = zip(self.groups, (each / whole).tolist(), strict=True)
         fractions = dict(sorted(shares, key=lambda pair: -pair[1]))
@@ -180,8 +181,3 @@ def contributions(
 ) -> Contributions | None:
     """Return what each group of inputs contributes to the variance of one figure, see `Polynomials`."""
     return Polynomials.at(u, groups).contributions(numbers)
-
-
-def _orthonormal(u: np.ndarray, degree: int) -> np.ndarray:
-    """The Legendre polynomial of u, of mean 0 and variance 1 over 0 to 1."""
-    return np.asarray(np.sqrt(2 * degree + 1) * legval(2 * u - 1, np.eye(degree + 1)[degree]))
