@@ -78,11 +78,7 @@ def put(text: str = "", style: str = "", indent: int = 0) -> None:
     if sys.stdout.isatty():
         indent = indent if indent < _width() // 2 else 0
         lines = textwrap.wrap(
-            text,
-            _width(),
-            subsequent_indent=" " * indent,
-            break_long_words=False,
-            break_on_hyphens=False,
+            text, _width(), subsequent_indent=" " * indent, break_long_words=False, break_on_hyphens=False
         ) or [""]
         text = "\n".join(_styled(line, style) for line in lines)
     print(text)

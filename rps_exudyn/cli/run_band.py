@@ -24,12 +24,7 @@ from rps_exudyn.cli.output import (
     put,
     put_table,
 )
-from rps_exudyn.cli.printed import (
-    measured_as_dict,
-    print_measured,
-    print_sheet,
-    result_as_dict,
-)
+from rps_exudyn.cli.printed import measured_as_dict, print_measured, print_sheet, result_as_dict
 from rps_exudyn.inference.uncertainty.band import Band, band_of_runs
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.inference.uncertainty.quick_band import SCENE, quick_band

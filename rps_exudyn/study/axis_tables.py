@@ -192,7 +192,7 @@ def _spaced(given: Any, shape: str, quantity: _Quantity) -> tuple[float, ...]:
     if isinstance(count, bool) or not isinstance(count, int) or not 2 <= count <= MOST_ON_AN_AXIS:
         quantity.wrong(
             f"has {shape} = {shown(given)}; it must be [first, last, number] with a number from 2 to "
-            f"{MOST_ON_AN_AXIS}.",
+            f"{MOST_ON_AN_AXIS}."
         )
         return ()
     first, last = quantity.number(given[0]), quantity.number(given[1])

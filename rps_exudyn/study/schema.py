@@ -58,10 +58,7 @@ def study_schema() -> Schema:
         "keep": _closed(
             {
                 "signals": {
-                    "anyOf": [
-                        {"enum": ["all", "none"]},
-                        {"type": "array", "items": {"enum": list(SIGNALS)}},
-                    ]
+                    "anyOf": [{"enum": ["all", "none"]}, {"type": "array", "items": {"enum": list(SIGNALS)}}]
                 },
                 "samples": _whole(2, 10**9, "samples of each signal"),
                 "blocks": {"type": "boolean", "description": "many cases in one file"},

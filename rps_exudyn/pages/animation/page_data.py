@@ -132,14 +132,7 @@ def _one_way(angle: np.ndarray) -> bool:
 # --- Arrays of numbers as text for a page: fewest bytes that look the same, in base 64
 
 Encoded = dict[str, Any]
-_KINDS = {
-    "int8": "i1",
-    "uint8": "u1",
-    "int16": "<i2",
-    "uint16": "<u2",
-    "uint32": "<u4",
-    "float32": "<f4",
-}
+_KINDS = {"int8": "i1", "uint8": "u1", "int16": "<i2", "uint16": "<u2", "uint32": "<u4", "float32": "<f4"}
 
 
 def encoded(values: np.ndarray, kind: str) -> Encoded:

@@ -264,10 +264,7 @@ def _draw_bars(
     places = -np.cumsum(heights) + np.array(heights) / 2
     for place, (_, middle, sd, before, verdict) in zip(places, bars, strict=True):
         colour = style.COLOURS[POSTERIOR.get(verdict, "other")]
-        for centre, deviation, thick, shade in (
-            (0.0, before, 0.62, "#d0d0d0"),
-            (middle, sd, 0.3, colour),
-        ):
+        for centre, deviation, thick, shade in ((0.0, before, 0.62, "#d0d0d0"), (middle, sd, 0.3, colour)):
             ends = np.exp(centre + WIDE * deviation * np.array([-1, 1]))
             axes.barh(place, ends[1] - ends[0], left=ends[0], height=thick, color=shade, zorder=2)
         axes.plot([np.exp(middle)], [place], "|", color="black", markersize=9, zorder=3)

@@ -203,13 +203,7 @@ class Answering:
                 return CANCELLED
             return self._ask(processes, queue, task)
 
-    def _ask(
-        self,
-        processes: Processes,
-        free: "LifoQueue[Processes]",
-        task: Task,
-        scene: str = "",
-    ) -> Answer:
+    def _ask(self, processes: Processes, free: "LifoQueue[Processes]", task: Task, scene: str = "") -> Answer:
         """The answer of a process, which is free afterwards; one that was cancelled has a successor. What is
         compiled for the `scene` of a curve is on no clock."""
         try:
