@@ -213,9 +213,7 @@ def _prior(value: str, deviation: str, si: str) -> tuple[float, float]:
     """Value and deviation; a deviation in % is one of the value."""
     expected = units.to_si(value, si)
     part = deviation.strip()
-    sd = abs(expected) * units.to_si(part, "") if part.endswith("%") and si else units.to_si(part, si)
-    if not si and part.endswith("%"):
-        sd = abs(expected) * units.to_si(part, "")
+    sd = abs(expected) * units.to_si(part, "") if part.endswith("%") else units.to_si(part, si)
     if not 0 < sd < float("inf"):
         raise ValueError(f"has the standard deviation {deviation}, which must be more than 0")
     return expected, sd

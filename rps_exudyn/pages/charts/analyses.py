@@ -9,13 +9,12 @@ from matplotlib.figure import Figure
 
 from rps_exudyn.analysis.contact_pattern import contact_pattern, one_pitch
 from rps_exudyn.analysis.load_distribution import LoadDistribution, load_distribution, mesh_stiffness
-from rps_exudyn.analysis.passes import Signals, passes
+from rps_exudyn.analysis.passes import passes
 from rps_exudyn.analysis.result_comparison import ResultComparison
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.pages.charts import style
 from rps_exudyn.pages.charts.style import head
-from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import Result
 
@@ -78,7 +77,10 @@ def load_figure(result: Result) -> Figure:
     for panel, side in zip(axes, FLANK_NAMES, strict=False):
         _forces(panel, loads, side)
     _densest(axes[2], loads)
-    _stiffness(axes[3], result.gear, runs[0].signals)
+    along_x = NEWTON_PER_MICROMETRE * mesh_stiffness(result.gear, runs[0].signals)[:, 0]
+    axes[3].plot(SIGNALS["pinion_angle"].displayed(runs[0].angle), along_x, color="black")
+    axes[3].set_ylabel("mesh stiffness\nalong X [N/µm]")
+    style.widen(axes[3], 0.2 * float(along_x.max()))
     style.angle_axis(axes[-1])
     head(figure, result, "Loads on the lines of contact", {})
     return figure
@@ -111,14 +113,6 @@ def _densest(axes: Axes, loads: LoadDistribution) -> None:
     axes.set_ylabel("largest load\n[N/mm]")
     axes.set_ylim(0, None)
     style.name_curves(axes)
-
-
-def _stiffness(axes: Axes, gear: SteeringGear, signals: Signals) -> None:
-    angle = SIGNALS["pinion_angle"].displayed(signals["pinion_angle"])
-    along_x = NEWTON_PER_MICROMETRE * mesh_stiffness(gear, signals)[:, 0]
-    axes.plot(angle, along_x, color="black")
-    axes.set_ylabel("mesh stiffness\nalong X [N/µm]")
-    style.widen(axes, 0.2 * float(along_x.max()))
 
 
 # --- Picture of the contact pattern: the largest pressure on each point of the unrolled flanks

@@ -49,7 +49,7 @@ def scene_figure(
 def _named_lines(
     axes: Axes, x: np.ndarray, signals: Signals, curves: Mapping[str, tuple[str, str]], axis: str, unit: str
 ) -> None:
-    """Draw those of the `curves`, signal -> legend and colour, that there are, as the signal `unit` is shown."""
+    """Draw those of the `curves` (signal -> legend, colour) that there are, as the signal `unit` is shown."""
     for name, (label, colour) in curves.items():
         if name in signals:
             style.line(axes, x, signals[name], SIGNALS[unit], axis, colour, label)
