@@ -231,7 +231,11 @@ class Study:
 
     def toy(self) -> "Study":
         """The same study at the smallest size: two values of each axis, or four samples."""
-        return replace(self, axes=tuple(_first_two(axis) for axis in self.axes), samples=min(self.samples, 4))
+        axes = []
+        for axis in self.axes:
+            along = {path: values[:2] for path, values in axis.along.items()}
+            axes.append(axis if axis.values is None else replace(axis, values=axis.values[:2], along=along))
+        return replace(self, axes=tuple(axes), samples=min(self.samples, 4))
 
 
 def choices(settings: Mapping[str, Any]) -> dict[str, Any]:
@@ -239,10 +243,3 @@ def choices(settings: Mapping[str, Any]) -> dict[str, Any]:
     return {
         path.removeprefix(FIDELITY): value for path, value in settings.items() if path.startswith(FIDELITY)
     }
-
-
-def _first_two(axis: Axis) -> Axis:
-    if axis.values is None:
-        return axis
-    along = {path: values[:2] for path, values in axis.along.items()}
-    return replace(axis, values=axis.values[:2], along=along)

@@ -161,9 +161,6 @@ class Handover(Iterator[Task]):
             self._again.extend(cases)
             self._apart.update([] if others else [first.hash])
             return []
-        return [(first, self._failure(first, answer))]
-
-    def _failure(self, case: Case, answer: Answer) -> CaseRecord:
-        setup = self._study.setup(settings_of(self._study.axes, case.values))
+        setup = self._study.setup(settings_of(self._study.axes, first.values))
         result = answer.failure(self._description.scene, setup.steering_gear, setup.fidelity)
-        return CaseRecord.of(case.hash, self._description.signals.of(result))
+        return [(first, CaseRecord.of(first.hash, self._description.signals.of(result)))]

@@ -69,7 +69,8 @@ def gear_picture(gear: SteeringGear, result: Result | None = None) -> GearPictur
         short = picture_parts(gear.replace({"pinion.shaft_length": _shown_shaft(gear)}))
         motion = Motion.of(still)
         drawing = Drawing(motion, [*short, bearing_rings(gear)], None)
-        shown = still if result is None or not _moves(result) else result
+        moves = result is not None and {"pinion_angle", "rack_displacement"} <= result.signals.keys()
+        shown = result if result is not None and moves else still
         moving = Motion.of(shown)
     except InputError:
         return None
@@ -85,10 +86,6 @@ def gear_picture(gear: SteeringGear, result: Result | None = None) -> GearPictur
         arrows=[_bent(gear, camera), *_straight(gear, drawing, camera)],
         page=base64.b64encode(gzip.compress(played.encode(), mtime=0)).decode("ascii"),
     )
-
-
-def _moves(result: Result) -> bool:
-    return "pinion_angle" in result.signals and "rack_displacement" in result.signals
 
 
 def _shown_shaft(gear: SteeringGear) -> float:

@@ -214,7 +214,8 @@ def _details(result: Result, compared: Compared, path: Path) -> Iterable[PageBlo
     yield Fold("Parameters", list(_parameters(result)))
     if error := error_of_law(result):
         yield Fold("Error of the contact law", [Text(error.sentence)])
-    yield Fold("Make it again", [provenance_facts(result.provenance), CodeText(_commands(path))])
+    again = f"rps-exudyn rerun {path}     # repeat this run\nrps-exudyn show {path}"
+    yield Fold("Make it again", [provenance_facts(result.provenance), CodeText(again)])
 
 
 def _numbers(result: Result) -> Iterable[PageBlock]:
@@ -339,10 +340,6 @@ def _parameters(result: Result) -> Iterable[PageBlock]:
 def _quantities(known: Mapping[str, Quantity], values: Mapping[str, float]) -> Grid:
     rows = [[name, known[name].show(value), known[name].long_name] for name, value in values.items()]
     return Grid(QUANTITIES, rows)
-
-
-def _commands(path: Path) -> str:
-    return f"rps-exudyn rerun {path}     # repeat this run\nrps-exudyn show {path}"
 
 
 # --- The section about the contact of the teeth: loads of the lines, shares of the teeth, contact pattern
