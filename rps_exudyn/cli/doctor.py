@@ -31,18 +31,10 @@ def doctor(*, clear_cache: Flag = False) -> int:
     if clear_cache:
         _clear(folders)
     well = True
-    for name, text, fine in (*_versions(), *_machine(), *_places(folders), _reference()):
+    for name, text, fine in (*_machine(), *_places(folders), _reference()):
         print(f"{'ok ' if fine else 'NO '} {name:<18} {text}")
         well &= fine
     return DONE if well else FAILED
-
-
-def _versions() -> Iterator[tuple[str, str, bool]]:
-    from rps_exudyn.results import provenance
-
-    yield "rps-exudyn", f"{provenance.package_version()} {provenance.git_hash()}".strip(), True
-    libraries = json.loads(provenance.library_versions())
-    yield "libraries", ", ".join(f"{name} {number}" for name, number in libraries.items()), True
 
 
 def _machine() -> Iterator[tuple[str, str, bool]]:
@@ -50,6 +42,9 @@ def _machine() -> Iterator[tuple[str, str, bool]]:
 
     from rps_exudyn.results import provenance
 
+    yield "rps-exudyn", f"{provenance.package_version()} {provenance.git_hash()}".strip(), True
+    libraries = json.loads(provenance.library_versions())
+    yield "libraries", ", ".join(f"{name} {number}" for name, number in libraries.items()), True
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     yield "machine", provenance.machine(), True
     yield (

@@ -116,7 +116,6 @@ def column_widths(heads: Sequence[str], rows: Sequence[Sequence[str]], width: in
 
 
 def _row_lines(cells: Sequence[str], widths: Sequence[int]) -> Iterator[str]:
-    """The lines of one row."""
     broken = [
         [cell] if len(cell) <= width else textwrap.wrap(cell, width, break_on_hyphens=False) or [""]
         for cell, width in zip(cells, widths, strict=True)

@@ -171,7 +171,6 @@ class _Quantity:
 
 
 def _listed(given: Any, shape: str, quantity: _Quantity) -> tuple[Value, ...]:
-    """The values of a list."""
     if not isinstance(given, list):
         quantity.wrong(f"has {shape} = {shown(given)}; it must be a list.")
         return ()
@@ -206,7 +205,6 @@ def _spaced(given: Any, shape: str, quantity: _Quantity) -> tuple[float, ...]:
 
 
 def _distribution(given: Any, shape: str, quantity: _Quantity) -> list[float]:
-    """The two numbers of a distribution."""
     if not isinstance(given, list):
         quantity.wrong(f"has {shape} = {shown(given)}; it must be a list.")
     elif len(given) != 2:

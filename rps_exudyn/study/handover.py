@@ -100,7 +100,6 @@ class Handover(Iterator[Task]):
     def __init__(
         self, study: Study, description: Description, missing: Sequence[Case], executor: Executor
     ) -> None:
-        """Prepare to hand over the missing cases."""
         self._study, self._description = study, description
         self._given: dict[Task, list[Case]] = {}
         self._again: deque[Case] = deque()  # one by one

@@ -74,8 +74,6 @@ def read_study(path: str | Path) -> Study:
 
 
 class _StudyKeys(Keys):
-    """Reads the keys of a study file."""
-
     def study(self, content: Mapping[str, Any]) -> Study:
         for key in content.keys() - set(KEYS):
             self.wrong(short(key), f"is no key of a study; there are {', '.join(KEYS)}.")

@@ -167,7 +167,6 @@ def name_curves(axes: Axes) -> None:
 
 
 def _remove_names(axes: Axes) -> None:
-    """Take the names and the legend of axes away."""
     for text in [each for each in axes.texts if each.get_gid() == NAME]:
         text.remove()
     if (legend := axes.get_legend()) is not None:

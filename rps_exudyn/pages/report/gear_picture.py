@@ -95,7 +95,6 @@ def _shown_shaft(gear: SteeringGear) -> float:
 
 
 def _anchors(gear: SteeringGear, motion: Motion) -> Iterator[Anchor]:
-    """Every label."""
     pair = GearPair.of(gear)
     axis, half, along = pair.bar_axis_height, _shown_shaft(gear) / 2, pair.pinion_frame[:, 2]
     nut = axis + plunger_ends(gear)[1] + gear.yoke.clearance + gear.yoke.nut_thickness
