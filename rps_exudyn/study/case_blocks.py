@@ -127,17 +127,15 @@ class Blocks:
 
 def blocks_beside(case: Path) -> Blocks:
     """Return the blocks of the study to which a case's path DIR/cases/HASH.h5 belongs, to read from."""
-    return _blocks(case.absolute().parents[1] / "blocks")
+    return _cached_blocks(case.absolute().parents[1] / "blocks")
+
+
+_cached_blocks = lru_cache(maxsize=4)(Blocks)
 
 
 def beside(result: Path, name: str) -> Path:
     """Return the path of a new file beside a result's; in the current folder if the result is in a block."""
     return (result.parent if result.parent.is_dir() else Path()) / name
-
-
-@lru_cache(maxsize=4)
-def _blocks(folder: Path) -> Blocks:
-    return Blocks(folder)
 
 
 def load(path: str | Path) -> Result:

@@ -193,13 +193,9 @@ def _losses(result: Result) -> Iterable[Section]:
     if shares := loss_shares(result):
         mean = result.summary.get("torque_mean", 0.0) if result.scene == FREE_TURNING_SCENE.name else 0.0
         torque = SUMMARY["torque_mean"]
+        below = {part: f"\n{rounded(torque, share * mean)}" * bool(mean) for part, share in shares.items()}
         parts = [
-            Share(
-                part,
-                PARTS[part],
-                100 * share,
-                f"{100 * share:.0f} %" + (f"\n{rounded(torque, share * mean)}" if mean else ""),
-            )
+            Share(part, PARTS[part], 100 * share, f"{100 * share:.0f} %{below[part]}")
             for part, share in shares.items()
         ]
         yield Section("Where the work goes", [Shares(parts)])
@@ -379,14 +375,10 @@ def _largest_loads(loads: "LoadDistribution") -> Grid:
     for side, name in FLANK_NAMES.items():
         chosen, share = loads.side == side, loads.largest_share(side)
         carries = bool(np.isfinite(share).any())
-        rows.append(
-            [
-                name,
-                f"{loads.force_on(side).max():.4g} N",
-                f"{1e-3 * loads.load[chosen].max(initial=0.0):.4g} N/mm",
-                f"{1e-6 * loads.pressure[chosen].max(initial=0.0):.4g} MPa",
-                f"{100 * np.nanmin(share):.3g} to {100 * np.nanmax(share):.3g} %" if carries else "",
-            ]
-        )
+        force = f"{loads.force_on(side).max():.4g} N"
+        load = f"{1e-3 * loads.load[chosen].max(initial=0.0):.4g} N/mm"
+        pressure = f"{1e-6 * loads.pressure[chosen].max(initial=0.0):.4g} MPa"
+        shared = f"{100 * np.nanmin(share):.3g} to {100 * np.nanmax(share):.3g} %" if carries else ""
+        rows.append([name, force, load, pressure, shared])
     columns = ("flanks", "normal force", "largest load per length", "Hertz's pressure", "share of one tooth")
     return Grid(columns, rows)
