@@ -135,7 +135,13 @@ def run(
             shown_progress(progress),
         ):  # stdout is for the result
             result = simulate(
-                scene, gear, model, level=level, accuracy=accuracy, robust=robust, time_limit=limit
+                scene,
+                gear,
+                model,
+                level=level,
+                accuracy=accuracy,
+                robust=robust,
+                time_limit=limit,
             )
     except Interrupted as interrupt:
         kept, _ = keep(replace(interrupt.recorded, measured=curve), Files(out, picture, overwrite))

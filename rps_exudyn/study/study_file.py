@@ -74,6 +74,8 @@ def read_study(path: str | Path) -> Study:
 
 
 class _StudyKeys(Keys):
+    """Reads the keys of a study file."""
+
     def study(self, content: Mapping[str, Any]) -> Study:
         for key in content.keys() - set(KEYS):
             self.wrong(short(key), f"is no key of a study; there are {', '.join(KEYS)}.")
@@ -103,7 +105,11 @@ class _StudyKeys(Keys):
         return self.choice(content, "scene", SCENE_NAMES, SCENE_NAMES[0])
 
     def axes(
-        self, content: Mapping[str, Any], design: str, gear: Mapping[str, Any], settings: Mapping[str, Any]
+        self,
+        content: Mapping[str, Any],
+        design: str,
+        gear: Mapping[str, Any],
+        settings: Mapping[str, Any],
     ) -> tuple[tuple[Axis, ...], Mapping[str, float]]:
         """The axes of the file's own tables; an uncertain design adds one for each uncertain parameter, and
         what these share."""
@@ -174,7 +180,8 @@ class _StudyKeys(Keys):
         folder = self.file.resolve().parent
         if given.is_absolute() or not (folder / given).resolve().is_relative_to(folder):
             self.wrong(
-                "gear", f"is {shown(content['gear'])}; it must lie in the study file's folder or below it."
+                "gear",
+                f"is {shown(content['gear'])}; it must lie in the study file's folder or below it.",
             )
             return {}
         with self.gathering():
