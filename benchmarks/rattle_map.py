@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import rps_exudyn as rps
+from benchmarks.charts import map_to_scale
 from benchmarks.topic import Topic, load_data, markdown, save_data, shown
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
@@ -57,7 +58,7 @@ def picture(cases: list[dict[str, Any]]) -> Figure:
             if case.get(name, 0.0) > 0:
                 at = forces.index(case["force"]), frequencies.index(case["frequency"])
                 shown[at] = quantity.displayed(case[name])
-        image = style.map_to_scale(axes, np.array(frequencies), np.array(forces), shown, "{:.0f}", "-")
+        image = map_to_scale(axes, np.array(frequencies), np.array(forces), shown, "{:.0f}", "-")
         axes.set_xlabel("frequency [Hz]")
         axes.set_ylabel("road force [N]")
         figure.colorbar(image, ax=axes, label=quantity.axis_label(LABELS[name]))

@@ -10,11 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.charts import losses_figure, spectrum_figure, torques_figure
 from benchmarks.measure import run_ok
 from benchmarks.topic import Columns, Topic, rows_table, save_data
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.pages.charts import style
-from rps_exudyn.pages.charts.analyses import losses_figure, pattern_figure, spectrum_figure, torques_figure
+from rps_exudyn.pages.charts.analyses import pattern_figure
 from rps_exudyn.pages.charts.scene_figures import draw
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SUMMARY

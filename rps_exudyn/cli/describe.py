@@ -17,19 +17,13 @@ def describe(path: str = "", /, *, setup: SetupOptions = PAPER_SETUP, json: Json
         path: Parameter such as yoke.preload, or table such as yoke or fidelity; default: all.
     """
     from rps_exudyn.parameters.gear import Setup
-
-    items = Setup.declared_at(path)
-    if json:
-        print_json(parameters_as_dict(setup.load(), items))
-    else:
-        print_parameters(setup.load(), items)
-    return DONE
-
-
-def print_parameters(table: "Setup", items: "list[Declared]") -> None:
-    """Print value, meaning and source of parameters; of a single one its allowed values, too."""
     from rps_exudyn.results.law_error import law_error
 
+    items = Setup.declared_at(path)
+    table = setup.load()
+    if json:
+        print_json(_as_dict(table, items))
+        return DONE
     rows = [(item.path, item.show(table.value_at(item.path)), item.meaning, item.source) for item in items]
     put_table(("parameter", "value", "meaning", "source"), rows)
     for item in items:
@@ -40,6 +34,7 @@ def print_parameters(table: "Setup", items: "list[Declared]") -> None:
         put(law.sentence)
     if len(items) == 1:
         put(f"{items[0].path} must be {items[0].allowed}.")
+    return DONE
 
 
 def _derived(table: "Setup", item: "Declared") -> float | None:
@@ -51,7 +46,7 @@ def _derived(table: "Setup", item: "Declared") -> float | None:
     return DERIVED[item.path](table) if item.path in DERIVED else None
 
 
-def parameters_as_dict(table: "Setup", items: "list[Declared]") -> dict[str, Any]:
+def _as_dict(table: "Setup", items: "list[Declared]") -> dict[str, Any]:
     """Path -> value in SI, unit, and the rest of the declaration."""
     return {
         item.path: {

@@ -31,18 +31,10 @@ def doctor(*, clear_cache: Flag = False) -> int:
     if clear_cache:
         _clear(folders)
     well = True
-    for name, text, fine in (*_versions(), *_machine(), *_places(folders), _reference()):
+    for name, text, fine in (*_machine(), *_places(folders), _reference()):
         print(f"{'ok ' if fine else 'NO '} {name:<18} {text}")
         well &= fine
     return DONE if well else FAILED
-
-
-def _versions() -> Iterator[tuple[str, str, bool]]:
-    from rps_exudyn.results import provenance
-
-    yield "rps-exudyn", f"{provenance.package_version()} {provenance.git_hash()}".strip(), True
-    libraries = json.loads(provenance.library_versions())
-    yield "libraries", ", ".join(f"{name} {number}" for name, number in libraries.items()), True
 
 
 def _machine() -> Iterator[tuple[str, str, bool]]:
@@ -50,19 +42,16 @@ def _machine() -> Iterator[tuple[str, str, bool]]:
 
     from rps_exudyn.results import provenance
 
+    yield "rps-exudyn", f"{provenance.package_version()} {provenance.git_hash()}".strip(), True
+    libraries = json.loads(provenance.library_versions())
+    yield "libraries", ", ".join(f"{name} {number}" for name, number in libraries.items()), True
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     yield "machine", provenance.machine(), True
-    yield (
-        "threads",
-        f"{usable} usable; a run uses one, a study one per process (numba {numba.config.NUMBA_NUM_THREADS})",
-        True,
-    )
+    of_numba = f"(numba {numba.config.NUMBA_NUM_THREADS})"
+    yield "threads", f"{usable} usable; a run uses one, a study one per process {of_numba}", True
     display = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or os.name == "nt"
-    yield (
-        "display",
-        "there is one: rps-exudyn view works" if display else "none: animate instead of view",
-        True,
-    )
+    views = "there is one: rps-exudyn view works" if display else "none: animate instead of view"
+    yield "display", views, True
 
 
 def _places(folders: Sequence[Path]) -> Iterator[tuple[str, str, bool]]:
@@ -70,19 +59,13 @@ def _places(folders: Sequence[Path]) -> Iterator[tuple[str, str, bool]]:
 
     size = sum(file.stat().st_size for folder in folders for file in files_of(folder)) / 1e6
     if folders:
-        place = os.path.commonpath(folders)
-        yield (
-            "compiled kernels",
-            f"{place}, {size:.0f} MB; rps-exudyn doctor --clear-cache removes them",
-            True,
-        )
+        held = f"{os.path.commonpath(folders)}, {size:.0f} MB"
+        yield "compiled kernels", f"{held}; rps-exudyn doctor --clear-cache removes them", True
     else:
         where = "NUMBA_CACHE_DIR names a folder for them"
         yield "compiled kernels", f"not stored: their folder cannot be written; {where}", False
-    for name, folder in (
-        *(("cache is writable", each) for each in folders[:1]),
-        ("folder is writable", Path.cwd()),
-    ):
+    places = [*(("cache is writable", each) for each in folders[:1]), ("folder is writable", Path.cwd())]
+    for name, folder in places:
         try:
             check_writable(folder / "rps-exudyn-doctor.tmp")
         except InputError as error:

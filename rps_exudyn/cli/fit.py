@@ -213,9 +213,7 @@ def _prior(value: str, deviation: str, si: str) -> tuple[float, float]:
     """Value and deviation; a deviation in % is one of the value."""
     expected = units.to_si(value, si)
     part = deviation.strip()
-    sd = abs(expected) * units.to_si(part, "") if part.endswith("%") and si else units.to_si(part, si)
-    if not si and part.endswith("%"):
-        sd = abs(expected) * units.to_si(part, "")
+    sd = abs(expected) * units.to_si(part, "") if part.endswith("%") else units.to_si(part, si)
     if not 0 < sd < float("inf"):
         raise ValueError(f"has the standard deviation {deviation}, which must be more than 0")
     return expected, sd
@@ -230,8 +228,7 @@ def print_fit(fit: "Fit", files: Iterable[Path]) -> None:
     for sentence in (findings.level_sentence(fit), *findings.open_sentences(fit)):
         if sentence:
             put(sentence)
-    columns = ("parameter", "value", "95 % interval", "prior", "verdict")
-    put_table(columns, findings.rows(fit))
+    put_table(("parameter", "value", "95 % interval", "prior", "verdict"), findings.rows(fit))
     put_table(findings.BUDGET, findings.budget_rows(fit))
     if sentence := findings.offset_sentence(fit):
         put(sentence)
@@ -375,14 +372,12 @@ def judge_batch(
         f"measurement, {100 * found.sd / found.mean:.3g} %"
     )
     columns = ("parameter", "mean of the batch", "deviation", "scatter, if no other parameter scatters")
-    put_table(
-        columns,
-        [
-            (path, shown(path, value), f"{100 * sd:.3g} %", f"{100 * found.alone[path]:.3g} %")
-            for path, (value, sd) in found.parameters.items()
-            if path in found.alone
-        ],
-    )
+    cells = [
+        (path, shown(path, value), f"{100 * sd:.3g} %", f"{100 * found.alone[path]:.3g} %")
+        for path, (value, sd) in found.parameters.items()
+        if path in found.alone
+    ]
+    put_table(columns, cells)
     for name, each in zip(("without guard bands", "with guard bands"), risks, strict=False):
         put(
             f"limits {name}, {each.limits.low:.4g} to {each.limits.high:.4g} N m: consumer's risk "
@@ -409,15 +404,12 @@ def batch_rows(found: "Production", limits: "Limits | None", guard: float) -> It
     """The row of each gear, by `BATCH_COLUMNS`; the verdict is that of limits with guard bands."""
     from rps_exudyn.inference.fitting.production import interval_of
 
-    alarms = set(found.drift.alarms.tolist())
+    alarms, accepted = set(found.drift.alarms.tolist()), limits and limits.guarded(guard)
     for i, each in enumerate(found.gears):
-        low, high = interval_of(each)
-        runout = each.runout
-        verdict = ""
-        if limits is not None:
-            accepted = limits.guarded(guard)
+        runout, verdict = each.runout, ""
+        if accepted is not None:
             verdict = "accepted" if accepted.low <= each.level <= accepted.high else "rejected"
-        numbers = (each.level, low, high, found.expected[i], found.drift.average[i])
+        numbers = (each.level, *interval_of(each), found.expected[i], found.drift.average[i])
         yield (
             each.name,
             *(f"{number:.6g}" for number in numbers),

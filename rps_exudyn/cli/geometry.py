@@ -1,15 +1,10 @@
 """The command `geometry`: the geometry report, the solids, their drawing."""
 
-from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rps_exudyn.base.files import PICTURES, check_writable
 from rps_exudyn.cli.options import PAPER_GEAR, Flag, GearOptions, Json
 from rps_exudyn.cli.output import DONE, print_files, print_json, put, put_table
-
-if TYPE_CHECKING:
-    from rps_exudyn.gears.geometry_report import GeometryReport
 
 
 def geometry(
@@ -24,6 +19,7 @@ def geometry(
     from rps_exudyn.gears.export import FORMATS, export_solids
     from rps_exudyn.gears.geometry_report import geometry_report
     from rps_exudyn.pages.charts.geometry import draw_geometry
+    from rps_exudyn.results.quantities import GEOMETRY
 
     chosen = gear.load()
     if out:
@@ -36,21 +32,11 @@ def geometry(
     files = [out] if out else []
     if json:
         print_json(report.as_dict() | {"files": files})
-    else:
-        print_geometry(report, files)
-    return DONE
-
-
-def print_geometry(report: "GeometryReport", files: Iterable[Path] = ()) -> None:
-    """Print every number with its unit and definition, masses, and warnings to the designer."""
-    from rps_exudyn.results.quantities import GEOMETRY
-
+        return DONE
     rows = [(name, item.show(getattr(report, name)), item.long_name) for name, item in GEOMETRY.items()]
-    rows += [
-        (f"mass of {part}", f"{properties.mass:.4g} kg", "")
-        for part, properties in report.mass_properties.items()
-    ]
+    rows += [(f"mass of {part}", f"{each.mass:.4g} kg", "") for part, each in report.mass_properties.items()]
     put_table(("quantity", "value", "definition"), rows)
     for warning in report.warnings:
         put(f"warning: {warning}")
     print_files(files)
+    return DONE

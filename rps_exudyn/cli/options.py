@@ -25,8 +25,7 @@ Json = Annotated[
 ]
 
 Jobs = Annotated[
-    int | None,
-    Parameter(help="Number of processes; default: one per processor, where that is faster."),
+    int | None, Parameter(help="Number of processes; default: one per processor, where that is faster.")
 ]
 
 Inputs = Annotated[

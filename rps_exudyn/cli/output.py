@@ -78,11 +78,7 @@ def put(text: str = "", style: str = "", indent: int = 0) -> None:
     if sys.stdout.isatty():
         indent = indent if indent < _width() // 2 else 0
         lines = textwrap.wrap(
-            text,
-            _width(),
-            subsequent_indent=" " * indent,
-            break_long_words=False,
-            break_on_hyphens=False,
+            text, _width(), subsequent_indent=" " * indent, break_long_words=False, break_on_hyphens=False
         ) or [""]
         text = "\n".join(_styled(line, style) for line in lines)
     print(text)
@@ -120,21 +116,13 @@ def column_widths(heads: Sequence[str], rows: Sequence[Sequence[str]], width: in
 
 
 def _row_lines(cells: Sequence[str], widths: Sequence[int]) -> Iterator[str]:
-    """The lines of one row."""
-    if all(len(cell) <= width for cell, width in zip(cells, widths, strict=True)):
-        broken = [[cell] for cell in cells]
-    else:
-        broken = [_broken(cell, width) for cell, width in zip(cells, widths, strict=True)]
+    broken = [
+        [cell] if len(cell) <= width else textwrap.wrap(cell, width, break_on_hyphens=False) or [""]
+        for cell, width in zip(cells, widths, strict=True)
+    ]
     for k in range(max(map(len, broken))):
         parts = [lines[k] if k < len(lines) else "" for lines in broken]
         yield (" " * GAP).join(f"{part:{width}}" for part, width in zip(parts, widths, strict=True)).rstrip()
-
-
-def _broken(text: str, width: int) -> list[str]:
-    """The text in lines of at most so many letters."""
-    if len(text) <= width:
-        return [text]
-    return textwrap.wrap(text, width, break_on_hyphens=False) or [""]
 
 
 def _styled(line: str, style: str) -> str:
@@ -254,18 +242,13 @@ def keep(result: "Result", files: Files) -> tuple[list[Path], bool]:
         return [out], False
     try:
         with named_if_interrupted([out]):
-            _draw(result, plot)
+            from rps_exudyn.pages.charts.scene_figures import draw
+
+            draw(result, plot)
     except (OSError, ValueError) as error:  # also what matplotlib makes of a strange environment
         say(f"the picture is missing: {error}")
         return [out], True
     return [out, plot], False
-
-
-def _draw(result: "Result", plot: Path) -> None:
-    """Draw the picture; the result is safe by then."""
-    from rps_exudyn.pages.charts.scene_figures import draw
-
-    draw(result, plot)
 
 
 def _kept_elsewhere(result: "Result", out: Path, problem: str) -> tuple[list[Path], bool]:

@@ -1,11 +1,9 @@
 """The command `rerun`: what a result holds, simulated again."""
 
 import sys
-from collections.abc import Mapping
 from contextlib import redirect_stdout
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import RESULT_FILES, check_writable
@@ -45,24 +43,17 @@ def rerun(file: Path, /, *, out: Path | None = None, every: All = False, json: J
     files = [out] if out else []
     if json:
         print_json(result_as_dict(new, files) | {"differing": differing, "largest": largest})
-    else:
-        if every:
-            print_result(new, files)
-        print_differing(differing, largest, str(file), every)
-    return verdict(new)
-
-
-def print_differing(
-    differing: Mapping[str, tuple[Any, Any]], largest: tuple[str, float], name: str, every: bool = True
-) -> None:
-    """Print how many numbers of a repeated simulation differ from the file `name`, or `every` one of them,
-    and the `largest` difference."""
-    if not differing:
-        put(f"Every number equals that of {name}, bit for bit.")
-        return
-    rows = [(what, *map(str, pair)) for what, pair in differing.items()]
+        return verdict(new)
     if every:
-        put_table(("differs", name, "now"), rows)
+        print_result(new, files)
+    if not differing:
+        put(f"Every number equals that of {file}, bit for bit.")
+        return verdict(new)
+    if every:
+        put_table(
+            ("differs", str(file), "now"), [(what, *map(str, pair)) for what, pair in differing.items()]
+        )
     quantity, size = largest
-    largest_words = f"The largest relative difference is {size:.2g}{f', of {quantity}' if quantity else ''}."
-    put(f"{len(rows)} numbers differ from {name}{'' if every else ' (--all: which)'}. {largest_words}")
+    words = f"The largest relative difference is {size:.2g}{f', of {quantity}' if quantity else ''}."
+    put(f"{len(differing)} numbers differ from {file}{'' if every else ' (--all: which)'}. {words}")
+    return verdict(new)

@@ -24,12 +24,7 @@ from rps_exudyn.cli.output import (
     put,
     put_table,
 )
-from rps_exudyn.cli.printed import (
-    measured_as_dict,
-    print_measured,
-    print_sheet,
-    result_as_dict,
-)
+from rps_exudyn.cli.printed import measured_as_dict, print_measured, print_sheet, result_as_dict
 from rps_exudyn.inference.uncertainty.band import Band, band_of_runs
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.inference.uncertainty.quick_band import SCENE, quick_band
@@ -38,7 +33,6 @@ from rps_exudyn.pages.report.result_page import result_article
 from rps_exudyn.pages.report.sheet import sheet_of
 from rps_exudyn.pages.report.sheet_file import KEY, sheet_as_dict
 from rps_exudyn.parameters.fidelity import MEAN_STEP
-from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.results.rounding import shown_with_bar
@@ -75,7 +69,10 @@ def do_band(
     from rps_exudyn.pages.charts.style import save
 
     own, processes = options.drawn(), checked_jobs(jobs)
-    setup = _with_cheap_model(options)
+    if options.chooses_model:
+        setup = options.load()
+    else:  # equilibria in steps that a band needs
+        setup = replace(options, fidelity="quasi-static").load().replace({"fidelity.step_angle": MEAN_STEP})
     gear = setup.steering_gear
     chosen = uncertain_inputs(gear, inputs, own)
     quick = count is None and scene == SCENE
@@ -185,13 +182,6 @@ def _beside(band: Band, name: str) -> str:
         low, high = (100 * each for each in band.law.mean_torque)
         parts.append(f"the contact law {band.law.law} deviates by {low:+.2g} to {high:+.2g} %")
     return as_sentence("; ".join(parts))
-
-
-def _with_cheap_model(options: SetupOptions) -> Setup:
-    """Gear and model; equilibria in steps that a band needs where no model is chosen."""
-    if options.chooses_model:
-        return options.load()
-    return replace(options, fidelity="quasi-static").load().replace({"fidelity.step_angle": MEAN_STEP})
 
 
 def sample_count(band: list[int] | None, beside: list[str]) -> int | None:

@@ -203,7 +203,6 @@ def _print_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:
 
 
 def _print_ranges(work: "StudyWork") -> None:
-    """Print the ranges of the study's leading numbers."""
     from rps_exudyn.pages.report.study_rows import range_rows
     from rps_exudyn.study.table import CaseTable
 

@@ -171,7 +171,6 @@ class _Quantity:
 
 
 def _listed(given: Any, shape: str, quantity: _Quantity) -> tuple[Value, ...]:
-    """The values of a list."""
     if not isinstance(given, list):
         quantity.wrong(f"has {shape} = {shown(given)}; it must be a list.")
         return ()
@@ -192,7 +191,7 @@ def _spaced(given: Any, shape: str, quantity: _Quantity) -> tuple[float, ...]:
     if isinstance(count, bool) or not isinstance(count, int) or not 2 <= count <= MOST_ON_AN_AXIS:
         quantity.wrong(
             f"has {shape} = {shown(given)}; it must be [first, last, number] with a number from 2 to "
-            f"{MOST_ON_AN_AXIS}.",
+            f"{MOST_ON_AN_AXIS}."
         )
         return ()
     first, last = quantity.number(given[0]), quantity.number(given[1])
@@ -206,7 +205,6 @@ def _spaced(given: Any, shape: str, quantity: _Quantity) -> tuple[float, ...]:
 
 
 def _distribution(given: Any, shape: str, quantity: _Quantity) -> list[float]:
-    """The two numbers of a distribution."""
     if not isinstance(given, list):
         quantity.wrong(f"has {shape} = {shown(given)}; it must be a list.")
     elif len(given) != 2:

@@ -73,7 +73,10 @@ class Blocks:
         if not self._waiting:
             return
         if self._filling is None:
-            last = max((int(path.stem) for path in self._numbered()), default=-1)
+            taken = (
+                path.name.split(".")[0] for path in self.folder.glob("[0-9]*")
+            )  # also of those set aside
+            last = max((int(number) for number in taken if number.isdigit()), default=-1)
             self._filling = self.folder / f"{last + 1:05d}.h5"
         begun = monotonic()
         with replacing(self._filling) as partial:
@@ -82,10 +85,6 @@ class Blocks:
             )
         self._written, self._seen = monotonic(), 0
         self._took = self._written - begun
-
-    def _numbered(self) -> list[Path]:
-        """All files whose names are taken, also those set aside."""
-        return [path for path in self.folder.glob("[0-9]*") if path.stem.split(".")[0].isdigit()]
 
     def home_of(self, case_hash: str) -> Path | None:
         """Return the file that holds a case, None if there is none."""
@@ -128,17 +127,15 @@ class Blocks:
 
 def blocks_beside(case: Path) -> Blocks:
     """Return the blocks of the study to which a case's path DIR/cases/HASH.h5 belongs, to read from."""
-    return _blocks(case.absolute().parents[1] / "blocks")
+    return _cached_blocks(case.absolute().parents[1] / "blocks")
+
+
+_cached_blocks = lru_cache(maxsize=4)(Blocks)
 
 
 def beside(result: Path, name: str) -> Path:
     """Return the path of a new file beside a result's; in the current folder if the result is in a block."""
     return (result.parent if result.parent.is_dir() else Path()) / name
-
-
-@lru_cache(maxsize=4)
-def _blocks(folder: Path) -> Blocks:
-    return Blocks(folder)
 
 
 def load(path: str | Path) -> Result:

@@ -12,7 +12,6 @@ import numpy as np
 from rps_exudyn.base.files import append
 from rps_exudyn.base.progress import duration
 from rps_exudyn.base.screen import open_screen
-from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.outcome import Status, alike
 from rps_exudyn.study.cases import setup_of
 from rps_exudyn.study.definition import Case, Description, Study
@@ -110,16 +109,11 @@ def estimate(study: Study, missing: Sequence[Case], measured: Sequence[float], j
 
 def _cost(study: Study, case: Case) -> float:
     setup = setup_of(study, case)
-    fixed, per_step = _rates(setup.fidelity)
-    steps = 2 * np.pi * setup.test.turns / setup.fidelity.step_angle
-    return float(fixed + per_step * steps)
-
-
-def _rates(fidelity: Fidelity) -> tuple[float, float]:
-    fixed, per_step = COSTS[fidelity.solver, fidelity.mesh]
-    if fidelity.solver == "generalized-alpha" and fidelity.mesh == "flank" and fidelity.bush == "chain":
-        return fixed, per_step * DEARER_CHAIN
-    return fixed, per_step
+    model = setup.fidelity
+    fixed, per_step = COSTS[model.solver, model.mesh]
+    if (model.solver, model.mesh, model.bush) == ("generalized-alpha", "flank", "chain"):
+        per_step *= DEARER_CHAIN
+    return float(fixed + per_step * (2 * np.pi * setup.test.turns / model.step_angle))
 
 
 # --- Messages of the cases in groups: causes of failure, and remarks on cases that ended ok. Messages of the

@@ -30,7 +30,7 @@ from rps_exudyn.results.block import Keep
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import FILETYPE, VERSION
 from rps_exudyn.study.case_blocks import blocks_beside
-from rps_exudyn.study.definition import Description, axis_quantity
+from rps_exudyn.study.definition import axis_quantity
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable, TableColumn
 
@@ -67,7 +67,9 @@ def cube(table: CaseTable) -> Dataset:
         for column in table.columns()
         if column.group == "summary" or column.name in ("hash", "status", "cpu_s")
     }
-    return Dataset(variables, coords=layout.coordinates(), attrs=_origin(table.description))
+    about = table.description
+    origin = {"study": about.name, "scene": about.scene, "fidelity": str(about.fidelity.get("name", ""))}
+    return Dataset(variables, coords=layout.coordinates(), attrs=origin | {"design": about.design})
 
 
 def study_frame(path: str | Path) -> "DataFrame":
@@ -218,12 +220,3 @@ def _read_signals(path: Path, names: Iterable[str], read: Callable[[Any], T]) ->
     except InputError as error:
         warnings.warn(f"{error} Its signals are nan.", stacklevel=2)
         return {}
-
-
-def _origin(description: Description) -> dict[str, str]:
-    return {
-        "study": description.name,
-        "scene": description.scene,
-        "fidelity": str(description.fidelity.get("name", "")),
-        "design": description.design,
-    }

@@ -233,11 +233,8 @@ class Study:
 
     def toy(self) -> "Study":
         """The same study at the smallest size: two values of each axis, or four samples."""
-        return replace(self, axes=tuple(_first_two(axis) for axis in self.axes), samples=min(self.samples, 4))
-
-
-def _first_two(axis: Axis) -> Axis:
-    if axis.values is None:
-        return axis
-    along = {path: values[:2] for path, values in axis.along.items()}
-    return replace(axis, values=axis.values[:2], along=along)
+        axes = []
+        for axis in self.axes:
+            along = {path: values[:2] for path, values in axis.along.items()}
+            axes.append(axis if axis.values is None else replace(axis, values=axis.values[:2], along=along))
+        return replace(self, axes=tuple(axes), samples=min(self.samples, 4))

@@ -101,7 +101,6 @@ class Handover(Iterator[Task]):
     def __init__(
         self, study: Study, description: Description, missing: Sequence[Case], executor: Executor
     ) -> None:
-        """Prepare to hand over the missing cases."""
         self._study, self._description = study, description
         self._given: dict[Task, list[Case]] = {}
         self._again: deque[Case] = deque()  # one by one
@@ -164,9 +163,6 @@ class Handover(Iterator[Task]):
             self._again.extend(cases)
             self._apart.update([] if others else [first.hash])
             return []
-        return [(first, self._failure(first, answer))]
-
-    def _failure(self, case: Case, answer: Answer) -> CaseRecord:
-        setup = self._study.setup(settings_of(self._study.axes, case.values))
+        setup = self._study.setup(settings_of(self._study.axes, first.values))
         result = answer.failure(self._description.scene, setup.steering_gear, setup.fidelity)
-        return CaseRecord.of(case.hash, self._description.signals.of(result))
+        return [(first, CaseRecord.of(first.hash, self._description.signals.of(result)))]

@@ -60,10 +60,7 @@ def study_schema() -> Schema:
         "keep": _closed(
             {
                 "signals": {
-                    "anyOf": [
-                        {"enum": ["all", "none"]},
-                        {"type": "array", "items": {"enum": list(SIGNALS)}},
-                    ]
+                    "anyOf": [{"enum": ["all", "none"]}, {"type": "array", "items": {"enum": list(SIGNALS)}}]
                 },
                 "samples": _whole(2, 10**9, "samples of each signal"),
                 "blocks": {"type": "boolean", "description": "many cases in one file"},
@@ -96,13 +93,12 @@ def _tables(table: type[Table]) -> dict[str, Schema]:
         assert isinstance(field.annotation, type)
         parameters = made[field.annotation.__name__]["properties"]
         meaning = (field.annotation.__doc__ or "").partition("\n")[0]
-        found[name] = _closed({key: _parameter(each) for key, each in parameters.items()}, meaning)
+        shown = {
+            name: {key: value for key, value in each.items() if key not in ("title", "source")}
+            for name, each in parameters.items()
+        }
+        found[name] = _closed(shown, meaning)
     return found
-
-
-def _parameter(made: Schema) -> Schema:
-    """The schema of a parameter without what no editor shows."""
-    return {key: each for key, each in made.items() if key not in ("title", "source")}
 
 
 def _axis(paths: list[str], settings: Mapping[str, Schema]) -> Schema:

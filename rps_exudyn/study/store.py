@@ -173,7 +173,8 @@ class Store:
         try:
             with os.scandir(self.path / "cases") as entries:
                 files = (item for item in entries if not item.name.startswith("."))  # not half written
-                return {item.name[:-3]: _stamp(item.stat()) for item in files if item.name.endswith(".h5")}
+                found = {item.name[:-3]: item.stat() for item in files if item.name.endswith(".h5")}
+                return {name: (stat.st_size, stat.st_mtime_ns) for name, stat in found.items()}
         except FileNotFoundError:
             return {}
 
@@ -214,7 +215,9 @@ class Store:
                 file.truncate(0)
                 file.write(f"process {os.getpid()} on {socket.gethostname()}")
                 file.flush()
-                self._remove_partial_files()
+                for partial in (path for name in HALF_WRITTEN for path in self.path.glob(name)):
+                    with suppress(OSError):
+                        partial.unlink()
                 yield
             else:
                 file.seek(0)
@@ -228,13 +231,6 @@ class Store:
             return (self.path / ".lock").open("a+", encoding="utf-8")
         except OSError as error:
             raise InputError(f"{self.path} cannot be written: {error.strerror or error}.") from None
-
-    def _remove_partial_files(self) -> None:
-        """Remove what a killed runner left half written."""
-        for name in HALF_WRITTEN:
-            for partial in self.path.glob(name):
-                with suppress(OSError):
-                    partial.unlink()
 
 
 def _try_lock(descriptor: int) -> bool:
@@ -252,12 +248,8 @@ def _try_lock(descriptor: int) -> bool:
     except BlockingIOError:
         return False
     except OSError:
-        return True
+        pass
     return True
-
-
-def _stamp(stat: os.stat_result) -> tuple[int, int]:
-    return stat.st_size, stat.st_mtime_ns
 
 
 def _check_folder(folder: Path, description: Description) -> None:

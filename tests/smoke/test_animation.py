@@ -7,6 +7,7 @@ import json
 import re
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,7 +26,7 @@ from rps_exudyn.pages.animation.camera import view as camera_of
 from rps_exudyn.pages.animation.drawn import FILL, SUN, paint
 from rps_exudyn.pages.animation.motion import MOST_FRAMES, Factors, Motion
 from rps_exudyn.pages.animation.overlays import ContactLines, contact_lines
-from rps_exudyn.pages.animation.page_data import decoded, page_data
+from rps_exudyn.pages.animation.page_data import page_data
 from rps_exudyn.pages.animation.parts import CHORD_ERROR, picture_parts
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
@@ -66,6 +67,12 @@ def test_lines_of_contact_lie_on_both_flanks(pitch: Result, lines: ContactLines)
     deepest = pitch["mesh_penetration"].max()
     assert -1.05 * deepest < np.min(distances) < -0.5 * deepest
     assert np.max(distances) < 3e-6
+
+
+def decoded(item: dict[str, Any]) -> np.ndarray:
+    """The values of an array of the page, flat."""
+    kinds = {"uint16": "<u2", "int8": "i1", "float32": "<f4"}
+    return item["scale"] * np.frombuffer(base64.b64decode(item["data"]), kinds[item["kind"]]).astype(float)
 
 
 @pytest.mark.parametrize("name", SIDES)

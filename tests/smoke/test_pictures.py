@@ -15,13 +15,13 @@ import pytest
 from matplotlib.figure import Figure
 
 import rps_exudyn
+from benchmarks.charts import losses_figure, spectrum_figure, torques_figure
 from made_up_study import FRICTION, PRELOAD, description, grid_points, make_study, sampled
 from picture_album import Album, figure_functions
 from rps_exudyn.assessment.validation.compared_rows import Simulated, compared_row
 from rps_exudyn.assessment.validation.row import SHIPPED, read_rows
 from rps_exudyn.cli.main import main
 from rps_exudyn.pages.charts import style
-from rps_exudyn.pages.charts.analyses import losses_figure, spectrum_figure, torques_figure
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.study.case_blocks import load
@@ -219,7 +219,7 @@ def studies(album: Album) -> None:
 
 
 def others(album: Album) -> None:
-    """Charts that benchmarks draw, and no command yet."""
+    """Charts that benchmarks draw, and no command."""
     result, unlike = load("there-and-back.h5"), load("lock-to-lock.h5")
     both = {"there and back": result, LONG: unlike}
     figures: dict[str, Callable[[], Figure]] = {

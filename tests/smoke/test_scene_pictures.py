@@ -11,10 +11,10 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from benchmarks.charts import losses_figure, map_to_scale, spectrum_figure, torques_figure
 from rps_exudyn.analysis.measured import compare_with_measured
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.pages.charts import style
-from rps_exudyn.pages.charts.analyses import losses_figure, spectrum_figure, torques_figure
 from rps_exudyn.pages.charts.curves import AT_REVERSAL, NOT_SIMULATED
 from rps_exudyn.pages.charts.scene_figures import draw, load_test_figure, torque_figure
 from rps_exudyn.results.result import MeasuredTorque, Result, content_of
@@ -272,7 +272,7 @@ def test_map_has_its_cells_where_they_belong() -> None:
     _, (axes,) = style.panels([3.0])
     x, y = np.array([1.0, 2.0]), np.array([0.0, 1.0, 5.0])
     values = np.array([[0.0, 10.0], [5.0, np.nan], [10.0, 0.0]])
-    image = style.map_to_scale(axes, x, y, values, "{:.0f}", "none")
+    image = map_to_scale(axes, x, y, values, "{:.0f}", "none")
     corners = image.get_coordinates()
     np.testing.assert_allclose(corners[:, 0, 1], [-0.5, 0.5, 3.0, 7.0])
     np.testing.assert_allclose(corners[0, :, 0], [0.5, 1.5, 2.5])

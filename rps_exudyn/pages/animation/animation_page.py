@@ -73,7 +73,10 @@ def rendered(
         notes=_notes(result, motion),
         still=f"data:image/webp;base64,{base64.b64encode(picture).decode('ascii')}",
         views=list(VIEWS),
-        factors=[_factor_name(*each) for each in data["factors"]],
+        factors=[
+            "as they are" if lift == tilt == 1 else f"lift × {lift:g}, tilt × {tilt:g}"
+            for lift, tilt in data["factors"]
+        ],
         curves=data["curves"],
         arrows=data["arrows"],
         densest=None if lines is None else _LINE_LOAD.show(float(lines.load.max())),
@@ -101,12 +104,6 @@ def _style_and_script() -> tuple[str, str]:
 def hash_of(text: str) -> str:
     """The hash by which a page's policy admits a script or a style."""
     return base64.b64encode(hashlib.sha256(text.encode("utf-8")).digest()).decode("ascii")
-
-
-def _factor_name(displacement: float, tilt: float) -> str:
-    if displacement == tilt == 1:
-        return "as they are"
-    return f"lift × {displacement:g}, tilt × {tilt:g}"
 
 
 def _notes(result: Result, motion: Motion) -> list[str]:

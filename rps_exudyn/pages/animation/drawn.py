@@ -74,7 +74,6 @@ class Drawing:
         return world[part.faces], normals[part.faces], colours, cuts
 
     def _arrow(self, arrow: Arrow, frame: int) -> list[tuple[np.ndarray, ...]]:
-        """Shaft and head."""
         size = GearPair.of(self.motion.gear).tip_radius
         length = LONGEST * size * float(self.motion.signals[arrow.signal][frame]) / self.strongest
         if abs(length) < 0.02 * LONGEST * size:

@@ -121,16 +121,11 @@ def _picture(
     whole = image.reshape(height, finer, width, finer, 3).mean(axis=(1, 3))
     picture = Image.fromarray((255 * np.clip(whole, 0, 1)).astype(np.uint8))
     if written:
-        text = _reading(drawing.motion, frame)
-        ImageDraw.Draw(picture).text((12, height - 26), text, INK, font_size=16)
+        signals = drawing.motion.signals
+        shown = [f"{name.replace('_', ' ')} {SIGNALS[name].show(float(signals[name][frame]))}"
+                 for name in ("pinion_angle", "pinion_torque") if name in signals]  # fmt: skip
+        ImageDraw.Draw(picture).text((12, height - 26), ", ".join(shown), INK, font_size=16)
     return picture
-
-
-def _reading(motion: Motion, frame: int) -> str:
-    """Angle and torque of the instant in words."""
-    shown = [f"{name.replace('_', ' ')} {SIGNALS[name].show(float(motion.signals[name][frame]))}"
-             for name in ("pinion_angle", "pinion_torque") if name in motion.signals]  # fmt: skip
-    return ", ".join(shown)
 
 
 def _write_gif(pictures: list[Image.Image], path: Path) -> None:

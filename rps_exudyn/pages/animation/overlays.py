@@ -52,9 +52,7 @@ def _all(motion: Motion) -> Iterator[Arrow]:
         label = f"pinion on the rack, {name} flanks"
         yield Arrow(f"mesh_normal_force_{name}", label, "mesh", to_flank, push, colour)
     end, ink = np.array([bar.x_min, 0.0, 0.0]), COLOURS["torque"]
-    yield Arrow(
-        "load_force", "load on the rack's end", "rack", end, np.array([-1.0, 0, 0]), COLOURS["torque"]
-    )
+    yield Arrow("load_force", "load on the rack's end", "rack", end, np.array([-1.0, 0, 0]), ink)
     yield Arrow("rack_force", "drive of the rack", "rack", end, np.array([1.0, 0, 0]), ink)
 
 

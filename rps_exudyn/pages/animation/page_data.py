@@ -35,11 +35,12 @@ SECTIONED = ("plunger", "yokenut")  # the round bar stays round
 def page_data(motion: Motion, parts: list[PicturePart], lines: ContactLines | None) -> dict[str, Any]:
     """Everything that the page's script reads."""
     pair, signals = GearPair.of(motion.gear), motion.signals
-    most = motion.largest_factors
+    most, steps = motion.largest_factors, np.diff(signals["pinion_angle"])
+    one_way = bool((steps > 0).all() or (steps < 0).all())
     return {
         "frames": motion.frames,
         "time": encoded(signals["time"], "float32") if "time" in signals else None,
-        "over": "pinion_angle" if _one_way(signals["pinion_angle"]) else "time",
+        "over": "pinion_angle" if one_way else "time",
         "parts": [_part(part, motion) for part in parts],
         "motion": {name: encoded(signals[name], "float32") for name in MOVING},
         "means": {name: float(signals[name].mean()) for name in (*DISPLACEMENTS, *TILTS)},
@@ -123,23 +124,10 @@ def _lines(lines: ContactLines, frames: int) -> dict[str, Any]:
     }
 
 
-def _one_way(angle: np.ndarray) -> bool:
-    """Return whether the pinion turns one way all the time, so that curves can be drawn over its angle."""
-    steps = np.diff(angle)
-    return bool((steps > 0).all() or (steps < 0).all())
-
-
 # --- Arrays of numbers as text for a page: fewest bytes that look the same, in base 64
 
 Encoded = dict[str, Any]
-_KINDS = {
-    "int8": "i1",
-    "uint8": "u1",
-    "int16": "<i2",
-    "uint16": "<u2",
-    "uint32": "<u4",
-    "float32": "<f4",
-}
+_KINDS = {"int8": "i1", "uint8": "u1", "int16": "<i2", "uint16": "<u2", "uint32": "<u4", "float32": "<f4"}
 
 
 def encoded(values: np.ndarray, kind: str) -> Encoded:
@@ -153,11 +141,6 @@ def quantized(values: np.ndarray, kind: str) -> Encoded:
     scale = largest / np.iinfo(_KINDS[kind]).max
     whole = np.round(np.asarray(values) / scale).astype(_KINDS[kind])
     return {"kind": kind, "scale": scale, "data": _text(whole)}
-
-
-def decoded(item: Encoded) -> np.ndarray:
-    """The values of an encoded array, flat."""
-    return item["scale"] * np.frombuffer(base64.b64decode(item["data"]), _KINDS[item["kind"]]).astype(float)
 
 
 def _text(array: np.ndarray) -> str:

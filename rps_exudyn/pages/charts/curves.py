@@ -134,12 +134,7 @@ def torque_against_motion(axes: Axes, signals: Signals) -> None:
 
 
 def add_measured(
-    axes: Axes,
-    measured: MeasuredTorque,
-    signals: Signals,
-    *,
-    against_motion: bool = False,
-    only: int = 0,
+    axes: Axes, measured: MeasuredTorque, signals: Signals, *, against_motion: bool = False, only: int = 0
 ) -> None:
     """Draw the points of a measured torque below the others.
 

@@ -58,7 +58,6 @@ def geometry_figure(gear: SteeringGear, force: bool = False) -> Figure:
 
 
 def _draw_view(axes: Axes, pair: GearPair, solids: dict[str, Solid]) -> None:
-    """Draw the shaded view around the mesh."""
     centre = np.array([0, 2 * pair.reference_radius, 0])
     box = Manifold.cube(tuple(2 * SHOWN), True).translate(tuple(centre))
     parts = []
@@ -71,7 +70,6 @@ def _draw_view(axes: Axes, pair: GearPair, solids: dict[str, Solid]) -> None:
 
 
 def _draw_section(axes: Axes, pair: GearPair, report: GeometryReport) -> None:
-    """Draw the transverse section of the pinion with its circles."""
     profile = 1e3 * transverse_profile(pair, 1e-6)
     axes.fill(*profile.T, facecolor=PART_COLOURS["pinion"], alpha=0.45, edgecolor="black", linewidth=1)
     angle = np.linspace(0, 2 * np.pi, 361)
@@ -137,7 +135,6 @@ def _contacts(pair: GearPair, side: int) -> np.ndarray:
 
 
 def _finish_section(axes: Axes, title: str) -> None:
-    """Set title, legend and axes in millimetres."""
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, fontsize=8.5, frameon=False)
     axes.set_aspect("equal")
     axes.set_xlabel("e [mm]")

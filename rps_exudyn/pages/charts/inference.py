@@ -46,7 +46,9 @@ def band_figure(band: Band) -> Figure:
     shares = band.contributions.get(scene_named(band.nominal.scene).figure)
     if shares is not None:
         _draw_contributions(figure, shares)
-    style.title(figure, _headline(band), _failures(band))
+    failed, drawn = band.drawn.failed, len(band.drawn.samples)
+    failure = f"{failed} of {drawn} samples failed and are in no quantile" if failed else ""
+    style.title(figure, _headline(band), failure)
     return figure
 
 
@@ -76,12 +78,6 @@ def _headline(band: Band) -> str:
         shown = rounded_range(SUMMARY[name], found.low, found.high)
         parts.append(f"{name.replace('_', ' ')} {shown} (90 %)")
     return " · ".join(parts)
-
-
-def _failures(band: Band) -> str:
-    if not band.drawn.failed:
-        return ""
-    return f"{band.drawn.failed} of {len(band.drawn.samples)} samples failed and are in no quantile"
 
 
 def _draw_curves(axes: Axes, band: Band) -> None:
@@ -264,10 +260,7 @@ def _draw_bars(
     places = -np.cumsum(heights) + np.array(heights) / 2
     for place, (_, middle, sd, before, verdict) in zip(places, bars, strict=True):
         colour = style.COLOURS[POSTERIOR.get(verdict, "other")]
-        for centre, deviation, thick, shade in (
-            (0.0, before, 0.62, "#d0d0d0"),
-            (middle, sd, 0.3, colour),
-        ):
+        for centre, deviation, thick, shade in ((0.0, before, 0.62, "#d0d0d0"), (middle, sd, 0.3, colour)):
             ends = np.exp(centre + WIDE * deviation * np.array([-1, 1]))
             axes.barh(place, ends[1] - ends[0], left=ends[0], height=thick, color=shade, zorder=2)
         axes.plot([np.exp(middle)], [place], "|", color="black", markersize=9, zorder=3)

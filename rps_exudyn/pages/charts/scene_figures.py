@@ -1,6 +1,6 @@
 """The picture of a result, by its scene; a scene names its function CHART_figure here."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rps_exudyn.analysis.impacts import Impact, find_impacts, split_at_repeats
-from rps_exudyn.analysis.passes import passes
+from rps_exudyn.analysis.passes import Signals, passes
 from rps_exudyn.analysis.rack_motion import transmission_error
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.pages.charts import style
@@ -46,9 +46,20 @@ def scene_figure(
     return figure
 
 
-def clearance_of(result: Result) -> float:
-    """The yoke's clearance in operation [m]."""
-    return result.summary.get("operating_clearance", result.gear.yoke.clearance)
+def _named_lines(
+    axes: Axes, x: np.ndarray, signals: Signals, curves: Mapping[str, tuple[str, str]], axis: str, unit: str
+) -> None:
+    """Draw those of the `curves` (signal -> legend, colour) that there are, as the signal `unit` is shown."""
+    for name, (label, colour) in curves.items():
+        if name in signals:
+            style.line(axes, x, signals[name], SIGNALS[unit], axis, colour, label)
+
+
+def _mark_clearance(axes: Axes, result: Result, label: str) -> None:
+    """Mark the yoke's clearance in operation over the curves of displacements, and name all of them."""
+    clearance = result.summary.get("operating_clearance", result.gear.yoke.clearance)
+    axes.axhline(SIGNALS["rack_y"].displayed(clearance), **style.REFERENCE_LINE, label=label)
+    style.name_curves(axes)
 
 
 def draw(
@@ -90,9 +101,7 @@ def torque_figure(result: Result, measured: MeasuredTorque | None = None) -> Fig
     figure, panels = panels_over_angle(result, _FREE_TORQUE_PANELS, measured)
     both_ways = len(passes(result.signals)) > 1
     law = error_of_law(result)
-    for panel in panels:
-        if panel.name != "pinion_torque":
-            continue
+    for panel in (each for each in panels if each.name == "pinion_torque"):
         means = _means_in(panel, result, both_ways)
         if law is not None:
             _add_law_band(panel.axes, law, means)
@@ -167,7 +176,8 @@ _LOAD_TEST_METRICS = {  # in the headline, where they are efficiencies, from 0 t
 def load_test_figure(result: Result, measured: MeasuredTorque | None = None) -> Figure:
     """The picture; the torque in the sense of the pinion angle, below zero where the gear is self-locking."""
     figure, (axes,) = style.panels([3.8])
-    load = _load(result)
+    force = result.signals.get("load_force", np.zeros(0))  # on the rack's end towards -X [N]
+    load = float(np.median(force)) if force.size else 0.0
     raises = -1 if load < 0 else 1
     for turned in passes(result.signals):
         angle = SIGNALS["pinion_angle"].displayed(turned.angle)
@@ -190,12 +200,6 @@ def load_test_figure(result: Result, measured: MeasuredTorque | None = None) -> 
     }
     head(figure, result, scene_of(result) + " · self-locking" * locking, shown)
     return figure
-
-
-def _load(result: Result) -> float:
-    """Force on the rack's end towards -X [N]; 0 if it was not recorded."""
-    force = result.signals.get("load_force", np.zeros(0))
-    return float(np.median(force)) if force.size else 0.0
 
 
 # --- Picture of reversals: the loop of torque over angle, below it how the rack stays behind
@@ -236,6 +240,7 @@ _FEEL_METRICS = {
     "angle_dead_band": "dead band",
     "torque_dead_band": "dead band of torque",
 }
+_FEEL_CURVES = {"column_torque": ("column", "torque"), "wheel_torque": ("hand, with inertia", "other")}
 _BEHIND = SIGNALS["column_twist"]  # of its unit: an angle
 
 
@@ -244,13 +249,7 @@ def steering_feel_figure(result: Result, measured: MeasuredTorque | None = None)
     figure, axes = style.panels([3.8, 2.0])
     over = result.signals.get("wheel_angle", result["pinion_angle"])
     angle = SIGNALS["wheel_angle"].displayed(over)
-    curves = {
-        "column_torque": ("column", "torque"),
-        "wheel_torque": ("hand, with inertia", "other"),
-    }
-    for name, (label, colour) in curves.items():
-        if name in result.signals:
-            style.line(axes[0], angle, result[name], SIGNALS[name], "torque at the wheel", colour, label)
+    _named_lines(axes[0], angle, result.signals, _FEEL_CURVES, "torque at the wheel", "wheel_torque")
     axes[0].axhline(0, color="black", linewidth=0.8)
     style.line(axes[1], angle, over - result["pinion_angle"], _BEHIND, "pinion behind", "lift")
     if measured is not None:
@@ -276,14 +275,10 @@ def lift_figure(result: Result, measured: MeasuredTorque | None = None) -> Figur
     """The picture, each curve from where it is without torque; a measured pinion torque is not drawn."""
     figure, (axes,) = style.panels([3.6])
     torque = result.signals.get("pinion_torque", np.zeros(0))
-    for name, (label, colour) in _LIFT_CURVES.items():
-        place = result.signals.get(name)
-        if torque.size and place is not None:
-            moved = place - place[0]
-            style.line(axes, torque, moved, SIGNALS["rack_y"], "displacement from rest", colour, label)
-    clearance = SIGNALS["rack_y"].displayed(clearance_of(result))
-    axes.axhline(clearance, **style.REFERENCE_LINE, label="yoke clearance")
-    style.name_curves(axes)
+    if torque.size:
+        moved = {name: each - each[0] for name, each in result.signals.items() if name in _LIFT_CURVES}
+        _named_lines(axes, torque, moved, _LIFT_CURVES, "displacement from rest", "rack_y")
+    _mark_clearance(axes, result, "yoke clearance")
     style.abscissa(axes, SIGNALS["pinion_torque"].axis_label("torque on the pinion"))
     head(figure, result, scene_of(result), _LIFT_METRICS)
     return figure
@@ -299,15 +294,9 @@ _PLAY_AXES = {"y": "along Y, from the pinion", "z": "along Z, sideways"}
 def play_figure(result: Result, measured: MeasuredTorque | None = None) -> Figure:
     """The picture, one panel for each direction; a measured pinion torque is not drawn."""
     figure, axes = style.panels([2.6, 2.6])
-    for panel, axis in zip(axes, ("y", "z"), strict=True):
-        force = result.signals.get(f"end_force_{axis}", np.zeros(0))
-        pressed = _pressed(force)
+    for panel, (axis, along) in zip(axes, _PLAY_AXES.items(), strict=True):
         for part, (label, colour) in _PLAY_PARTS.items():
-            place = result.signals.get(f"{part}_{axis}")
-            if force.size and place is not None:
-                moved = (place - place[0])[pressed]
-                quantity = SIGNALS["rack_y"]
-                style.line(panel, force[pressed], moved, quantity, _PLAY_AXES[axis], colour, label)
+            _yielding(panel, result, f"end_force_{axis}", f"{part}_{axis}", along, colour, label)
     style.name_curves(axes[0])
     style.abscissa(axes[-1], "force across the rack's end [N]")
     head(figure, result, scene_of(result), _PLAY_METRICS)
@@ -321,12 +310,8 @@ _SHAFT_AXES = {"y": "along Y", "across": "across Y", "axial": "along the shaft"}
 def shaft_play_figure(result: Result, measured: MeasuredTorque | None = None) -> Figure:
     """The picture, one panel for each direction; a measured pinion torque is not drawn."""
     figure, axes = style.panels([2.0] * len(_SHAFT_AXES))
-    for panel, (axis, label) in zip(axes, _SHAFT_AXES.items(), strict=True):
-        force = result.signals.get(f"shaft_force_{axis}", np.zeros(0))
-        if force.size:
-            place, pressed = result.signals[f"shaft_end_{axis}"], _pressed(force)
-            quantity = SIGNALS["shaft_end_y"]
-            style.line(panel, force[pressed], (place - place[0])[pressed], quantity, label, "torque")
+    for panel, (axis, along) in zip(axes, _SHAFT_AXES.items(), strict=True):
+        _yielding(panel, result, f"shaft_force_{axis}", f"shaft_end_{axis}", along, "torque")
     style.abscissa(axes[-1], "force on the input shaft's end [N]")
     largest = max(
         (np.abs(result.signals[name]).max() for name in result.signals if "shaft_force_" in name), default=1.0
@@ -336,13 +321,19 @@ def shaft_play_figure(result: Result, measured: MeasuredTorque | None = None) ->
     return figure
 
 
-def _pressed(force: np.ndarray) -> np.ndarray:
-    """Where the force of this direction is at work, with the instants at which it begins and ends."""
-    acting = force != 0
-    return acting | np.roll(acting, 1) | np.roll(acting, -1)
+def _yielding(
+    axes: Axes, result: Result, force: str, place: str, axis: str, colour: str, label: str | None = None
+) -> None:
+    """Draw how far a place has moved from rest over the force of this direction, where that is at work, with
+    the instants at which it begins and ends; nothing where one of them was not kept."""
+    pressing, at = result.signals.get(force, np.zeros(0)), result.signals.get(place)
+    if pressing.size and at is not None:
+        acting = pressing != 0
+        shown = acting | np.roll(acting, 1) | np.roll(acting, -1)
+        style.line(axes, pressing[shown], (at - at[0])[shown], SIGNALS["rack_y"], axis, colour, label)
 
 
-# --- Picture of a yoke impact: force of the yokenut over the whole record, and below it the tim
+# --- Picture of a yoke impact: force of the yokenut over the whole record, below it a close-up of its impacts
 
 _IMPACT_METRICS = {
     "impacts": "impacts",
@@ -380,8 +371,7 @@ def impacts_shown(result: Result) -> tuple[float, float] | None:
     found = find_impacts(time, force, result["plunger_displacement"]) if time.size > 1 else []
     if not found:
         return None
-    largest = max(range(len(found)), key=lambda i: found[i].peak_force)
-    first = last = largest
+    first = last = max(range(len(found)), key=lambda i: found[i].peak_force)
     while first > 0 and found[first].start - _end(found[first - 1]) < GROUP_GAP:
         first -= 1
     while last + 1 < len(found) and found[last + 1].start - _end(found[last]) < GROUP_GAP:
@@ -403,8 +393,7 @@ def _draw_plunger(axes: Axes, time: np.ndarray, result: Result) -> None:
     style.line(axes, time, result["plunger_displacement"], quantity, "plunger", "lift", "plunger")
     if "rack_y" in result.signals:
         style.line(axes, time, result["rack_y"], SIGNALS["rack_y"], "displacement", "roll", "rack lift")
-    axes.axhline(quantity.displayed(clearance_of(result)), **style.REFERENCE_LINE, label="yokenut")
-    style.name_curves(axes)
+    _mark_clearance(axes, result, "yokenut")
 
 
 def _look_closer(axes: list[Axes], window: tuple[float, float]) -> None:
@@ -426,6 +415,7 @@ _RATTLE_METRICS = {
     "rattle_impulse_per_cycle": "impulse per cycle",
     "rattle_impacts_per_cycle": "impacts per cycle",
 }
+_RATTLE_FORCES = {"road_force": "torque", "yokenut_force": "failure"}
 _RATTLE_CURVES = {"plunger_displacement": ("plunger", "lift"), "rack_y": ("rack lift", "roll")}
 
 
@@ -434,19 +424,12 @@ def rattle_figure(result: Result, measured: MeasuredTorque | None = None) -> Fig
     figure, axes = style.panels([1.6, 2.6, 2.2])
     signals = next(iter(split_at_repeats(result.signals)), result.signals)
     time = MILLISECONDS * signals.get("time", np.zeros(0))
-    for panel, name, label, colour in (
-        (axes[0], "road_force", "road force", "torque"),
-        (axes[1], "yokenut_force", "yokenut force", "failure"),
-    ):
+    for panel, (name, colour) in zip(axes, _RATTLE_FORCES.items(), strict=False):
         if name in signals:
-            style.line(panel, time, signals[name], SIGNALS[name], label, colour)
-    for name, (label, colour) in _RATTLE_CURVES.items():
-        if name in signals:
-            style.line(axes[2], time, signals[name], SIGNALS["rack_y"], "displacement", colour, label)
-    clearance = SIGNALS["plunger_displacement"].displayed(clearance_of(result))
-    axes[2].axhline(clearance, **style.REFERENCE_LINE, label="yokenut")
-    style.name_curves(axes[2])
-    style.abscissa(axes[-1], "time [ms]")
+            style.line(panel, time, signals[name], SIGNALS[name], name.replace("_", " "), colour)
+    _named_lines(axes[2], time, signals, _RATTLE_CURVES, "displacement", "rack_y")
+    _mark_clearance(axes[2], result, "yokenut")
+    style.abscissa(axes[-1], TIME)
     head(figure, result, scene_of(result), _RATTLE_METRICS)
     return figure
 
@@ -475,6 +458,6 @@ def stick_slip_figure(result: Result, measured: MeasuredTorque | None = None) ->
     wheel = result.gear.test.direction * result.gear.test.speed
     axes[1].axhline(wheel, **style.REFERENCE_LINE, label="wheel")
     style.name_curves(axes[1])
-    style.abscissa(axes[-1], "time [ms]")
+    style.abscissa(axes[-1], TIME)
     head(figure, result, scene_of(result), _STICK_SLIP_METRICS)
     return figure

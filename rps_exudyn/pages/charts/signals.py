@@ -113,21 +113,21 @@ def _drawn(panels: Sequence[Panel], over: str) -> Figure:
     heights = [FIRST_HEIGHT] + [HEIGHT] * (len(panels) - 1)
     figure, axes = style.panels(heights, WIDTH)
     for place, panel in zip(axes, panels, strict=True):
-        _draw_panel(place, panel, over)
-    if over == "pinion_angle":
-        style.angle_axis(axes[-1])
-    else:
-        axes[-1].set_xlabel(SIGNALS["time"].axis_label("time"))
-        axes[-1].margins(x=0)
+        for name, x, values, colour, label in panel:
+            style.line(place, SIGNALS[over].displayed(x), values, SIGNALS[name], "", colour, label)
+        names = list(dict.fromkeys(name for name, *_ in panel))
+        place.set_ylabel(SIGNALS[names[0]].axis_label("").strip())
+        place.set_title(_common(names), loc="left", fontsize=10)  # there is no room for names beside curves
+        if any(label for *_, label in panel):
+            place.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=MOST_TOGETHER, **_SMALL_LEGEND)
+    label_abscissa(axes[-1], over)
     return figure
 
 
-def _draw_panel(axes: Axes, panel: Panel, over: str) -> None:
-    """Draw the curves; names are over the panel, because there is no room for them beside it."""
-    for name, x, values, colour, label in panel:
-        style.line(axes, SIGNALS[over].displayed(x), values, SIGNALS[name], "", colour, label)
-    names = list(dict.fromkeys(name for name, *_ in panel))
-    axes.set_ylabel(SIGNALS[names[0]].axis_label("").strip())
-    axes.set_title(_common(names), loc="left", fontsize=10)
-    if any(label for *_, label in panel):
-        axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=MOST_TOGETHER, **_SMALL_LEGEND)
+def label_abscissa(axes: Axes, over: str) -> None:
+    """Label the common abscissa, the pinion's angle or the time, and limit it to the data."""
+    if over == "pinion_angle":
+        style.angle_axis(axes)
+    else:
+        axes.set_xlabel(SIGNALS["time"].axis_label("time"))
+        axes.margins(x=0)

@@ -167,7 +167,6 @@ def name_curves(axes: Axes) -> None:
 
 
 def _remove_names(axes: Axes) -> None:
-    """Take the names and the legend of axes away."""
     for text in [each for each in axes.texts if each.get_gid() == NAME]:
         text.remove()
     if (legend := axes.get_legend()) is not None:
@@ -346,46 +345,6 @@ def widen(axes: Axes, least: float) -> None:
     if high - low < least:
         middle = (low + high) / 2
         axes.set_ylim(middle - least / 2, middle + least / 2)
-
-
-def map_to_scale(
-    axes: Axes, x: np.ndarray, y: np.ndarray, values: np.ndarray, text: str, missing: str
-) -> Any:
-    """Colour cells at their places on both axes, of any distances, with their values as text; return the
-    colours for a colour bar.
-
-    Args:
-        axes: where.
-        x: rising places of the columns, shape (n,).
-        y: rising places of the rows, shape (m,).
-        values: shape (m, n); nan stays white.
-        text: format of a value.
-        missing: text of a nan.
-    """
-    image = axes.pcolormesh(_edges(x), _edges(y), values, cmap="viridis", edgecolors="white", linewidth=0.5)
-    for (i, j), value in np.ndenumerate(values):
-        dark = np.isfinite(value) and _brightness(image.to_rgba(value)) < 0.5
-        label = text.format(value) if np.isfinite(value) else missing
-        colour = "white" if dark else "black"
-        axes.text(float(x[j]), float(y[i]), label, ha="center", va="center", color=colour)
-    axes.set_xticks(x)
-    axes.set_yticks(y)
-    axes.grid(False)
-    return image
-
-
-def _edges(places: np.ndarray) -> np.ndarray:
-    """Edges of cells around rising places: halfway between them."""
-    if places.size == 1:
-        return places[0] + np.array([-0.5, 0.5])
-    halfway = (places[1:] + places[:-1]) / 2
-    return np.concatenate([[2 * places[0] - halfway[0]], halfway, [2 * places[-1] - halfway[-1]]])
-
-
-def _brightness(colour: Any) -> float:
-    """Brightness of a colour, from 0 to 1 (ITU-R BT.601)."""
-    red, green, blue, *_ = colour
-    return float(0.299 * red + 0.587 * green + 0.114 * blue)
 
 
 def from_zero(axes: Axes) -> None:

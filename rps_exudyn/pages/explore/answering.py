@@ -65,12 +65,8 @@ class Request:
             scene, both_ways = str(asked.get("scene", SCENE.name)), bool(asked.get("both_ways"))
             measured, is_draft = str(asked.get("measured", "")), bool(asked.get("draft"))
             wish = Wish(asked["state"], scene, both_ways, measured, is_draft)
-            tab, number, of = (
-                str(asked.get("tab", ""))[:40],
-                int(asked.get("number", 0)),
-                str(asked.get("of", "")),
-            )
-            return cls(wish, tab, number, of, asked.get("limits"))
+            tab, number = str(asked.get("tab", ""))[:40], int(asked.get("number", 0))
+            return cls(wish, tab, number, str(asked.get("of", "")), asked.get("limits"))
         except (ValueError, KeyError, TypeError, AttributeError, OverflowError):
             raise InputError("a request must be JSON with a state.") from None
 
@@ -203,13 +199,7 @@ class Answering:
                 return CANCELLED
             return self._ask(processes, queue, task)
 
-    def _ask(
-        self,
-        processes: Processes,
-        free: "LifoQueue[Processes]",
-        task: Task,
-        scene: str = "",
-    ) -> Answer:
+    def _ask(self, processes: Processes, free: "LifoQueue[Processes]", task: Task, scene: str = "") -> Answer:
         """The answer of a process, which is free afterwards; one that was cancelled has a successor. What is
         compiled for the `scene` of a curve is on no clock."""
         try:

@@ -1,7 +1,7 @@
 """What the page asks for by a click: simulation, band, sheet, picture, pattern, measured curve, fit."""
 
 import base64
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import monotonic
@@ -82,27 +82,16 @@ def _band(gear: SteeringGear, wish: Wish) -> Answer:
 
 
 def _sheet(gear: SteeringGear, wish: Wish) -> Answer:
-    """The sheet of the state as a page."""
     result = simulate(wish.scene, wish.gear(gear), fidelity_of(wish.scene))
     article = with_gear(result_article(result, Path(f"{wish.scene}.h5")), result.gear, result)
     return {"page": page(article.title, [article])}
 
 
 def _picture(gear: SteeringGear, wish: Wish) -> Answer:
-    """The gear as a still."""
     found = gear_picture(wish.gear(gear))
     if found is None:
         return {"problems": ["This gear cannot be drawn."]}
-    labels = [vars(each) for each in found.labels]
-    arrows = [vars(each) for each in found.arrows]
-    return {
-        "image": found.image,
-        "alt": found.alt,
-        "size": found.size,
-        "labels": labels,
-        "arrows": arrows,
-        "page": found.page,
-    }
+    return asdict(found)
 
 
 def _pattern(gear: SteeringGear, wish: Wish) -> Answer:

@@ -52,11 +52,7 @@ class Explorer(ThreadingHTTPServer):
     request_queue_size = MOST_WAITING
 
     def __init__(
-        self,
-        gear: SteeringGear,
-        host: str = "127.0.0.1",
-        port: int = 0,
-        request_limit: float = REQUEST_LIMIT,
+        self, gear: SteeringGear, host: str = "127.0.0.1", port: int = 0, request_limit: float = REQUEST_LIMIT
     ) -> None:
         """Bind the address.
 

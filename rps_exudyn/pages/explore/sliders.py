@@ -270,11 +270,7 @@ def curves_of(result: Result, signal: str, along: str) -> list[Answer]:
         y = SIGNALS[signal].displayed((direction if sign else 1) * signals[signal])
         kept = thinned(y)
         found.append(
-            {
-                "direction": direction,
-                "x": np.round(x[kept], 4).tolist(),
-                "y": np.round(y[kept], 6).tolist(),
-            }
+            {"direction": direction, "x": np.round(x[kept], 4).tolist(), "y": np.round(y[kept], 6).tolist()}
         )
     return found
 

@@ -69,7 +69,8 @@ def gear_picture(gear: SteeringGear, result: Result | None = None) -> GearPictur
         short = picture_parts(gear.replace({"pinion.shaft_length": _shown_shaft(gear)}))
         motion = Motion.of(still)
         drawing = Drawing(motion, [*short, bearing_rings(gear)], None)
-        shown = still if result is None or not _moves(result) else result
+        moves = result is not None and {"pinion_angle", "rack_displacement"} <= result.signals.keys()
+        shown = result if result is not None and moves else still
         moving = Motion.of(shown)
     except InputError:
         return None
@@ -87,10 +88,6 @@ def gear_picture(gear: SteeringGear, result: Result | None = None) -> GearPictur
     )
 
 
-def _moves(result: Result) -> bool:
-    return "pinion_angle" in result.signals and "rack_displacement" in result.signals
-
-
 def _shown_shaft(gear: SteeringGear) -> float:
     """Length of the shaft that is drawn [m]: a longer one hides the teeth."""
     ends = (gear.bearing.upper_position, -gear.bearing.lower_position)
@@ -98,7 +95,6 @@ def _shown_shaft(gear: SteeringGear) -> float:
 
 
 def _anchors(gear: SteeringGear, motion: Motion) -> Iterator[Anchor]:
-    """Every label."""
     pair = GearPair.of(gear)
     axis, half, along = pair.bar_axis_height, _shown_shaft(gear) / 2, pair.pinion_frame[:, 2]
     nut = axis + plunger_ends(gear)[1] + gear.yoke.clearance + gear.yoke.nut_thickness

@@ -81,12 +81,7 @@ def axes_of(
     return {
         "box": [
             round(float(each), 2)
-            for each in (
-                place.x0 * width,
-                (1 - place.y1) * height,
-                place.x1 * width,
-                (1 - place.y0) * height,
-            )
+            for each in (place.x0 * width, (1 - place.y1) * height, place.x1 * width, (1 - place.y0) * height)
         ],
         "x": [float(each) for each in axes.get_xlim()],
         "y": [float(each) for each in axes.get_ylim()],

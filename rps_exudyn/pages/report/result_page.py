@@ -193,13 +193,9 @@ def _losses(result: Result) -> Iterable[Section]:
     if shares := loss_shares(result):
         mean = result.summary.get("torque_mean", 0.0) if result.scene == FREE_TURNING_SCENE.name else 0.0
         torque = SUMMARY["torque_mean"]
+        below = {part: f"\n{rounded(torque, share * mean)}" * bool(mean) for part, share in shares.items()}
         parts = [
-            Share(
-                part,
-                PARTS[part],
-                100 * share,
-                f"{100 * share:.0f} %" + (f"\n{rounded(torque, share * mean)}" if mean else ""),
-            )
+            Share(part, PARTS[part], 100 * share, f"{100 * share:.0f} %{below[part]}")
             for part, share in shares.items()
         ]
         yield Section("Where the work goes", [Shares(parts)])
@@ -214,7 +210,8 @@ def _details(result: Result, compared: Compared, path: Path) -> Iterable[PageBlo
     yield Fold("Parameters", list(_parameters(result)))
     if error := error_of_law(result):
         yield Fold("Error of the contact law", [Text(error.sentence)])
-    yield Fold("Make it again", [provenance_facts(result.provenance), CodeText(_commands(path))])
+    again = f"rps-exudyn rerun {path}     # repeat this run\nrps-exudyn show {path}"
+    yield Fold("Make it again", [provenance_facts(result.provenance), CodeText(again)])
 
 
 def _numbers(result: Result) -> Iterable[PageBlock]:
@@ -341,10 +338,6 @@ def _quantities(known: Mapping[str, Quantity], values: Mapping[str, float]) -> G
     return Grid(QUANTITIES, rows)
 
 
-def _commands(path: Path) -> str:
-    return f"rps-exudyn rerun {path}     # repeat this run\nrps-exudyn show {path}"
-
-
 # --- The section about the contact of the teeth: loads of the lines, shares of the teeth, contact pattern
 #
 # It is drawn on request: the contact law is evaluated again at every recorded pose.
@@ -382,14 +375,10 @@ def _largest_loads(loads: "LoadDistribution") -> Grid:
     for side, name in FLANK_NAMES.items():
         chosen, share = loads.side == side, loads.largest_share(side)
         carries = bool(np.isfinite(share).any())
-        rows.append(
-            [
-                name,
-                f"{loads.force_on(side).max():.4g} N",
-                f"{1e-3 * loads.load[chosen].max(initial=0.0):.4g} N/mm",
-                f"{1e-6 * loads.pressure[chosen].max(initial=0.0):.4g} MPa",
-                f"{100 * np.nanmin(share):.3g} to {100 * np.nanmax(share):.3g} %" if carries else "",
-            ]
-        )
+        force = f"{loads.force_on(side).max():.4g} N"
+        load = f"{1e-3 * loads.load[chosen].max(initial=0.0):.4g} N/mm"
+        pressure = f"{1e-6 * loads.pressure[chosen].max(initial=0.0):.4g} MPa"
+        shared = f"{100 * np.nanmin(share):.3g} to {100 * np.nanmax(share):.3g} %" if carries else ""
+        rows.append([name, force, load, pressure, shared])
     columns = ("flanks", "normal force", "largest load per length", "Hertz's pressure", "share of one tooth")
     return Grid(columns, rows)

@@ -16,14 +16,7 @@ from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status, sentences
 from rps_exudyn.results.quantities import LABELS, PARTS, SUMMARY
 from rps_exudyn.results.result import Result
-from rps_exudyn.results.rounding import (
-    half_width,
-    is_vague,
-    law_bar,
-    rounded,
-    rounded_metric,
-    rounded_range,
-)
+from rps_exudyn.results.rounding import half_width, is_vague, law_bar, rounded, rounded_metric, rounded_range
 from rps_exudyn.scenes import is_scene, scene_named
 
 if TYPE_CHECKING:

@@ -7,6 +7,7 @@ from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of
@@ -27,7 +28,6 @@ from rps_exudyn.pages.report.html import (
     CodeText,
     Facts,
     Fold,
-    GearPicture,
     Grid,
     Link,
     Links,
@@ -78,12 +78,14 @@ MOST_VALUES = 8  # of an axis, written out
 def study_article(store: Store) -> Article:
     """Everything about the study in a folder."""
     table = CaseTable.of(store)
-    description, failed = table.description, len(list(table.failed()))
+    description, failed, gear = table.description, len(list(table.failed())), None
+    with suppress(InputError):  # what is set for all cases is no gear by itself
+        gear = gear_picture(SteeringGear().replace(dict(description.base)))
     return Article(
         title=description.title or description.name,
         lead=f"{description.scene} · fidelity {description.fidelity.get('name', '')} · {_progress(table)}",
         rows=list(study_rows(table)),
-        gear=_gear_picture(table),
+        gear=gear,
         sections=[
             *_unfinished(table),
             Section("Main effects and response surfaces", list(_effects(table))),
@@ -100,14 +102,6 @@ def study_article(store: Store) -> Article:
     )
 
 
-def _gear_picture(table: CaseTable) -> GearPicture | None:
-    """The gear with what is set for all cases; None where that is no gear by itself."""
-    try:
-        return gear_picture(SteeringGear().replace(dict(table.description.base)))
-    except InputError:
-        return None
-
-
 def _shares(effects: Sequence[tuple[Axis, MainEffect]]) -> Shares:
     """Bars of the share of the variance that each factor explains, the largest first."""
     known = [(axis, effect.fraction) for axis, effect in effects if np.isfinite(effect.fraction)]
@@ -122,9 +116,6 @@ def _shares(effects: Sequence[tuple[Axis, MainEffect]]) -> Shares:
 def _progress(table: CaseTable) -> str:
     parts = [f"{number} {status}" for status, number in Counter(table.status.tolist()).items()]
     return f"{count(len(table.cases), 'case')}: {', '.join(parts)}" if parts else "no cases"
-
-
-# --- what was run ------------------------------------------------------------------------------
 
 
 def _unfinished(table: CaseTable) -> Iterable[Section]:
@@ -204,9 +195,6 @@ def _values(table: CaseTable, axis: Axis) -> str:
     return f"{' to '.join(ends)}, {len(axis.values)} values"
 
 
-# --- outcome -----------------------------------------------------------------------------------
-
-
 def _outcome(table: CaseTable) -> Iterable[PageBlock]:
     if not table.numbers:
         yield Text("No case has ended ok yet.")
@@ -219,9 +207,6 @@ def _outcome(table: CaseTable) -> Iterable[PageBlock]:
     yield Grid(
         ("quantity", "lowest", "median", "highest", "definition"), rows, "Over the cases that ended ok"
     )
-
-
-# --- effects -----------------------------------------------------------------------------------
 
 
 def _effects(table: CaseTable) -> Iterable[PageBlock]:
@@ -283,13 +268,22 @@ def _surfaces(table: CaseTable, name: str) -> Iterable[Picture]:
     effects = sorted(_all_effects(table, name), key=lambda pair: -pair[1].fraction)
     pairs = itertools.combinations([axis for axis, _ in effects], 2)
     shown = list(itertools.islice(pairs, MOST_SURFACES))
-    if table.description.design != GRID_DESIGN:
-        return [_scattered(table, pair, name) for pair in shown]
-    numbers = table.numbers[name]
-    surfaces = [surface(table.axes, first.name, second.name, numbers) for first, second in shown]
-    means = np.concatenate([np.empty(0), *(each[2].ravel() for each in surfaces)])
-    ends = (float(np.nanmin(means)), float(np.nanmax(means))) if np.isfinite(means).any() else (0.0, 1.0)
-    return [_surface(table, pair, each, name, ends) for pair, each in zip(shown, surfaces, strict=True)]
+    numbers, quantity, figures = table.numbers[name], SUMMARY[name], list[Figure]()
+    known = np.isfinite(numbers)
+    limited, places = table.limited[known], {axis: each[known] for axis, each in table.axes.items()}
+    if table.description.design == GRID_DESIGN:
+        surfaces = [surface(table.axes, first.name, second.name, numbers) for first, second in shown]
+        means = np.concatenate([np.empty(0), *(each[2].ravel() for each in surfaces)])
+        ends = (float(np.nanmin(means)), float(np.nanmax(means))) if np.isfinite(means).any() else (0.0, 1.0)
+        for (first, second), each in zip(shown, surfaces, strict=True):
+            marks = places[first.name], places[second.name], limited
+            figures.append(surface_figure(first, second, each, name, quantity, marks, ends))
+    else:
+        for first, second in shown:
+            points = places[first.name], places[second.name], numbers[known]
+            figures.append(scattered_figure(first, second, points, name, quantity, limited))
+    captions = [f"{label_of(name)} over {' and '.join(named(axis.name) for axis in pair)}" for pair in shown]
+    return [picture(figure, caption) for figure, caption in zip(figures, captions, strict=True)]
 
 
 def _all_effects(table: CaseTable, name: str) -> list[tuple[Axis, MainEffect]]:
@@ -313,30 +307,6 @@ def _effect_row(axis: Axis, effect: MainEffect, name: str) -> list[str]:
     levels = [show_value(axis, effect.levels[at].item()) for at in ends]
     means = [SUMMARY[name].show(float(effect.mean[at])) for at in ends]
     return [named(axis.name), *levels, *means]
-
-
-def _surface(
-    table: CaseTable,
-    pair: tuple[Axis, Axis],
-    means: Iterable[np.ndarray],
-    name: str,
-    ends: tuple[float, float],
-) -> Picture:
-    known, (first, second) = np.isfinite(table.numbers[name]), pair
-    marks = (table.axes[first.name][known], table.axes[second.name][known], table.limited[known])
-    figure = surface_figure(first, second, means, name, SUMMARY[name], marks, ends)
-    return picture(figure, _over(pair, name))
-
-
-def _scattered(table: CaseTable, pair: tuple[Axis, Axis], name: str) -> Picture:
-    known, (first, second) = np.isfinite(table.numbers[name]), pair
-    points = (table.axes[first.name][known], table.axes[second.name][known], table.numbers[name][known])
-    figure = scattered_figure(first, second, points, name, SUMMARY[name], table.limited[known])
-    return picture(figure, _over(pair, name))
-
-
-def _over(pair: tuple[Axis, Axis], name: str) -> str:
-    return f"{label_of(name)} over {' and '.join(named(axis.name) for axis in pair)}"
 
 
 def _sensitivity(table: CaseTable) -> list[Section]:
@@ -366,9 +336,6 @@ def _indices(table: CaseTable, name: str, kinds: Sequence[str]) -> Grid:
     left_out = f", {found.left_out} left out without a result" if found.left_out else ""
     caption = f"{words(name)}: from {found.groups} groups of cases{left_out}; ± is the 95 % interval"
     return Grid(("axis", *kinds), rows, caption)
-
-
-# --- single cases ------------------------------------------------------------------------------
 
 
 def _ends(name: str) -> dict[str, str]:
@@ -433,9 +400,6 @@ def _all_cases(table: CaseTable, store: Store) -> Iterable[PageBlock]:
     if curves:
         yield Pictures(curves)
     yield Fold(count(len(rows), "case"), [Grid((*table.axes, "status", *names, "case"), rows, ids=ids)])
-
-
-# --- provenance --------------------------------------------------------------------------------
 
 
 def _provenance(table: CaseTable) -> Iterable[PageBlock]:

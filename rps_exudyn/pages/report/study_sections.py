@@ -12,7 +12,7 @@ from rps_exudyn.base.units import words
 from rps_exudyn.inference.uncertainty.joint import groups_of, read_pairs
 from rps_exudyn.inference.uncertainty.statistics import LEVELS, contributions, quantiles
 from rps_exudyn.pages.charts import style
-from rps_exudyn.pages.charts.signals import WIDTH, abscissa
+from rps_exudyn.pages.charts.signals import WIDTH, abscissa, label_abscissa
 from rps_exudyn.pages.report.effects_charts import COLOUR_MAP
 from rps_exudyn.pages.report.html import (
     Cell,
@@ -174,11 +174,7 @@ def _picture_of_curves(table: CaseTable, results: dict[str, tuple[Case, Result]]
             label=label,
         )
     axes.set_ylabel(SIGNALS[signal].axis_label(words(signal)))
-    if over == "pinion_angle":
-        style.angle_axis(axes)
-    else:
-        axes.set_xlabel(SIGNALS["time"].axis_label("time"))
-        axes.margins(x=0)
+    label_abscissa(axes, over)
     links = {label: (curve_id(table, case), case_id(table, case)) for label, (case, _) in results.items()}
     caption = f"{words(signal)} of {count(len(results), 'case')}, from the first (dark) to the last (bright)"
     return picture(figure, caption, links)

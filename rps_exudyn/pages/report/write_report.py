@@ -6,12 +6,7 @@ from pathlib import Path
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import PICTURES, replacing
 from rps_exudyn.pages.report.html import Article, page
-from rps_exudyn.pages.report.result_page import (
-    contact_section,
-    gear_article,
-    result_article,
-    side_by_side,
-)
+from rps_exudyn.pages.report.result_page import contact_section, gear_article, result_article, side_by_side
 from rps_exudyn.pages.report.sheet_file import read_sheet, with_gear
 from rps_exudyn.pages.report.study_page import study_article
 from rps_exudyn.parameters.gear import SteeringGear
