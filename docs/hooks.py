@@ -113,11 +113,10 @@ def _quantities() -> Iterator[str]:
     from rps_exudyn.results.quantities import GROUPS
 
     for group, quantities in GROUPS.items():
-        how = (" confirmed by | to |", "---|---|") if group == "summary" else ("", "")
+        how = (" error bar |", "---|") if group == "summary" else ("", "")
         yield from ("", f"## {group}", "", f"| name | unit | definition |{how[0]}", f"|---|---|---|{how[1]}")
         for name, quantity in quantities.items():
-            by = quantity.confirmed
-            shown = f" {by.by} | {by.tolerance:.0%} |" if by else " | |" if group == "summary" else ""
+            shown = (" yes |" if quantity.simulated else " no |") if group == "summary" else ""
             yield f"| `{name}` | {quantity.unit or '1'} | {quantity.long_name.replace('|', '/')} |{shown}"
 
 

@@ -18,7 +18,7 @@ from rps_exudyn.scenes.error_bars import FACTOR, FLOOR, error_bars
 from rps_exudyn.scenes.ladder import KNOBS, cycles_before, gear_at, model_at
 from rps_exudyn.scenes.maneuver import maneuvers_of_test, swing_maneuver
 from rps_exudyn.scenes.rattle import shaken_by_road
-from rps_exudyn.scenes.scene import WITH_BARS, RunOptions
+from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.scenes.steering_torque import torque_maneuver
 from rps_exudyn.scenes.stick_slip import set_off
@@ -181,7 +181,7 @@ def test_the_next_level_serves_where_the_companion_is_lost(
         return scene.run(gear, fidelity, options)
 
     gear = SteeringGear().replace(SHORT)
-    found = Levels(replace(scene, run=run), gear, STILL, WITH_BARS).with_bars(1)
+    found = Levels(replace(scene, run=run), gear, STILL, DEFAULT_OPTIONS).with_bars(1)
     assert found.ok
     assert found.outcome.findings["level"] == printed
     assert np.isfinite(found.errors["torque_mean"]) == known
