@@ -547,7 +547,11 @@ def _least(name: str) -> float:
 
 
 SUMMARY = {
-    name: replace(each, simulated=name not in _NOT_FROM_STEPS, least=_least(name))
+    name: replace(
+        each,
+        simulated=name not in _NOT_FROM_STEPS and not name.startswith(("operating_", "wear_")),
+        least=_least(name),
+    )
     for name, each in _SUMMARY.items()
 }
 

@@ -124,7 +124,10 @@ def percent(text: str) -> float:
 
 def _check_metrics(names: Sequence[str], known: Collection[str], what: str) -> None:
     if unknown := [name for name in names if name not in known]:
-        raise InputError(f"metrics has {short(unknown[0])}, which is {what}; there are {', '.join(known)}.")
+        from difflib import get_close_matches
+
+        nearest = get_close_matches(unknown[0], known, n=3) or known
+        raise InputError(f"metrics has {short(unknown[0])}, which is {what}; take {', '.join(nearest)}.")
 
 
 # --- the climb -------------------------------------------------------------------------------------

@@ -25,7 +25,7 @@ def test_no_percentage(text: str) -> None:
         (["--level", "2"], "accuracy chooses the level itself; leave out level"),
         (["--bush", "chain"], "--accuracy chooses the model itself; leave out --bush"),
         (["--set", "fidelity.step_angle=0.1"], "leave out --set fidelity.step_angle"),
-        (["--metrics", "torque"], "metrics has torque, which is no metric with an error bar; there are"),
+        (["--metrics", "torque"], "metrics has torque, which is no metric with an error bar; take "),
         (["--band", "9"], "leave out"),
     ],
 )
@@ -51,5 +51,5 @@ def test_python_refuses_it(asked: dict[str, Any], said: str) -> None:
 
 def test_metrics_that_the_scene_does_not_have() -> None:
     """Which these are is known from its first run."""
-    with pytest.raises(InputError, match=r"hysteresis_area, which is no metric of .*; there are torque_mean"):
+    with pytest.raises(InputError, match=r"hysteresis_area, which is no metric of .*; take torque_mean"):
         rps.run("free-pinion-torque", accuracy="1%", metrics=["hysteresis_area"], turns=0.1)
