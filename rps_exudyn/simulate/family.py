@@ -20,6 +20,7 @@ from rps_exudyn.scenes.checks.rules import IN_RECORD, Seen
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_maneuver import CLOSED
 from rps_exudyn.scenes.scene_run import Signals
+from rps_exudyn.solvers.equilibrium import Start
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.many_gears import (
     PITCH,
@@ -60,7 +61,7 @@ class Family:
     lead: int  # of them before the record
     per_pitch: int  # of them in a tooth pitch, 0 if no whole number
     known: Known
-    unsettled: float  # by how much the reference's force over the first pitch depends on its start
+    start: Start  # of the reference: how far its force depends on where the motion began
     features: np.ndarray  # (n, f)
 
     @classmethod
@@ -122,7 +123,7 @@ class Family:
         alike = Known.of(first[0][None], maneuver.time_step)
         found = series.follow(records, angles, per_pitch, alike, np.zeros((len(records), 0)))
         motion = series.beside_rigid(found, records, angles)
-        motion[0], unsettled = first
+        motion[0], start = first
         for i in np.flatnonzero(~found.found[1:]) + 1:  # as where a contact's quadrature jumps
             own = replace(
                 series,
@@ -139,7 +140,7 @@ class Family:
             np.concatenate([motion[:1], (motion[1::2] - motion[2::2]) / (2 * sizes)]), maneuver.time_step
         )
         nodes, known = angles[before:], known.since(before)
-        given = gear, fidelity, series, maneuver, whole.periods, nodes, lead, per_pitch, known, unsettled
+        given = gear, fidelity, series, maneuver, whole.periods, nodes, lead, per_pitch, known, start
         return cls(*given, np.zeros((0, len(steps))))
 
     @property
@@ -206,21 +207,20 @@ def _perturbed(gear: SteeringGear, steps: Sequence[tuple[Ends, float]]) -> list[
 
 def _singly(
     maneuver: Maneuver, series: GearSeries, record: np.ndarray, angles: np.ndarray
-) -> tuple[np.ndarray, float] | None:
+) -> tuple[np.ndarray, Start] | None:
     """Places (k, m) at the mesh, beside what rigid bodies do, of the gear of a series from a settled start,
-    by the path of single runs, and what its force depends on that start; None where it is not found or does
-    not settle."""
+    by the path of single runs, and how its force depends on that start; None where it is not found."""
     travel = travel_per_radian(series.body, float(series.pair.gain))
     drive = Steady(series.body, travel * angles[0], travel * series.speed)
     time = maneuver.time_step * np.arange(len(angles))
     path = settled_path(series.forces.statics, series.pair, drive, maneuver.approach, time)
-    if not path.converged or path.start.unsettled:
+    if not path.converged:
         return None
     places = path.coordinates[path.time >= 0]
     x = places[:, RACK].copy()
     places[:, Y] -= x * places[:, PITCH]
     places[:, Z] += x * places[:, YAW]
-    return np.asarray(places - series.rigid(record, angles)[0][0]), path.start.unsettled_behind
+    return np.asarray(places - series.rigid(record, angles)[0][0]), path.start
 
 
 # --- records of some gears -------------------------------------------------------------------------

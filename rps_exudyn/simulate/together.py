@@ -20,6 +20,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Remark
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.bar_terms import bar_terms, numbers_of
+from rps_exudyn.scenes.checks.after_run import unsettled_share
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses, of_many
 from rps_exudyn.scenes.checks.rules import OF_BARS, Seen, refused, remarks
 from rps_exudyn.scenes.error_bars import error_bars
@@ -353,7 +354,9 @@ class _Followed:
         preload = np.array([gear.yoke.preload for gear in self.gears])[:, None]
         middle = replace(MovedMasses.of(family.gear), gain=self.gain[:, None], preload=preload)
         masses = middle if self.common.alike else of_many([MovedMasses.of(gear) for gear in self.gears])
-        findings = {} if family.maneuver.closes else {"start_unsettled": family.unsettled}
+        start = family.start
+        findings = {} if family.maneuver.closes else {"start_unsettled": start.unsettled_behind}
+        findings["unsettled_mean"] = unsettled_share(start, self.signals)
         terms = bar_terms(
             self.common.scene, family.fidelity, self.metrics, self.signals, values, findings, masses
         )

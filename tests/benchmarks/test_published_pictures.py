@@ -119,4 +119,5 @@ def test_no_published_picture_has_data_outside_its_axes_or_texts_that_overlap(al
 
 def test_every_picture_of_a_benchmark_was_looked_at(album: Album) -> None:
     looked_at = {name for page in album.pages.values() for drawn in page for name in drawn.functions}
-    assert figure_functions(benchmarks) - looked_at == set()
+    elsewhere = {name for name in figure_functions(benchmarks) if name.startswith("benchmarks.charts.")}
+    assert figure_functions(benchmarks) - looked_at == elsewhere  # which smoke/test_pictures.py draws
