@@ -98,6 +98,8 @@ def climb_table(folder: Path) -> str:
     for scene in SCENES:
         for wanted in WANTED:
             some = [row for row in rows if row["scene"] == scene and row[f"by_{wanted:g}"]]
+            if not some:
+                continue
             reached = [row for row in some if row[f"reached_{wanted:g}"] == "1"]
             judged = [
                 (error, doubt) for error, doubt in map(_judged(wanted), reached) if doubt <= SURE * wanted

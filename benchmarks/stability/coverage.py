@@ -130,7 +130,8 @@ def _row(name: str, some: list[Judged]) -> tuple[str, ...]:
     beyond = sum(each.off > 2 * each.bar for each in some) / len(some)
     plans = len({each.number for each in some})
     median = float(np.median([each.share for each in some]))
-    return name, str(plans), str(len(some)), f"{within:.1%}", f"{beyond:.2%}", f"{median:.2%}"
+    bar = f"{median:.2%}" if np.isfinite(median) else "of metrics that are 0"
+    return name, str(plans), str(len(some)), f"{within:.1%}", f"{beyond:.2%}", bar
 
 
 def misses_table(folder: Path) -> str:
