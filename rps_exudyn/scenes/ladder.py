@@ -59,7 +59,8 @@ def model_at(level: int, fidelity: Fidelity) -> Fidelity:
     finer = 2.0 ** (level - 1)
     changed = {
         "tolerance": fidelity.tolerance / finer,
-        "zone_ratio": fidelity.zone_ratio / finer,
+        # at most half the widest at level 1, so that level 0 has twice as wide a one
+        "zone_ratio": min(fidelity.zone_ratio, _MOST["zone_ratio"] / 2) / finer,
         "strip_stations": doubled(fidelity.strip_stations, level),
         "strip_points": doubled(fidelity.strip_points, level),
         "profile_samples": ceil(fidelity.profile_samples * sqrt(finer)),

@@ -17,6 +17,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.run_maneuver import run_maneuver
+from rps_exudyn.solvers.settled_start import SteadyApproach
 
 PLAN = SolverPlan(end_time=0.1, steps=100)
 
@@ -191,17 +192,20 @@ def test_a_step_that_always_fails_ends_the_run(monkeypatch: pytest.MonkeyPatch) 
 def test_no_step_leads_into_another_tooth_space(hand: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Over 1 degree a line of these nearly straight teeth enters, and a step's first guess parts all flanks:
     Newton's method ends two pitches on, where forces balance as well. A restart resolves the entry, and the
-    mean is that of equilibria, to 0.1 %; without restarts the run diverges at that step."""
+    mean is that of equilibria, to 1 % after a run-in of one step; without restarts the run diverges there."""
     angles = dict.fromkeys(("pinion.helix_angle", "rack.tooth_angle"), f"{0.5 * hand} deg")
     teeth = {"pinion.teeth": 8, "pinion.normal_module": "1.7 mm", "pinion.profile_shift": 0.6}
     gear = rps.SteeringGear().replace({**angles, **teeth, "mesh.law": "line", "test.turns": 0.25})
     maneuver, step = maneuvers_of_test(gear, "pinion", np.deg2rad(1))[0], np.deg2rad(1)
     drive = replace(maneuver.drive, start=-step)
-    maneuver = replace(maneuver, time_step=step / gear.test.speed, lead=1, steps=90, drive=drive)
+    assert isinstance(maneuver.approach, SteadyApproach)
+    time_step = step / gear.test.speed
+    approach = replace(maneuver.approach, step=time_step)
+    maneuver = replace(maneuver, time_step=time_step, lead=1, steps=90, drive=drive, approach=approach)
     still, run = (run_maneuver(gear, Fidelity.preset(name), maneuver) for name in ("quasi-static", "flank"))
     assert run.outcome.status is Status.OK, run.outcome.message
     means = [each.signals["pinion_torque"].mean() for each in (still, run)]
-    assert means[1] == pytest.approx(means[0], rel=1e-3)
+    assert means[1] == pytest.approx(means[0], rel=1e-2)
     monkeypatch.setattr(solver, "MOST_RESTARTS", 0)
     outcome = run_maneuver(gear, Fidelity.preset("flank"), maneuver).outcome
     assert (outcome.status, outcome.codes) == (Status.DIVERGED, (Code.OUT_OF_BOUNDS,))

@@ -44,12 +44,13 @@ def test_plan_beyond_a_limit_is_not_run_and_the_repaired_one_is_within(sentence:
     assert not list(breaches_of_plan(gear, fidelity.replace(repairs), motion="steady"))
 
 
-def test_half_the_zone_of_friction_confirms_a_steady_motion_of_teeth_near_their_pitch_line() -> None:
+def test_bars_cover_a_wide_zone_of_friction_of_teeth_near_their_pitch_line() -> None:
     """Teeth of nearly parallel axes slide slowly: the widest zone takes 0.2 % of their torque."""
     gear = SteeringGear().replace({"pinion.helix_angle": "4 deg", "rack.tooth_angle": "-4 deg"})
     right, wide = (run(TORQUE, gear, fidelity=STILL.replace({"zone_ratio": ratio})) for ratio in (0.1, 1.0))
     assert right.status is wide.status is Status.OK
-    assert wide.summary["torque_mean"] == pytest.approx(right.summary["torque_mean"], rel=4e-4)
+    off = abs(wide.summary["torque_mean"] - right.summary["torque_mean"])
+    assert off <= wide.errors["torque_mean"]
 
 
 def test_a_zone_of_friction_takes_the_work_that_is_predicted_of_a_swing() -> None:
@@ -77,14 +78,14 @@ def test_a_wide_zone_of_friction_is_refused_where_the_motion_stops() -> None:
     assert not list(breaches_of_plan(bristles, wide, motion="stopping"))
 
 
-def test_a_wide_zone_of_friction_takes_no_work_of_a_swing_that_is_confirmed() -> None:
-    """It takes 4 % of this gear's; the zone is halved until that changes no metric that is printed."""
+def test_bars_cover_the_work_that_a_wide_zone_of_friction_takes_of_a_swing() -> None:
+    """4 % of this gear's in the widest zone, which level 1 halves."""
     assert not list(breaches_of_plan(GEAR, STILL.replace({"zone_ratio": 1.0}), motion="to and fro"))
-    work, right = (
-        run("reversal", GEAR, fidelity=STILL.replace({"zone_ratio": ratio})).summary["hysteresis_area"]
-        for ratio in (1.0, 0.001)
+    wide, right = (
+        run("reversal", GEAR, fidelity=STILL.replace({"zone_ratio": ratio})) for ratio in (1.0, 0.001)
     )
-    assert work == pytest.approx(right, rel=0.02)
+    off = abs(wide.summary["hysteresis_area"] - right.summary["hysteresis_area"])
+    assert off <= wide.errors["hysteresis_area"]
 
 
 def test_a_gear_at_rest_asks_for_no_zone_of_friction_and_no_straight_bar() -> None:
