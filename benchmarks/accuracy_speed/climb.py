@@ -86,7 +86,7 @@ def run(folder: Path, tests: int = TESTS) -> None:
     worker = Child(outcome_of)
 
     def row_of(number: int) -> dict[str, Any]:
-        return described(number, plan_of(number)) | worker.do(number, TIME_LIMIT, TIME_LIMIT)
+        return described(number, plan_of(number)) | worker.do(number, TIME_LIMIT)
 
     go_on(folder / DATA, COLUMNS, tests * len(SCENES), plan_of, row_of)
     print(climb_table(folder), flush=True)

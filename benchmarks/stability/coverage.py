@@ -78,7 +78,7 @@ def run(folder: Path, plans: int = PLANS) -> None:
     worker = Child(outcome_of)
 
     def row_of(number: int) -> dict[str, Any]:
-        return described(number, plan_of(number)) | worker.do(number, TIME_LIMIT, TIME_LIMIT)
+        return described(number, plan_of(number)) | worker.do(number, TIME_LIMIT)
 
     go_on(folder / DATA, COLUMNS, plans, plan_of, row_of)
 

@@ -106,9 +106,9 @@ class Child:
             return monotonic()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
-    def do(self, number: Any, limit: float, then: float = 0.0) -> dict[str, Any]:
-        """Outcome of a plan, or that it took longer than the limit [s] or ended its process; `then` is the
-        limit of what follows each part that it hands over early."""
+    def do(self, number: Any, limit: float) -> dict[str, Any]:
+        """Outcome of a plan, or that it took longer than the limit [s], which begins anew with each part that
+        it hands over early, or ended its process."""
         self.pipe.send(number)
         end, ran = self._used() + limit, {}
         try:
@@ -118,7 +118,7 @@ class Child:
                 if isinstance(received := self.pipe.recv(), dict):
                     return received
                 if isinstance(received, tuple):
-                    ran, limit = received[1], then
+                    ran = received[1]
                 end = self._used() + limit + (COMPILING if received == "compiling" else 0.0)
             status, message = Status.TIMEOUT.value, f"more than {limit:g} s of CPU time"
         except EOFError:

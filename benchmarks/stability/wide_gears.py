@@ -69,7 +69,7 @@ def run(folder: Path, gears: int = GEARS, scenes: Iterable[str] = SCENES) -> Non
     for number, scene, law in product(range(gears), scenes, LAWS):
         if (scene, law, number) in known:
             continue
-        found = worker.do((scene, law, number), TIME_LIMIT, TIME_LIMIT)
+        found = worker.do((scene, law, number), TIME_LIMIT)
         found.setdefault("equilibria", found.get("status"))  # of a process that ended meanwhile
         rows.append({"scene": scene, "law": law, "number": number} | found)
         save_rows(folder / DATA, COLUMNS, [[each.get(name, "") for name in COLUMNS] for each in rows])

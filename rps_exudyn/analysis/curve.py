@@ -1,4 +1,4 @@
-"""A signal over time, as a scene records it: difference of two such curves, and resolution by the steps."""
+"""A signal over time, as a scene records it, and two such curves beside each other."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -74,12 +74,3 @@ def both_over_time(record: Curve, reference: Curve, smooth: bool = True) -> tupl
 def rms_difference(first: np.ndarray, second: np.ndarray, size: float) -> float:
     """Return the RMS of the difference of values, in % of a size."""
     return 100 * float(np.sqrt(np.mean((first - second) ** 2))) / size
-
-
-def difference(record: Curve, truer: Curve) -> float:
-    """Return how far a record lies from a truer one, RMS in % of the mean.
-
-    It is the larger of joining its instants by straight lines and smoothly.
-    """
-    size = size_of(truer)
-    return max(rms_difference(*both_over_time(record, truer, smooth), size) for smooth in (True, False))

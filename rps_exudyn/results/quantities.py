@@ -614,9 +614,6 @@ def is_work(name: str) -> bool:
     return name.startswith("work_") or name == "stored_energy"
 
 
-SINGLE_RUNS_ONLY = frozenset({"face_load_factor", "load_centre", "contact_pressure_max"})
-"""Metrics of single runs that gears together leave out: each takes as long as a gear's whole run there."""
-
 LABELS = {
     "torque_mean": "mean torque",
     "torque_peak_to_peak": "ripple, peak to peak",

@@ -1,7 +1,8 @@
 """What the test rig does: one file a scene, each with its `SCENE`.
 
 A scene consists of maneuvers (maneuver.py), which run_maneuver.py makes by dynamics, equilibria or formulas;
-metrics.py and remarks.py describe what came out. A new scene is a new file and its name in `SCENE_NAMES`.
+metrics.py and checks/rules.py describe what came out. A new scene is a new file and its name in
+`SCENE_NAMES`.
 """
 
 from importlib import import_module

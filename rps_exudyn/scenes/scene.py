@@ -111,7 +111,6 @@ class Scene:
         at_test_speed: whether the rig moves at `test.speed`.
         test: its maneuvers and metrics, where many gears can be computed together.
         revolutions: how often the pinion turns in a run one way; None where it does not turn.
-        short_path: `test.path` of a run over a few tooth pitches.
         law: contact law that its metrics need, where the gear's is by-scene (`law_by_scene`).
 
     Examples:
@@ -134,7 +133,6 @@ class Scene:
     at_test_speed: bool = True
     test: SteadyTest | None = None
     revolutions: Callable[[SteeringGear], float] | None = turns_of_test
-    short_path: str = "one-way"
     law: NeededLaw = "line"
 
     @property

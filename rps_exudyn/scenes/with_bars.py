@@ -1,6 +1,6 @@
 """A run with error bars: two neighbouring levels of the ladder, the finer of which is printed.
 
-    levels = Levels(scene_named("reversal"), gear, fidelity, WITH_BARS)
+    levels = Levels(scene_named("reversal"), gear, fidelity, DEFAULT_OPTIONS)
     run = levels.with_bars(1)    # two runs
     run.summary["torque_jump"], run.errors["torque_jump"]
     levels.with_bars(2)          # one more: level 1 is its companion

@@ -126,5 +126,4 @@ SCENE = Scene(
     chart="torque",
     steady=True,
     revolutions=_revolutions,
-    short_path="there-and-back",
 )

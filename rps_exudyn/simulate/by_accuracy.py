@@ -190,9 +190,7 @@ class _Climb:
         while preset not in self.left:
             try:
                 run = levels.with_bars(level)
-            except (
-                InputError
-            ) as error:  # the record does not fit into the memory, or the model has no such test
+            except InputError as error:  # its record does not fit into the memory, or it has no such test
                 self.problem = error
                 self.left[preset] = f"level {level} is refused, {error.problems[0].rstrip('.')}"
                 break
@@ -243,9 +241,8 @@ class _Climb:
         why = [f"{preset}: {reason}" for preset, reason in self.left.items()]
         remarks = []
         if best.result.status is Status.OK and best.share > wanted:
-            text = f"accuracy {100 * wanted:g} % is not reached, {best.bar}" + f" ({', '.join(why)})" * bool(
-                why
-            )
+            because = f" ({', '.join(why)})" if why else ""
+            text = f"accuracy {100 * wanted:g} % is not reached, {best.bar}{because}"
             remarks = [Remark(Code.ACCURACY_NOT_REACHED, text)]
         elif best.result.status is Status.OK:
             remarks = [Remark(Code.PRESET_LEFT, f"another preset was tried first, {each}") for each in why]

@@ -27,7 +27,7 @@ from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
 from rps_exudyn.simulate.by_accuracy import Wanted, climb
 from rps_exudyn.simulate.cases.task import Task
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
-from rps_exudyn.simulate.run_plan import Plan, run_unchecked, run_with_fallback
+from rps_exudyn.simulate.run_plan import Plan, run_with_fallback
 
 
 def run(
@@ -45,7 +45,7 @@ def run(
 ) -> Result:
     """Simulate a scene; look at the result's `status` before you use its numbers.
 
-    A plan that would end in a wrong number (`checks.before_run`) is not run: its status is `invalid`.
+    A plan that would end in a wrong number (`checks.rules`) is not run: its status is `invalid`.
 
     Args:
         scene: one of `scenes.SCENE_NAMES`.
@@ -129,7 +129,8 @@ def simulate(
         return isolated_run(plain, scene, with_law(gear, chosen, scene_named(scene).law), chosen, time_limit)
     if robust:
         return run_with_fallback(scene, gear, chosen, options)
-    return Plan(scene, gear, chosen).refusal or run_unchecked(scene, gear, chosen, options)
+    plan = Plan(scene, gear, chosen)
+    return plan.refusal or plan.run(options)
 
 
 def isolated_run(

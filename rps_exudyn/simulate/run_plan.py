@@ -45,6 +45,21 @@ class Plan:
             (in_operation.gear, in_operation.numbers) if in_operation else (self.gear, {})
         )
 
+    def run(self, options: RunOptions = DEFAULT_OPTIONS) -> Result:
+        """Run the plan without a check before it.
+
+        Raises:
+            InputError: a test that the gear does not allow.
+            Interrupted: Ctrl-C; it carries what was recorded.
+        """
+        given = self.scene, self.tested, self.fidelity, options
+        try:
+            if not options.bars:
+                return self.result(self.scene.run(*given[1:]))
+            return self.result(Levels(*given).with_bars(options.level))
+        except Interrupted as interrupt:
+            raise Interrupted(self.result(interrupt.recorded)) from None
+
     def result(self, done: SceneRun) -> Result:
         """Return the result of a run; its times are those since the plan was prepared."""
         return Result(
@@ -85,17 +100,10 @@ def run_unchecked(
         InputError: a gear that cannot exist, or a test that it does not allow.
         Interrupted: Ctrl-C; it carries what was recorded.
     """
-    plan = Plan(scene, gear, fidelity)
-    given = plan.scene, plan.tested, fidelity, options
-    try:
-        if not options.bars:
-            return plan.result(plan.scene.run(*given[1:]))
-        return plan.result(Levels(*given).with_bars(options.level))
-    except Interrupted as interrupt:
-        raise Interrupted(plan.result(interrupt.recorded)) from None
+    return Plan(scene, gear, fidelity).run(options)
 
 
-# --- Fallback: the first try is the plan as given, repaired where `checks.before_run` refuses it. Changed
+# --- Fallback: the first try is the plan as given, repaired where `checks.rules` refuse it. Changed
 # settings stand in the result's fidelity, message and tries.
 
 Changes = dict[str, Any]

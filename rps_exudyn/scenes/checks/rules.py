@@ -193,7 +193,7 @@ def _asks(quantity: str, why: str, show: str, scale: float = 1.0) -> Callable[[B
     def sentence(breach: Breach) -> str:
         value, limit = (show.format(abs(scale * each)) for each in (breach.value, breach.limit))
         side = "at least" if breach.limit < 0 else "at most"
-        return f"{quantity} is {value}; {why.format(seen=breach.seen)} asks for {side} {limit}"
+        return f"{quantity} is {value}; {why} asks for {side} {limit}"
 
     return sentence
 
