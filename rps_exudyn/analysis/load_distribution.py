@@ -14,7 +14,6 @@ import numpy as np
 from rps_exudyn.analysis.curve import durations
 from rps_exudyn.analysis.passes import Signals
 from rps_exudyn.analysis.rack_motion import NEEDED, rack_poses
-from rps_exudyn.base.compiled import called
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.tooth_stiffness import EFFECTIVE_MODULUS
@@ -79,7 +78,7 @@ def load_distribution(gear: SteeringGear, signals: Signals) -> LoadDistribution:
     pair = GearPair.of(gear)
     points, tilts, _ = rack_poses(pair, signals)
     angle = np.asarray(signals["pinion_angle"])
-    found: LineLoads = called(line_loads, -angle, points, tilts, loads_data(gear))
+    found = line_loads(-angle, points, tilts, loads_data(gear))
     load = found.load * _scale(found, signals)
     per_radius = np.cos(pair.beta_b) / found.roll
     pressure = np.sqrt(np.maximum(load, 0) * EFFECTIVE_MODULUS / np.pi * per_radius)
@@ -183,7 +182,7 @@ def mesh_stiffness(gear: SteeringGear, signals: Signals) -> np.ndarray:
 
     def force(points: np.ndarray) -> np.ndarray:
         """Normal forces on the rack at every instant, shape (n, 3)."""
-        loads = called(line_loads, angles, points, tilts, data)
+        loads = line_loads(angles, points, tilts, data)
         pressed = {side: loads.load * loads.length * (loads.side == side) for side in normals}
         sums = {side: np.bincount(loads.pose, pressed[side], angles.size) for side in normals}
         outward = sum(sums[side][:, None] * normals[side] for side in normals)

@@ -12,6 +12,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass, field
 from math import inf
 from time import monotonic
+from typing import NamedTuple
 
 FIRST, INTERVAL = 2.0, 0.5  # [s] until the first word, and between words
 LEAST = 0.01  # of the whole that must be done, until the time left follows from it
@@ -100,6 +101,45 @@ def passed_on(progress: Progress) -> None:
     """Report to the listener the progress of a run in another process."""
     if (follower := _following.get()) is not None:
         follower.listener(progress)
+
+
+# --- Code of kernels that is made before a run can go on, in any thread or process
+
+
+class Making(NamedTuple):
+    """Machine code is being made; "" when it is there."""
+
+    sentence: str
+
+
+makers: list[Callable[[Making], None]] = []
+"""Listeners to it."""
+
+
+@contextmanager
+def listening(listener: Callable[[Making], None]) -> Iterator[None]:
+    """Call a listener with each step of a block."""
+    makers.append(listener)
+    try:
+        yield
+    finally:
+        makers.remove(listener)
+
+
+def publish(step: Making) -> None:
+    """Call all listeners with a step; another process may have made it."""
+    for listener in tuple(makers):
+        listener(step)
+
+
+@contextmanager
+def making(sentence: str) -> Iterator[None]:
+    """Publish that a block makes machine code."""
+    publish(Making(sentence))
+    try:
+        yield
+    finally:
+        publish(Making(""))
 
 
 def duration(seconds: float) -> str:

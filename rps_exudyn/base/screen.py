@@ -3,7 +3,7 @@
     with open_screen() as screen, screen.row(TextRow("case 3 of 20", 0.15)):
         ...
 
-A screen that is not asked for shows nothing outside a terminal until something is compiled (`speak`): what
+A screen that is not asked for shows nothing outside a terminal until machine code is made (`speak`): what
 goes to a file stays short, and nobody waits in silence.
 """
 
@@ -16,9 +16,8 @@ from threading import Event, Thread
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Protocol
 
-from rps_exudyn.base.compiling import CompileStep, CompilingProgress, listening
 from rps_exudyn.base.progress import Progress as RunProgress
-from rps_exudyn.base.progress import duration, following
+from rps_exudyn.base.progress import Making, duration, following, listening
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -190,7 +189,7 @@ Show = Callable[[str, float | None], None]
 
 @contextmanager
 def shown_progress(asked: bool = False) -> Iterator[Show]:
-    """Show how far a block is, in a terminal or where asked for, and everywhere what it compiles.
+    """Show how far a block is, in a terminal or where asked for, and everywhere what code it makes.
 
     Args:
         asked: lines are wanted outside a terminal.
@@ -212,14 +211,21 @@ def shown_progress(asked: bool = False) -> Iterator[Show]:
             elif not doing.text:  # a command of several runs shows more than how far each of them is
                 screen.add(run)
 
-        compiling = _Compiling(screen)
-        with following(show_run), listening(compiling.take):
+        code = TextRow()
+
+        def show_code(step: Making) -> None:
+            screen.remove(code)
+            if step.sentence:
+                code.text = step.sentence
+                screen.add(code)
+                screen.speak()
+
+        with following(show_run), listening(show_code):
             try:
                 yield show
             finally:
-                screen.remove(doing)
-                screen.remove(run)
-                compiling.end()
+                for row in (doing, run, code):
+                    screen.remove(row)
 
 
 def with_time_left(text: str, fraction: float | None, elapsed: float) -> str:
@@ -227,34 +233,3 @@ def with_time_left(text: str, fraction: float | None, elapsed: float) -> str:
     if not fraction or fraction >= 1:
         return text
     return f"{text}, {duration(elapsed * (1 / fraction - 1))} left"
-
-
-class _Compiling:
-    """The row about kernels."""
-
-    def __init__(self, screen: Screen) -> None:
-        self._screen, self._row, self._shown = screen, CompilingProgress(), False
-
-    def take(self, step: CompileStep) -> None:
-        """Count a step, and show the row until all are done."""
-        self._row.take(step)
-        if self._row.is_done:
-            self._screen.remove(self._row)
-            return
-        self._screen.add(self._row)
-        if not self._shown:
-            self._shown = True
-            self._screen.speak()
-
-    def end(self) -> None:
-        """Print what was compiled, and where it is kept."""
-        self._screen.remove(self._row)
-        if self._row.step.done:
-            from rps_exudyn.base.kernel_cache import cache_folders
-
-            step = self._row.step
-            laws = "1 force law" if step.done == 1 else f"{step.done} force laws"
-            sentence = f"{laws} compiled in {step.seconds:.0f} s, once; later runs load them"
-            folders = cache_folders()
-            place = f" from {os.path.commonpath(folders)}" if folders else ""
-            self._screen.say(f"{sentence}{place}.")

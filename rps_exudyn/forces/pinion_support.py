@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inline, record, record_type
+from rps_exudyn.base.compiled import inline, record, record_type, stacked
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import mm
 from rps_exudyn.forces.force_element import FRICTION_STATE, Part
@@ -178,8 +178,8 @@ def axial_friction(rate, data, memory, out):  # type: ignore[no-untyped-def]
 def seen_from_pinion(place, rate, p, p_rate, data, carry):  # type: ignore[no-untyped-def]
     """Replace coordinates and rates of the rack (6,) by those that a rack has beside a pinion at its design
     place; fill `carry` (6, 11) with the derivatives by the rack's coordinates and the pinion's place."""
-    e, y, frame = data.frame[0], data.frame[1], np.empty((3, 3))
-    turn, angles = np.empty((3, 3)), np.empty((3, 3))
+    e, y, frame = data.frame[0], data.frame[1], stacked((3, 3))
+    turn, angles = stacked((3, 3)), stacked((3, 3))
     t = (p[3] * e[0] + p[4] * y[0], p[3] * e[1] + p[4] * y[1], p[3] * e[2] + p[4] * y[2])
     half = 0.5 * (t[0] * t[0] + t[1] * t[1] + t[2] * t[2])
     for i in range(3):  # of the pinion's rotation, to the third power of its tilt
@@ -191,7 +191,7 @@ def seen_from_pinion(place, rate, p, p_rate, data, carry):  # type: ignore[no-un
     turn[1, 2], turn[2, 1] = turn[1, 2] - t[0], turn[2, 1] + t[0]
     fill_rotation(place[3:6], angles)
     before = turn_of(place[3:6])
-    w = np.empty(3)
+    w = stacked(3)
     for i in range(3):
         moved = p[0] * e[i] + p[1] * y[i] + p[2] * data.frame[2, i]
         w[i] = place[i] - data.origin[i] - moved
@@ -200,7 +200,7 @@ def seen_from_pinion(place, rate, p, p_rate, data, carry):  # type: ignore[no-un
     a, b = np.arctan2(-frame[1, 2], frame[2, 2]), np.arcsin(frame[0, 2])
     c = np.arctan2(-frame[0, 1], frame[0, 0])
     ca, sa, cb, sb = np.cos(a), np.sin(a), np.cos(b), np.sin(b)
-    move, spin = np.empty(3), np.empty(3)
+    move, spin = stacked(3), stacked(3)
     for j in range(11):
         for i in range(3):
             move[i] = spin[i] = 0.0

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inline, record, record_type
+from rps_exudyn.base.compiled import inline, kernel, record, record_type, stacked, stacked_zeros
 from rps_exudyn.forces.bush import RIGID_END, Chain, housing_station, lateral_stiffness
 from rps_exudyn.forces.force_element import FRICTION_STATE, Part
 from rps_exudyn.forces.friction import (
@@ -88,24 +88,24 @@ class FitLoads(NamedTuple):
     friction_stored: float
 
 
-@inline
+@kernel
 def fill_slack(u, data, loads, slope):  # type: ignore[no-untyped-def]
     """Fill the elastic loads (4,) of a fit with clearance on u = (y, z, about y, about z) at its station, and
     their derivative (4, 4); return the stored energy."""
     x, g, k, c = data.length, data.clearance, data.stiffness, data.centring
-    ends, counts, by_end = np.zeros((2, 2)), np.zeros((2, 2)), np.zeros((2, 2, 2))
+    ends, counts, by_end = stacked_zeros((2, 2)), stacked_zeros((2, 2)), stacked_zeros((2, 2, 2))
     for e in range(2):
         ends[e, 0], ends[e, 1] = u[0] + e * x * u[3], u[1] - e * x * u[2]
         r = np.sqrt(ends[e, 0] ** 2 + ends[e, 1] ** 2)
         if r > g:
-            n = ends[e] / r
+            n = (ends[e, 0] / r, ends[e, 1] / r)
             for i in range(2):
                 counts[e, i] = (r - g) * n[i]
                 for j in range(2):
                     by_end[e, i, j] = g / r * n[i] * n[j]
                 by_end[e, i, i] += 1 - g / r
     # what counts, as displacements and tilts of the station, and its derivatives by those in truth
-    kept, by = np.zeros(4), np.zeros((4, 4))
+    kept, by = stacked_zeros(4), stacked_zeros((4, 4))
     kept[0], kept[1] = counts[0, 0], counts[0, 1]
     kept[2], kept[3] = (counts[0, 1] - counts[1, 1]) / x, (counts[1, 0] - counts[0, 0]) / x
     for i in range(2):
@@ -114,12 +114,12 @@ def fill_slack(u, data, loads, slope):  # type: ignore[no-untyped-def]
         tilt = by[2 if i == 1 else 3]
         tilt[0], tilt[1] = sign * (second[0] - first[0]) / x, sign * (second[1] - first[1]) / x
         tilt[2], tilt[3] = -sign * second[1], sign * second[0]
-    force, energy = np.zeros(4), 0.0
+    force, energy = stacked_zeros(4), 0.0
     for i in range(4):
         for j in range(4):
             force[i] += k[i, j] * kept[j]
         energy += 0.5 * force[i] * kept[i]
-    half = np.zeros((4, 4))
+    half = stacked_zeros((4, 4))
     for i in range(4):
         loads[i] = 0.0
         for j in range(4):
@@ -132,7 +132,7 @@ def fill_slack(u, data, loads, slope):  # type: ignore[no-untyped-def]
             for m in range(4):
                 slope[i, j] += by[m, i] * half[m, j]
     # forces at the ends: that they turn with what touches, and the centring
-    at_end, bent = np.zeros((2, 2)), np.zeros((2, 2))
+    at_end, bent = stacked_zeros((2, 2)), stacked_zeros((2, 2))
     at_end[0, 0], at_end[0, 1] = force[0] - force[3] / x, force[1] + force[2] / x
     at_end[1, 0], at_end[1, 1] = force[3] / x, -force[2] / x
     for e in range(2):
@@ -141,7 +141,7 @@ def fill_slack(u, data, loads, slope):  # type: ignore[no-untyped-def]
             for j in range(2):
                 bent[i, j] = 0.0
         if r > g:
-            n, f = ends[e] / r, at_end[e]
+            n, f = (ends[e, 0] / r, ends[e, 1] / r), at_end[e]
             along = n[0] * f[0] + n[1] * f[1]
             for i in range(2):
                 for j in range(2):
@@ -200,7 +200,7 @@ def fit_loads(carrier, rack, data, memory, slope):  # type: ignore[no-untyped-de
     k = data.stiffness
     y, z, b, c = offset[1], offset[2], tilt[1], tilt[2]
     if data.clearance > 0:
-        elastic = np.empty(4)
+        elastic = stacked(4)
         stored = fill_slack((y, z, b, c), data, elastic, slope)
         p_y, p_z, m_y, m_z = elastic[0], elastic[1], elastic[2], elastic[3]
     else:

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
-from rps_exudyn.base.compiled import inline, kernel, record, record_type
+from rps_exudyn.base.compiled import inline, kernel, record, record_type, stacked
 from rps_exudyn.forces.force_element import FRICTION_STATE, Part
 from rps_exudyn.forces.friction import (
     ACROSS,
@@ -68,6 +68,7 @@ PIECE_POINTS = 10  # of each piece of the arc where part of the seat touches: to
 
 WHOLE = ARC_POINTS * LENGTH_POINTS  # points of a seat that touches everywhere
 PIECES = 5  # of the arc at most
+MOST_ENDS = PIECES + 1
 MOST_POINTS = 2 * PIECES * PIECE_POINTS * LENGTH_POINTS  # of both arcs of a gothic arch
 GOTHIC_ANGLE = np.pi / 4  # at which the arcs of a gothic arch touch, as of ball screws
 LEAST_LOAD = 1.0  # at which the share of the seat that touches is found [N]
@@ -179,7 +180,7 @@ def seat_points(gap, slope, data, points):  # type: ignore[no-untyped-def]
 @kernel
 def part_points(gap, slope, data, points):  # type: ignore[no-untyped-def]
     """Fill the points of a seat of which a part touches; return their number."""
-    pieces, n = np.empty(PIECES + 1), 0
+    pieces, n = stacked(MOST_ENDS), 0
     arcs = 2 if data.over_z > 0 else 1
     for arc in range(arcs):
         side = 0 if arcs == 1 else 2 * arc - 1

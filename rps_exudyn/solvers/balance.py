@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.base.compiled import ready
+from rps_exudyn.base.compiled import Entry
 from rps_exudyn.forces.friction import STATE_SIZE, reset
 from rps_exudyn.solvers.gear_model import WORK
 
@@ -95,8 +95,7 @@ class Balance:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return the forces, and factor_q dF/dq + factor_v dF/dv (n, n) unless both factors are 0."""
         total, tangent = np.empty(q.size), np.zeros((q.size, q.size))
-        law = ready(self.law)
-        law(q, v, self.gears, 0, self.pool, self.works, factor_q, factor_v, total, tangent)
+        self.law(q, v, self.gears, 0, self.pool, self.works, factor_q, factor_v, total, tangent)
         return total, tangent
 
     def with_(self, **changes: Any) -> "Balance":

@@ -19,7 +19,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rps_exudyn.base.compiled import called, inline, kernel, record, record_type
+from rps_exudyn.base.compiled import (
+    CUBE,
+    MATRIX,
+    NUMBER,
+    VECTOR,
+    Array,
+    entry,
+    inline,
+    record,
+    record_type,
+    stacked,
+    stacked_zeros,
+)
 from rps_exudyn.gears.bar_bow import BarBow
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.rack_beam import RackBeam, RackModes
@@ -27,6 +39,9 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 
 MODES = 8  # where the modes begin in the stack
+MOST_MODES = 80  # forty in each plane, as `rack.modes` allows
+MOST_COORDINATES = 13 + MOST_MODES  # with those of pinion, rack, plunger and supports
+MOST_SECTIONS, MOST_LOCAL = 4 * (MOST_MODES + 2), 13 * MOST_COORDINATES  # numbers of arrays on the stack
 
 # Rows of a bar's fields at its nodes: w, dw/dxi, theta, dtheta/dxi of a unit of each mode, and of the bow
 SHAPE, SLOPE, ROTATION, CURVATURE = 0, 1, 2, 3
@@ -129,16 +144,15 @@ def add_elasticity(total, q, v, bar, pool):  # type: ignore[no-untyped-def]
         total[MODES + k] -= pool[bar.stiffness + k] * q[MODES + k] + pool[bar.damping + k] * v[MODES + k]
 
 
-@kernel
-def local_poses(coordinates, rates, place, drifts, bars, pool):  # type: ignore[no-untyped-def]
-    """Return the local poses along a motion, shape (n, 3, 6), at X = `place` in the housing (`drifts` -1) or
-    at that station of the bar (0); `bars` holds the record `BAR`."""
+@entry(MATRIX, MATRIX, NUMBER, NUMBER, Array(BAR, 1), VECTOR, CUBE)
+def fill_local_poses(coordinates, rates, place, drifts, bars, pool, poses):  # type: ignore[no-untyped-def]
+    """Fill the local poses along a motion (n, 3, 6), at X = `place` in the housing (`drifts` -1) or at that
+    station of the bar (0); `bars` holds the record `BAR`."""
     bar = bars[0]
-    poses, sections = np.empty((coordinates.shape[0], 3, 6)), np.empty((4, bar.modes + 2))
+    sections = stacked((4, bar.modes + 2), MOST_SECTIONS)
     for i in range(coordinates.shape[0]):
         bar_sections(place + drifts * coordinates[i, 1], bar, pool, sections)
         fill_pose(coordinates[i], rates[i], sections, drifts, bar, poses[i])
-    return poses
 
 
 # --- tangent ---------------------------------------------------------------------------------------
@@ -160,7 +174,7 @@ def fill_pose_by_bar(pose, sections, drifts, bar, by):  # type: ignore[no-untype
 def add_products(by, rows, local, tangent):  # type: ignore[no-untyped-def]
     """Add by^T local by to a tangent (n, n); `by` has so many rows, `local` (rows, rows)."""
     n = by.shape[1]
-    carried = np.zeros((rows, n))
+    carried = stacked_zeros((rows, n), MOST_LOCAL)
     for i in range(rows):
         for k in range(rows):
             if local[i, k] != 0:
@@ -236,8 +250,8 @@ class BentBar:
         """Return coordinates and rates, (n, 6) each, of a straight rack that touches the bar at a place, from
         those of the whole gear, (n, 8 + m)."""
         q, v = (np.ascontiguousarray(rows) for rows in (coordinates, rates))
-        bars = np.array([self.record], dtype=BAR)
-        local = called(local_poses, q, v, *place, bars, self.pool)
+        bars, local = np.array([self.record], dtype=BAR), np.empty((len(q), 3, 6))
+        fill_local_poses(q, v, *place, bars, self.pool, local)
         return local[:, 0], local[:, 1]
 
     def on_modes(self, station: float) -> np.ndarray:

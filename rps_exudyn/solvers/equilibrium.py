@@ -17,13 +17,12 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.base.compiled import ready
 from rps_exudyn.base.progress import reached
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, PINION, PLUNGER, RACK
 from rps_exudyn.forces.friction import TIME, reset
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.balance import SIZE, Balance
-from rps_exudyn.solvers.follower import NO_COLUMN, RIGID, add_column_to, follow
+from rps_exudyn.solvers.follower import NO_COLUMN, RIGID, add_column_to, follow, room_to_follow
 from rps_exudyn.solvers.gear_model import OUTPUTS
 from rps_exudyn.solvers.prescribed_motion import Drive, Steady, travel_per_radian
 from rps_exudyn.solvers.rescue import JUMP, Settling, beginning, search
@@ -207,7 +206,8 @@ def equilibrium_path(
     try:
         while not following.whole:
             end, arguments, ended, counts = following.piece()
-            ready(follow)(*arguments, ended, counts)
+            room = room_to_follow(end, len(following.lengths))
+            follow(*arguments, ended, counts, room)
             if not following.took(end, ended, counts) and not following.rescued():
                 break
     except KeyboardInterrupt:
@@ -304,7 +304,7 @@ class _Following:
         known, known_rates = (each[None] for each in rigid_motion(self.pair, self.drive, time[:end]))
         state = rows.coordinates, rows.rates, rows.forces, rows.outputs, rows.kept
         arguments = (
-            ready(balance.law),
+            balance.law,
             self.found,
             time[:end],
             instants_per_pitch(self.pair, self.drive, time),
@@ -348,7 +348,7 @@ class _Following:
             total, tangent = np.zeros(q.size), np.zeros((q.size, q.size))
             total[:size], tangent[:size, :size] = forces, slopes
             acting = self.column, rows.hand[k], self.masses, before, rate_factor
-            ready(add_column_to)(q, v, *acting, factor_v, total, tangent)
+            add_column_to(q, v, *acting, factor_v, total, tangent)
             return total, tangent
 
         return Settling(

@@ -32,11 +32,16 @@ from rps_exudyn.base.compiled import (
     NUMBERS,
     VECTOR,
     WHOLE,
+    Law,
+    called,
+    entry,
     inline,
-    kernel_of,
+    kernel,
+    placed,
+    placed_numbers,
 )
 from rps_exudyn.forces.friction import begin_step
-from rps_exudyn.solvers.gear_model import GEAR_TYPE, LAW_POINTER, OUTPUTS, SEAT_LOADS, WORK_TYPE
+from rps_exudyn.solvers.gear_model import GEARS, LAW, OUTPUTS, SEAT_LOADS, WORKS
 from rps_exudyn.solvers.settling import TOLERANCE
 
 MAX_STEPS = 40
@@ -138,7 +143,7 @@ def largest_residual(forces, free, lengths):  # type: ignore[no-untyped-def]
     return largest
 
 
-@inline
+@kernel
 def factorized(tangent, damping, free, lengths, system, pivots):  # type: ignore[no-untyped-def]
     """Factorize the tangent by the free coordinates, scaled to lengths, less a damping [N/m], with pivots;
     false if it is singular."""
@@ -168,7 +173,7 @@ def factorized(tangent, damping, free, lengths, system, pivots):  # type: ignore
     return True
 
 
-@inline
+@kernel
 def newton_move(system, pivots, forces, free, lengths, move):  # type: ignore[no-untyped-def]
     """Fill Newton's step of the free coordinates by a factorized tangent; return its size [m]."""
     n, largest = free.size, 0.0
@@ -256,7 +261,7 @@ def add_inertia(v, masses, before, per_time, wanted, total, tangent):  # type: i
                 tangent[i, j] -= masses[i, j] * per_time * per_time
 
 
-@kernel_of(VECTOR, VECTOR, VECTOR, NUMBER, MATRIX, VECTOR, NUMBER, NUMBER, VECTOR, MATRIX)
+@entry(VECTOR, VECTOR, VECTOR, NUMBER, MATRIX, VECTOR, NUMBER, NUMBER, VECTOR, MATRIX)
 def add_column_to(  # type: ignore[no-untyped-def]
     q, v, column, hand, masses, before, per_time, factor_v, total, tangent
 ):
@@ -303,7 +308,7 @@ def place_at(d, known, free, u, q):  # type: ignore[no-untyped-def]
             q[Z] = u[Z] - u[X] * u[YAW]
 
 
-@inline
+@kernel
 def evaluate(  # type: ignore[no-untyped-def]
     law,
     q,
@@ -327,7 +332,7 @@ def evaluate(  # type: ignore[no-untyped-def]
     """Fill the gear's own forces, those with all that acts besides, and both tangents if they are wanted."""
     own, n = own_total.size, total.size
     factor_q, factor_v = (1.0, per_time) if wanted else (0.0, 0.0)
-    law(q[:own], v[:own], gears, g, pool, works, factor_q, factor_v, own_total, own_tangent)
+    called(law, q[:own], v[:own], gears, g, pool, works, factor_q, factor_v, own_total, own_tangent)
     if wanted:
         for i in range(n):
             for j in range(n):
@@ -340,8 +345,17 @@ def evaluate(  # type: ignore[no-untyped-def]
         add_inertia(v, masses, before, per_time, wanted, total, tangent)
 
 
-@kernel_of(
-    LAW_POINTER,
+ROWS = 12  # of coordinates, rates and forces
+
+
+def room_to_follow(instants: int, coordinates: int) -> np.ndarray:
+    """Return the room that `follow` takes, filled with zeros."""
+    n = coordinates
+    return np.zeros((ROWS + 1 + 3 * n + instants) * n)
+
+
+@entry(
+    Law(LAW),
     WHOLE,
     VECTOR,
     WHOLE,
@@ -359,11 +373,12 @@ def evaluate(  # type: ignore[no-untyped-def]
     CUBE,
     CUBE,
     HYPERCUBE,
-    GEAR_TYPE[::1],
+    GEARS,
     VECTOR,
-    WORK_TYPE[::1],
+    WORKS,
     NUMBERS,
     MATRIX,
+    VECTOR,
 )
 def follow(  # type: ignore[no-untyped-def]
     law,
@@ -389,6 +404,7 @@ def follow(  # type: ignore[no-untyped-def]
     works,
     ended,
     counts,
+    room,
 ):
     """Follow the equilibria of gears from the instant `first` on: from those before it, or from the guess in
     row 0, whose rates are given. Coordinates that are not free are given everywhere, with their rates.
@@ -418,17 +434,19 @@ def follow(  # type: ignore[no-untyped-def]
         ended: numbers of instants found (g,), to be filled.
         counts: evaluations, iterations, tangents, largest residual left [N], residual where it ended [N];
             (g, 5), to be filled.
+        room: for places and systems of equations, `room_to_follow` numbers.
     """
     work, n, has_column = works[0], lengths.size, column[0] != 0
     has_masses = masses.size > 0
     own = n - 1 if has_column else n  # coordinates of the gear
     m, memory, has_bristles = free.size, work.contact.memory, kept.shape[3] > 0
-    found, system, pivots = np.zeros((time.size, n)), np.empty((m, m)), np.empty(m, np.int64)
-    move, correction, is_old = np.zeros(m), np.zeros(m), False
-    own_total, own_tangent = np.zeros(own), np.zeros((own, own))
-    total, tangent = np.zeros(n), np.zeros((n, n))
-    d, base, u, w = np.zeros(n), np.zeros(n), np.empty(n), np.empty(n)
-    q, v, here, before = np.empty(n), np.empty(n), np.empty(n), np.zeros(n)
+    rows, square, is_old = placed(room, 0, (ROWS, n)), room[ROWS * n :], False
+    move, correction, own_total, total = rows[0, :m], rows[1, :m], rows[2, :own], rows[3]
+    d, base, u, w = rows[4], rows[5], rows[6], rows[7]
+    q, v, here, before = rows[8], rows[9], rows[10], rows[11]
+    system, pivots = placed(square, 0, (m, m)), placed_numbers(square, n * n, m)
+    own_tangent, tangent = placed(square, n * n + n, (own, own)), placed(square, 2 * n * n + n, (n, n))
+    found = placed(square, 3 * n * n + n, (time.size, n))
     for g in range(gears.shape[0]):
         for k in range(first):
             at_mesh(coordinates[g, k], found[k])
@@ -584,7 +602,7 @@ def follow(  # type: ignore[no-untyped-def]
             left = max(left, min(norm, TOLERANCE))
             fill_rates(q, known[g, k], known_rates[g, k], base, per_time, free, u, w, v)
             if has_bristles:  # what was evaluated last may have been a trial
-                law(q[:own], v[:own], gears, g, pool, works, 0.0, 0.0, own_total, own_tangent)
+                called(law, q[:own], v[:own], gears, g, pool, works, 0.0, 0.0, own_total, own_tangent)
                 evaluations += 1
                 for i in range(2):
                     put(memory[i], kept[g, k, i])

@@ -28,11 +28,13 @@ from rps_exudyn.solvers.bent_rack import ALONG_BAR, ON_BAR, BentBar, bent_bar
 from rps_exudyn.solvers.gear_model import GEAR, LAWS, outputs_along, parts_of
 from rps_exudyn.solvers.settling import static_approach
 from rps_exudyn.solvers.sphere_groups import by_touching_angle, standing_out
+from rps_exudyn.tooth_contact.elastic_teeth import room_of_teeth
 from rps_exudyn.tooth_contact.flank_data import pack
 from rps_exudyn.tooth_contact.laws import DEEPEST
 from rps_exudyn.tooth_contact.sampled_contact import SampledContactData, pooled
 from rps_exudyn.tooth_contact.spheres import contact_data
 from rps_exudyn.tooth_contact.teeth_data import teeth_data
+from rps_exudyn.tooth_contact.teeth_stations import most_lines
 
 GUIDED = tuple(range(RACK + 2, RACK + 6))  # what a guided rack lacks: sideways motion, roll, yaw, pitch
 
@@ -214,6 +216,9 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
             _ideal_spheres(gear, fidelity, zone), first + numbers.size
         )
         pool = np.concatenate([pool, numbers, of_ideal])
+    if mesh.record[0]["most_lines"]:
+        gears["mesh"]["room"] = ideal["mesh"]["room"] = len(pool)
+        pool = np.concatenate([pool, np.zeros(room_of_teeth(mesh.record[0]["flank"]))])
     if (mesh.law, bar is not None) not in LAWS:
         instead = choice_instead("mesh.law", mesh.law)
         raise InputError(f"mesh.law is {mesh.law!r}, which only earlier versions have: {instead}.")
@@ -311,6 +316,7 @@ def mesh_of(
         made["flank"] = pack(gear, zone=zone, along=along, across=across, patches=patches)
         if gear.mesh.contact_law == "teeth":
             made["teeth"] = teeth_data(gear, made["flank"][0])
+            made["most_lines"] = most_lines(made["flank"][0])
         return ModelledMesh(gear.mesh.contact_law, made, limits)
     spheres = spheres_of(gear, fidelity, zone)
     # one deeper than its radius passes through GeneralContact's triangles unnoticed

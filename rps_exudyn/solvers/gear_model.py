@@ -19,7 +19,6 @@ of a coordinate is then one of its rate too.
 
 from typing import Any
 
-import numba
 import numpy as np
 
 from rps_exudyn.base.compiled import (
@@ -27,11 +26,15 @@ from rps_exudyn.base.compiled import (
     NUMBER,
     VECTOR,
     WHOLE,
+    Array,
+    Law,
+    called,
+    entry,
     inline,
-    kernel_of,
-    pointer,
-    ready,
+    kernel,
     record_type,
+    stacked,
+    stacked_zeros,
 )
 from rps_exudyn.forces import bearing, external_load, pinion_support, sliding_fit, yoke
 from rps_exudyn.forces.bearing import BEARING, bearing_force, bearing_slope
@@ -68,6 +71,9 @@ from rps_exudyn.forces.yoke import (
 )
 from rps_exudyn.solvers.bent_rack import (
     BAR,
+    MOST_COORDINATES,
+    MOST_LOCAL,
+    MOST_SECTIONS,
     POSE,
     RATE,
     add_elasticity,
@@ -158,9 +164,8 @@ WORK = record_type(
 )
 """Record of the work space."""
 
-GEAR_TYPE, WORK_TYPE = numba.from_dtype(GEAR), numba.from_dtype(WORK)
-LAW = (VECTOR, VECTOR, GEAR_TYPE[::1], WHOLE, VECTOR, WORK_TYPE[::1], NUMBER, NUMBER, VECTOR, MATRIX)
-LAW_POINTER = pointer(*LAW)
+GEARS, WORKS = Array(GEAR, 1), Array(WORK, 1)
+LAW = (VECTOR, VECTOR, GEARS, WHOLE, VECTOR, WORKS, NUMBER, NUMBER, VECTOR, MATRIX)
 
 
 # --- assembly --------------------------------------------------------------------------------------
@@ -199,7 +204,7 @@ def rates_of(law, work):  # type: ignore[no-untyped-def]
     return work.rate if law.has_state else work.ended
 
 
-@inline
+@kernel
 def go_beside_pinion(q, v, gear, work):  # type: ignore[no-untyped-def]
     """Let the teeth see the rack from a supported pinion; `leave_pinion` goes back."""
     first, place, rate = q.size - HELD, work.place, rates_of(gear.mesh.flank.law, work)
@@ -208,7 +213,7 @@ def go_beside_pinion(q, v, gear, work):  # type: ignore[no-untyped-def]
         work.rate[RIGID + i], work.ended[RIGID + i] = work.slip[first + i], v[first + i]
     for i in range(6):
         work.beside[0, i], work.beside[1, i] = place[1 + i], rate[1 + i]
-    p, p_rate, out = np.empty(HELD), np.empty(HELD), work.out
+    p, p_rate, out = stacked(HELD), stacked(HELD), work.out
     energy, upper, lower, axial = held(place[RIGID:NEAR], gear.support, work.held, work.held_slope)
     place_of(
         place[RIGID:NEAR],
@@ -227,7 +232,7 @@ def go_beside_pinion(q, v, gear, work):  # type: ignore[no-untyped-def]
     out[_SUPPORT + 6], out[_SUPPORT + 7], out[_SUPPORT + 8] = upper, lower, axial
 
 
-@inline
+@kernel
 def leave_pinion(gear, work, factor_q, factor_v, by_rate):  # type: ignore[no-untyped-def]
     """Turn the teeth's forces and tangent into those by the rack's own coordinates and the supports', and add
     the supports' own."""
@@ -235,7 +240,7 @@ def leave_pinion(gear, work, factor_q, factor_v, by_rate):  # type: ignore[no-un
     rate = rates_of(gear.mesh.flank.law, work)
     for i in range(6):
         place[1 + i], rate[1 + i] = work.beside[0, i], work.beside[1, i]
-    by = np.zeros((7, NEAR))  # of what the teeth see
+    by = stacked_zeros((7, NEAR))  # of what the teeth see
     by[0, 0] = 1.0
     for i in range(6):
         for j in range(6):
@@ -251,7 +256,7 @@ def leave_pinion(gear, work, factor_q, factor_v, by_rate):  # type: ignore[no-un
             out[_SUPPORT + 11 + j] = work.on_support[j]
         elif j >= RIGID:
             out[_SUPPORT + 10 + j] = work.on_support[j]
-    stored = np.empty(3)
+    stored = stacked(3)
     friction, braking = axial_friction(work.rate[RIGID + 2], gear.support, memory, stored)
     for i in range(HELD):
         for k in range(HELD):
@@ -261,7 +266,7 @@ def leave_pinion(gear, work, factor_q, factor_v, by_rate):  # type: ignore[no-un
     out[_SUPPORT + 1], out[_SUPPORT + 9], out[_SUPPORT + 10] = stored[0], stored[1], stored[2]
     if factor_q == 0 and factor_v == 0:
         return
-    half = np.zeros((7, NEAR))
+    half = stacked_zeros((7, NEAR))
     for i in range(7):
         for k in range(7):
             if near[i, k] != 0:
@@ -279,7 +284,7 @@ def leave_pinion(gear, work, factor_q, factor_v, by_rate):  # type: ignore[no-un
     near[RIGID + 2, RIGID + 2] += by_rate * braking
 
 
-@inline
+@kernel
 def begin(q, v, gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
     """The same of a rack that is straight and rigid, as the pinion sees it."""
     by_rate = _begin(q, v, gear, work, factor_q, factor_v)
@@ -288,11 +293,11 @@ def begin(q, v, gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
     return by_rate
 
 
-@inline
+@kernel
 def begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
     """The same with the pose of a straight rack that touches the bar where mesh and yoke stand, at X = 0."""
     by_rate = _begin(q, v, gear, work, factor_q, factor_v)
-    pose, sections = np.empty((3, 6)), np.empty((4, gear.bar.modes + 2))
+    pose, sections = stacked((3, 6)), stacked((4, gear.bar.modes + 2), MOST_SECTIONS)
     bar_sections(-q[1], gear.bar, pool, sections)
     fill_pose(q, v, sections, -1.0, gear.bar, pose)
     for i in range(6):
@@ -305,7 +310,7 @@ def begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v):  # type: ign
     return by_rate
 
 
-@inline
+@kernel
 def _add_others(gear, work, factor_q, factor_v, by_rate):  # type: ignore[no-untyped-def]
     """Fill the outputs of yoke and bearing, and add their tangents if they are wanted."""
     place, out, near, memory = work.place, work.out, work.near, work.contact.memory
@@ -363,12 +368,12 @@ def _add_loads(q, gear, out):  # type: ignore[no-untyped-def]
         dead_force(q, gear.weight, out[_WEIGHT : _WEIGHT + 10])
 
 
-@inline
+@kernel
 def finish(q, v, gear, work, factor_q, factor_v, by_rate, total, tangent):  # type: ignore[no-untyped-def]
     """Add the forces of all other parts to those of the teeth; of a rack that is straight and rigid."""
     _add_others(gear, work, factor_q, factor_v, by_rate)
     rack, rate, out, memory = q[1:7], rates_of(gear.fit.law, work)[1:7], work.out, work.contact.memory
-    segment, by_sliding = np.empty(6), by_rate if gear.fit.law.has_state else factor_v
+    segment, by_sliding = stacked(6), by_rate if gear.fit.law.has_state else factor_v
     bush = out[_BUSH : _BUSH + 13]
     for i in range(8):
         total[i] = _near_force(i, gear, work)
@@ -414,11 +419,11 @@ def _add_support(gear, work, total):  # type: ignore[no-untyped-def]
             total[total.size - HELD + i] = _near_force(RIGID + i, gear, work)
 
 
-@inline
+@kernel
 def _carried_tangent(q, rate, segment, gear, work, factor_q, factor_v, tangent):  # type: ignore[no-untyped-def]
     """Fill the tangent of a rack in a segment (14, 14), and of supports behind: the fit moves with the rack
     against the segment."""
-    rack, relative, fit = np.empty(6), np.empty(6), np.zeros((6, 6))
+    rack, relative, fit = stacked(6), stacked(6), stacked_zeros((6, 6))
     for i in range(6):
         rack[i], relative[i] = q[1 + i], rate[i] - segment[i]
     add_fit_tangent(rack, relative, gear.fit, work.contact.memory, work.of_fit, factor_q, factor_v, fit)
@@ -431,7 +436,7 @@ def _carried_tangent(q, rate, segment, gear, work, factor_q, factor_v, tangent):
         for j in range(size):
             tangent[i if i < 8 else 6 + i, j if j < 8 else 6 + j] = work.near[i, j]
     # the segment's motion seen as one of the rack: between the reference points lie both levers
-    carry, along = np.zeros((6, 6)), gear.fit.station - q[1] - gear.fit.lever
+    carry, along = stacked_zeros((6, 6)), gear.fit.station - q[1] - gear.fit.lever
     for i in range(6):
         carry[i, i] = 1.0
     carry[1, 5], carry[2, 4] = -along, along
@@ -445,15 +450,16 @@ def _carried_tangent(q, rate, segment, gear, work, factor_q, factor_v, tangent):
                     tangent[8 + i, 8 + j] += carry[k, i] * fit[k, m] * carry[m, j]
 
 
-@inline
+@kernel
 def finish_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v, by_rate, total, tangent):  # type: ignore[no-untyped-def]
     """The same of a rack that bends or is not straight, see `bent_rack`."""
     _add_others(gear, work, factor_q, factor_v, by_rate)
     bar, out, memory, n = gear.bar, work.out, work.contact.memory, q.size
     wanted = factor_q != 0 or factor_v != 0
-    pose, sections, forces = np.empty((3, 6)), np.empty((4, bar.modes + 2)), np.empty(6)
+    pose, forces = stacked((3, 6)), stacked(6)
+    sections = stacked((4, bar.modes + 2), MOST_SECTIONS)
     size = near_size(gear)
-    by, local = np.zeros((size, n)), np.zeros((6, 6))
+    by, local = stacked_zeros((size, n), MOST_LOCAL), stacked_zeros((6, 6))
     for i in range(n):
         total[i] = 0.0
     _add_support(gear, work, total)
@@ -509,7 +515,7 @@ def finish_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v, by_rate, tot
 
 
 # --- laws ------------------------------------------------------------------------------------------
-@kernel_of(*LAW)
+@entry(*LAW)
 def line_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with the contact law "line"."""
     gear, work = gears[g], works[0]
@@ -520,7 +526,7 @@ def line_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent): 
     finish(q, v, gear, work, factor_q, factor_v, by_rate, total, tangent)
 
 
-@kernel_of(*LAW)
+@entry(*LAW)
 def line_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """The same whose rack bends or is not straight."""
     gear, work = gears[g], works[0]
@@ -531,7 +537,7 @@ def line_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, tota
     finish_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v, by_rate, total, tangent)
 
 
-@kernel_of(*LAW)
+@entry(*LAW)
 def teeth_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with the contact law "teeth"."""
     gear, work = gears[g], works[0]
@@ -542,7 +548,7 @@ def teeth_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):
     finish(q, v, gear, work, factor_q, factor_v, by_rate, total, tangent)
 
 
-@kernel_of(*LAW)
+@entry(*LAW)
 def teeth_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """The same whose rack bends or is not straight."""
     gear, work = gears[g], works[0]
@@ -553,7 +559,7 @@ def teeth_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, tot
     finish_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v, by_rate, total, tangent)
 
 
-@kernel_of(*LAW)
+@entry(*LAW)
 def sphere_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with teeth that touch by spheres, as in general contact."""
     gear, work = gears[g], works[0]
@@ -564,7 +570,7 @@ def sphere_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
     finish(q, v, gear, work, factor_q, factor_v, by_rate, total, tangent)
 
 
-@kernel_of(*LAW)
+@entry(*LAW)
 def sphere_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """The same whose rack bends or is not straight."""
     gear, work = gears[g], works[0]
@@ -588,17 +594,17 @@ Other laws may be added to it from outside."""
 
 
 # --- along a motion --------------------------------------------------------------------------------
-@kernel_of(LAW_POINTER, MATRIX, MATRIX, VECTOR, MATRIX, GEAR_TYPE[::1], VECTOR, WORK_TYPE[::1], MATRIX)
+@entry(Law(LAW), MATRIX, MATRIX, VECTOR, MATRIX, GEARS, VECTOR, WORKS, MATRIX)
 def fill_outputs(law, coordinates, rates, time, begun, gears, pool, works, outputs):  # type: ignore[no-untyped-def]
     """Fill the outputs (t, OUTPUTS) of all parts at states (t, n) of one gear.
 
     `begun` is the state of its bristles at the start of the steps that end there, (t, 0) without any.
     """
     work, n = works[0], coordinates.shape[1]
-    total, tangent = np.empty(n), np.empty((0, 0))
+    total, tangent = stacked(n, MOST_COORDINATES), stacked((0, 0), 1)
     for k in range(coordinates.shape[0]):
         begin_step(work.contact.memory, begun[k], time[k])
-        law(coordinates[k], rates[k], gears, 0, pool, works, 0.0, 0.0, total, tangent)
+        called(law, coordinates[k], rates[k], gears, 0, pool, works, 0.0, 0.0, total, tangent)
         for i in range(OUTPUTS):
             outputs[k, i] = work.out[i]
 
@@ -625,5 +631,5 @@ def outputs_along(
     rows = (np.ascontiguousarray(each, dtype=float) for each in (coordinates, rates, time, state))
     if state.shape[1] == 0:
         works[0]["contact"]["memory"][:, TIME] = 0.0
-    ready(fill_outputs)(ready(law), *rows, gears, pool, works, outputs)
+    fill_outputs(law, *rows, gears, pool, works, outputs)
     return outputs

@@ -13,7 +13,6 @@ from functools import lru_cache
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from rps_exudyn.base.compiled import ready
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, PINION, PLUNGER, RACK
 from rps_exudyn.forces.friction import PLAIN
@@ -25,7 +24,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.balance import NOTHING_ACCELERATED
 from rps_exudyn.solvers.closed_form import GRAVITY
-from rps_exudyn.solvers.follower import ACCEPT, NO_COLUMN, follow
+from rps_exudyn.solvers.follower import ACCEPT, NO_COLUMN, follow, room_to_follow
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.gear_model import GEAR, OUTPUTS
 from rps_exudyn.solvers.prescribed_motion import DrivenBody
@@ -316,7 +315,7 @@ class GearSeries:
         flank["eccentric_e"] = flank["eccentric_y"] = 0.0
         x, y, residual = np.zeros(n), flank["axis_offset"] - TYPICAL_APPROACH, np.zeros(n)
         loads, works = np.ascontiguousarray(spring["preload"]), self.forces.works
-        ready(find_approach)(ready(self.forces.law), loads, x, y, ideal, self.forces.pool, works, residual)
+        find_approach(self.forces.law, loads, x, y, ideal, self.forces.pool, works, residual)
         if len(self.forces.supported):
             y -= at_rest(records["support"], loads)[1]
         seat, made = records["seat"], records.copy()
@@ -351,8 +350,8 @@ class GearSeries:
         time = np.abs(angles - angles[0]) / abs(self.speed)
         forces, outputs = np.zeros((n, k, m)), np.zeros((n, k, OUTPUTS))
         ended, counts = np.zeros(n, dtype=np.int64), np.zeros((n, 5))
-        ready(follow)(
-            ready(self.forces.law),
+        follow(
+            self.forces.law,
             0,
             time,
             per_pitch,
@@ -375,6 +374,7 @@ class GearSeries:
             self.forces.works,
             ended,
             counts,
+            room_to_follow(k, m),
         )
         sense = 1.0 if self.body == "rack" else -1.0
         record = Record(

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.base.compiled import VECTOR, kernel_of, ready
+from rps_exudyn.base.compiled import VECTOR, Law, called, entry, stacked, stacked_zeros
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.solvers.balance import Balance
-from rps_exudyn.solvers.gear_model import GEAR_TYPE, LAW_POINTER, WORK_TYPE
+from rps_exudyn.solvers.gear_model import GEARS, LAW, WORKS
 
 TOLERANCE = 1e-3  # largest unbalanced force accepted [N], moments over 10 mm: 1e-5 of the torque
 
@@ -28,16 +28,16 @@ CLOSE = 1e-4  # largest unbalanced force accepted [N]
 SMALLEST_FRACTION = 1e-3
 
 
-@kernel_of(LAW_POINTER, VECTOR, VECTOR, VECTOR, GEAR_TYPE[::1], VECTOR, WORK_TYPE[::1], VECTOR)
+@entry(Law(LAW), VECTOR, VECTOR, VECTOR, GEARS, VECTOR, WORKS, VECTOR)
 def find_approach(law, loads, x, y, gears, pool, works, residuals):  # type: ignore[no-untyped-def]
     """Move the racks of gears, which keep their direction, to where the teeth carry loads [N] along -Y and no
     force along X, by Newton's method from places x and y (g,) [m]; fills the residuals (g,) [N]."""
-    work, q, v, total, tangent = works[0], np.zeros(8), np.zeros(8), np.empty(8), np.empty((8, 8))
+    work, q, v, total, tangent = works[0], stacked_zeros(8), stacked_zeros(8), stacked(8), stacked((8, 8))
     for g in range(gears.shape[0]):
         norm, fraction, move_x, move_y = np.inf, 1.0, 0.0, 0.0
         for _ in range(MAX_STEPS):
             q[1], q[2] = x[g] + fraction * move_x, y[g] + fraction * move_y
-            law(q, v, gears, g, pool, works, 1.0, 0.0, total, tangent)
+            called(law, q, v, gears, g, pool, works, 1.0, 0.0, total, tangent)
             along, across = work.out[1], work.out[2] - loads[g]
             residual = max(abs(along), abs(across))
             if not residual < norm:  # too far along the last step
@@ -92,7 +92,7 @@ def static_approach(load: float, law: Any, ideal: np.ndarray, pool: np.ndarray, 
     while not np.isfinite(unbalanced(begun)).all() and offset - begun[1] > LEAST_APPROACH:
         begun[1] = (offset + begun[1]) / 2  # stiff teeth have no law so deep
     x, y, rest = begun[:1].copy(), begun[1:].copy(), np.zeros(1)
-    ready(find_approach)(ready(law), np.array([load]), x, y, ideal, pool, balance.works, rest)
+    find_approach(law, np.array([load]), x, y, ideal, pool, balance.works, rest)
     if rest[0] <= CLOSE:
         return -float(y[0])
     place, residual = settled(unbalanced, begun, np.ones(2))

@@ -8,7 +8,7 @@ bending cancels, which laws without it miss.
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inline, kernel
+from rps_exudyn.base.compiled import inline, kernel, placed, placed_numbers
 from rps_exudyn.forces.rigid_motion import cross, scaled, vector
 from rps_exudyn.gears.tooth_stiffness import EFFECTIVE_MODULUS, HERTZ
 from rps_exudyn.tooth_contact.contact_tangent import (
@@ -32,13 +32,28 @@ from rps_exudyn.tooth_contact.flank_line import (
     side_of,
     slip_at,
 )
-from rps_exudyn.tooth_contact.teeth_stations import DEPTH, LENGTH, P_R, P_T, P_Z, RATE, ROLL, TOP, find_lines
+from rps_exudyn.tooth_contact.teeth_stations import (
+    COLUMN,
+    DEPTH,
+    LENGTH,
+    LINE_SIZE,
+    P_R,
+    P_T,
+    P_Z,
+    RATE,
+    ROLL,
+    TOP,
+    find_lines,
+    most_lines,
+    room_of_lines,
+)
 from rps_exudyn.tooth_contact.tooth_compliance import add_block, add_line
 from rps_exudyn.tooth_contact.unilateral import (
     factorize,
     local_energy,
     local_yield,
     press_stations,
+    room_of_loads,
     substitute_all,
 )
 from rps_exudyn.tooth_contact.wrench import WRENCH_SIZE
@@ -46,32 +61,49 @@ from rps_exudyn.tooth_contact.wrench import WRENCH_SIZE
 GUESS = 20e9  # load per length and depth with which the solution begins [N/m^2]
 
 
+def room_of_teeth(flank: np.void) -> int:
+    """Return how much room law "teeth" takes on a gear, in numbers, by its record of flanks."""
+    lines = most_lines(flank)
+    n = lines * int(flank["stations"])
+    full = (n + 3) // 4 * 4
+    tangent = n + full * full + 18 * full
+    return room_of_lines(lines, int(flank["stations"])) + n * n + 3 * n + max(room_of_loads(n), tangent)
+
+
 @kernel
-def teeth_contact(angle, rate, position, rotation, velocity, spin, data, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+def teeth_contact(angle, rate, position, rotation, velocity, spin, data, work, factor_q, factor_v, room):  # type: ignore[no-untyped-def]
     """Fill the wrench of law "teeth", see `wrench`, and its stiffness unless both factors are 0, see
-    `contact_tangent.Slopes`; `data` is a record `MESH`, `work` a `SCRATCH`."""
-    drive, coast, lines, n = begin_teeth(angle, rate, position, rotation, velocity, spin, data, work)
-    matrix = compliance_matrix(lines, n, data)
-    press_teeth(matrix, lines, n, drive, coast, angle, position, data, work, factor_q, factor_v)
+    `contact_tangent.Slopes`; `data` is a record `MESH`, `work` a `SCRATCH`, `room` has `room_of_teeth`."""
+    drive, coast, lines, n = begin_teeth(angle, rate, position, rotation, velocity, spin, data, work, room)
+    if n < 0:
+        for i in range(WRENCH_SIZE):
+            work.wrench[i] = np.nan
+        return
+    stations = n * data.flank.stations
+    left = room[lines.side.size * LINE_SIZE + lines.stations.shape[1] * COLUMN :]
+    matrix = placed(left, 0, (stations, stations))
+    fill_compliance(matrix, lines, n, data)
+    left = left[stations * stations :]
+    press_teeth(matrix, lines, n, drive, coast, angle, position, data, work, factor_q, factor_v, left)
 
 
 @inline
-def begin_teeth(angle, rate, position, rotation, velocity, spin, data, work):  # type: ignore[no-untyped-def]
+def begin_teeth(angle, rate, position, rotation, velocity, spin, data, work, room):  # type: ignore[no-untyped-def]
     """Empty the sums; return both sides, the lines along which they may meet, and how many."""
     flank = data.flank
     begin_contact(flank.law, work)
     drive = side_of(-1.0, angle, rate, position, rotation, velocity, spin, flank)
     coast = side_of(1.0, angle, rate, position, rotation, velocity, spin, flank)
-    lines, n = find_lines(angle, drive, coast, data)
+    lines, n = find_lines(angle, drive, coast, data, room)
     return drive, coast, lines, n
 
 
 @inline
-def press_teeth(matrix, lines, n, drive, coast, angle, position, data, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+def press_teeth(matrix, lines, n, drive, coast, angle, position, data, work, factor_q, factor_v, room):  # type: ignore[no-untyped-def]
     """Fill the wrench and its stiffness from the compliance of all stations."""
-    flank = data.flank
-    force, elastic = np.empty(n * flank.stations), np.empty(n * flank.stations)
-    if not solve_loads(matrix, lines, data, force, elastic):
+    flank, size = data.flank, n * data.flank.stations
+    force, elastic, left = placed(room, 0, size), placed(room, size, size), room[2 * size :]
+    if not solve_loads(matrix, lines, data, force, elastic, left):
         for i in range(WRENCH_SIZE):
             work.wrench[i] = np.nan
         return
@@ -79,7 +111,7 @@ def press_teeth(matrix, lines, n, drive, coast, angle, position, data, work, fac
     of_drive = slopes_of(work, factor_q, factor_v, drive, angle, position, flank)
     of_coast = slopes_of(work, factor_q, factor_v, coast, angle, position, flank)
     if of_drive.wanted:
-        add_teeth(matrix, lines, force, drive, coast, of_drive, of_coast, data, work)
+        add_teeth(matrix, lines, force, drive, coast, of_drive, of_coast, data, work, left)
     for side, slopes in ((drive, of_drive), (coast, of_coast)):
         begin_side(side, flank, work)
         for line in range(n):
@@ -135,16 +167,18 @@ def _goes_on(lines, line, force, count):  # type: ignore[no-untyped-def]
     """Return whether the piece before is of the same tooth's line and pressed."""
     if line == 0 or lines.tooth[line - 1] != lines.tooth[line] or lines.side[line - 1] != lines.side[line]:
         return False
-    return force[(line - 1) * count : line * count].max() > 0
+    for i in range((line - 1) * count, line * count):
+        if force[i] > 0:
+            return True
+    return False
 
 
 # --- loads -----------------------------------------------------------------------------------------
 @inline
-def compliance_matrix(lines, n, data):  # type: ignore[no-untyped-def]
-    """Return the compliance of all stations without the Hertzian part, lower triangle, shape (n, n) [m/N]."""
+def fill_compliance(matrix, lines, n, data):  # type: ignore[no-untyped-def]
+    """Fill the compliance of all stations without the Hertzian part, lower triangle [m/N]."""
     count = data.flank.stations
     nodes, weights = data.flank.along[0, 0, :count], data.flank.along[0, 1, :count]
-    matrix = np.empty((n * count, n * count))
     for a in range(n):
         for b in range(a + 1):
             torsion = data.teeth.torsion * lines.side[a] * lines.side[b]
@@ -160,22 +194,20 @@ def compliance_matrix(lines, n, data):  # type: ignore[no-untyped-def]
                 add_block(matrix, lines.on_pinion, a * count, b * count, count, same_side, data.teeth.pinion)
             if lines.rack_tooth[a] == lines.rack_tooth[b]:
                 add_block(matrix, lines.on_rack, a * count, b * count, count, same_side, data.teeth.rack)
-    return matrix
 
 
 @inline
-def solve_loads(matrix, lines, data, force, elastic):  # type: ignore[no-untyped-def]
+def solve_loads(matrix, lines, data, force, elastic, room):  # type: ignore[no-untyped-def]
     """Fill the forces of all stations, and those without damping; returns whether they were found."""
-    damping = data.flank.damping
+    damping, pressing, left = data.flank.damping, placed(room, 0, force.size), room[force.size :]
     depth, length, top = lines.stations[DEPTH], lines.stations[LENGTH], lines.stations[TOP]
-    found = press_stations(force.size, matrix, depth, length, top, HERTZ, GUESS, elastic)
+    found = press_stations(force.size, matrix, depth, length, top, HERTZ, GUESS, elastic, left)
     for i in range(force.size):
         force[i] = elastic[i]
     if found and damping > 0:
-        pressing = np.empty(force.size)
         for i in range(force.size):
             pressing[i] = depth[i] + damping * lines.stations[RATE, i]
-        found = press_stations(force.size, matrix, pressing, length, top, HERTZ, GUESS, force)
+        found = press_stations(force.size, matrix, pressing, length, top, HERTZ, GUESS, force, left)
     return found
 
 
@@ -201,17 +233,27 @@ def stored_energy(lines, elastic):  # type: ignore[no-untyped-def]
 
 
 @inline
-def add_teeth(matrix, lines, force, drive, coast, of_drive, of_coast, data, work):  # type: ignore[no-untyped-def]
+def add_teeth(matrix, lines, force, drive, coast, of_drive, of_coast, data, work, room):  # type: ignore[no-untyped-def]
     """Add the tangent of all stations' loads; `matrix` is their compliance, `force` their loads [N]."""
     count, flank, m = data.flank.stations, data.flank, 0
-    chosen = np.empty(force.size, np.int64)
+    chosen = placed_numbers(room, 0, force.size)
     for i in range(force.size):
         if force[i] > 0:
             chosen[m] = i
             m += 1
     full = (m + 3) // 4 * 4
-    system, yields = np.zeros((full, full)), np.zeros((full, 6))
-    normal, rubbing = np.empty((m, 6)), np.empty((m, 6))
+    left = room[force.size :]
+    system, left = placed(left, 0, (full, full)), left[full * full :]
+    yields, normal, rubbing = (
+        placed(left, 0, (full, 6)),
+        placed(left, 6 * full, (m, 6)),
+        placed(left, 12 * full, (m, 6)),
+    )
+    for row in range(full):
+        for i in range(full):
+            system[row, i] = 0.0
+        for i in range(6):
+            yields[row, i] = 0.0
     for row in range(m):
         i = chosen[row]
         for col in range(row):
@@ -222,7 +264,8 @@ def add_teeth(matrix, lines, force, drive, coast, of_drive, of_coast, data, work
             _fill_wrenches(lines, i, row, force[i], yields, rubbing, drive, flank, of_drive)
         else:
             _fill_wrenches(lines, i, row, force[i], yields, rubbing, coast, flank, of_coast)
-        normal[row] = yields[row]
+        for j in range(6):
+            normal[row, j] = yields[row, j]
     for row in range(m, full):
         system[row, row] = 1.0
     if not factorize(system, full):

@@ -23,7 +23,15 @@ from rps_exudyn.tooth_contact.strip_limits import BREAKS, LIMITS
 from rps_exudyn.tooth_contact.teeth_data import TEETH
 from rps_exudyn.tooth_contact.wrench import WRENCH_SIZE, on_coordinates
 
-MESH = record_type([("flank", FLANK), ("teeth", TEETH), ("spheres", SPHERES)])
+MESH = record_type(
+    [
+        ("flank", FLANK),
+        ("teeth", TEETH),
+        ("most_lines", "i8"),  # that law "teeth" has room for ...
+        ("room", "i8"),  # ... from this place of the pool on
+        ("spheres", SPHERES),
+    ]
+)
 """Constants of the laws; those of laws that are not used are zero."""
 
 
@@ -84,7 +92,8 @@ def line_law(q, v, mesh, pool, work, factor_q, factor_v, out, tangent):  # type:
 def teeth_law(q, v, mesh, pool, work, factor_q, factor_v, out, tangent):  # type: ignore[no-untyped-def]
     """Teeth that bend together: law "teeth"."""
     turn, pose = pose_of(q, v, mesh.flank.rack_reference, work.pose), work.pose
-    teeth_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], mesh, work, factor_q, factor_v)
+    room = pool[mesh.room :]
+    teeth_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], mesh, work, factor_q, factor_v, room)
     on_flanks(q, turn, mesh.flank, work, factor_q, factor_v, out, tangent)
 
 

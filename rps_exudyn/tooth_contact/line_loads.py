@@ -4,16 +4,36 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inline, kernel
+from rps_exudyn.base.compiled import (
+    MATRIX,
+    NUMBERS,
+    VECTOR,
+    Array,
+    entry,
+    inline,
+    placed,
+    stacked,
+    stacked_zeros,
+)
 from rps_exudyn.forces.rigid_motion import fill_rotation
 from rps_exudyn.gears.tooth_stiffness import HERTZ
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.tooth_contact.elastic_teeth import GUESS, compliance_matrix
+from rps_exudyn.tooth_contact.elastic_teeth import GUESS, fill_compliance, room_of_teeth
 from rps_exudyn.tooth_contact.flank_data import pack
 from rps_exudyn.tooth_contact.flank_line import side_of
 from rps_exudyn.tooth_contact.laws import MESH
 from rps_exudyn.tooth_contact.teeth_data import teeth_data
-from rps_exudyn.tooth_contact.teeth_stations import DEPTH, LENGTH, P_Z, ROLL, TOP, find_lines
+from rps_exudyn.tooth_contact.teeth_stations import (
+    COLUMN,
+    DEPTH,
+    LENGTH,
+    LINE_SIZE,
+    P_Z,
+    ROLL,
+    TOP,
+    find_lines,
+    most_lines,
+)
 from rps_exudyn.tooth_contact.unilateral import press_stations
 
 STATIONS = 12  # on each line: loads vary along it
@@ -40,39 +60,57 @@ def loads_data(gear: SteeringGear, stations: int = STATIONS) -> np.ndarray:
     in an array (1,)."""
     flank = pack(gear, along=stations, across=1)
     made = np.zeros(1, MESH)
-    made["flank"], made["teeth"] = flank, teeth_data(gear, flank)
+    made["flank"], made["teeth"], made["most_lines"] = flank, teeth_data(gear, flank), most_lines(flank)
     return made
 
 
-@kernel
-def line_loads(angles, positions, tilts, records):  # type: ignore[no-untyped-def]
-    """Return `LineLoads` of n poses at rest; pinion's turns (n,) [rad], rack's reference points (n, 3) [m],
-    angles (n, 3) [rad], the record of `loads_data`."""
+AT_ONCE = 256  # poses, whose rows have room for the most stations
+
+
+def line_loads(
+    angles: np.ndarray, positions: np.ndarray, tilts: np.ndarray, records: np.ndarray
+) -> LineLoads:
+    """Return the loads of n poses at rest.
+
+    Args:
+        angles: pinion's turns (n,) [rad].
+        positions: rack's reference points (n, 3) [m].
+        tilts: rack's angles (n, 3) [rad].
+        records: that of `loads_data`.
+    """
+    flank, counts, filled = records[0]["flank"], np.zeros(len(angles), np.int64), [np.zeros((ROWS, 0))]
+    room = np.zeros(room_of_teeth(flank))
+    rows = np.zeros((ROWS, AT_ONCE * int(records[0]["most_lines"]) * int(flank["stations"])))
+    poses = [np.ascontiguousarray(each, dtype=float) for each in (angles, positions, tilts)]
+    for i in range(0, len(angles), AT_ONCE):
+        part = slice(i, i + AT_ONCE)
+        fill_line_loads(*(each[part] for each in poses), records, rows, counts[part], room)
+        filled.append(rows[:, : counts[part].sum()].copy())
+    return LineLoads(np.repeat(np.arange(len(angles)), counts), *np.concatenate(filled, axis=1))
+
+
+@entry(VECTOR, MATRIX, MATRIX, Array(MESH, 1), MATRIX, NUMBERS, VECTOR)
+def fill_line_loads(angles, positions, tilts, records, rows, counts, room):  # type: ignore[no-untyped-def]
+    """Fill the rows of all fields but the pose, station after station, and how many stations each pose has;
+    `room` has `room_of_teeth`."""
     data = records[0]
-    still, flank, rotation = np.zeros(3), data.flank, np.empty((3, 3))
-    counts, end = np.zeros(angles.size, np.int64), 0
-    rows = np.empty((ROWS, 0))  # with room for more stations
+    still, flank, rotation, end = stacked_zeros(3), data.flank, stacked((3, 3)), 0
     for i in range(angles.size):
         angle, position = angles[i], positions[i]
         fill_rotation(tilts[i], rotation)
         drive = side_of(-1.0, angle, 0.0, position, rotation, still, still, flank)
         coast = side_of(1.0, angle, 0.0, position, rotation, still, still, flank)
-        lines, found = find_lines(angle, drive, coast, data)
-        start, counts[i] = end, found * flank.stations
-        end = start + counts[i]
-        if end > rows.shape[1]:
-            filled, rows = rows[:, :start], np.empty((ROWS, 2 * end))
-            rows[:, :start] = filled
-        _fill_loads(lines, found, data, rows[:, start:end])
-    side, tooth, rack_tooth, face = rows[0, :end], rows[1, :end], rows[2, :end], rows[3, :end]
-    pose = np.repeat(np.arange(angles.size), counts)
-    return LineLoads(pose, side, tooth, rack_tooth, face, rows[4, :end], rows[5, :end], rows[6, :end])
+        lines, found = find_lines(angle, drive, coast, data, room)
+        counts[i] = found * flank.stations
+        left = room[lines.side.size * LINE_SIZE + lines.stations.shape[1] * COLUMN :]
+        _fill_loads(lines, counts[i], data, rows[:, end : end + counts[i]], left)
+        end += counts[i]
 
 
 @inline
-def _fill_loads(lines, found, data, rows):  # type: ignore[no-untyped-def]
-    """Fill the rows of one pose, on whose `found` lines all its stations stand."""
-    flank, stations, n = data.flank, lines.stations, rows.shape[1]
+def _fill_loads(lines, n, data, rows, room):  # type: ignore[no-untyped-def]
+    """Fill the rows of one pose, of its n stations."""
+    flank, stations = data.flank, lines.stations
     for i in range(n):
         line = i // flank.stations
         rows[0, i], rows[1, i], rows[2, i] = lines.side[line], lines.tooth[line], lines.rack_tooth[line]
@@ -80,8 +118,9 @@ def _fill_loads(lines, found, data, rows):  # type: ignore[no-untyped-def]
         rows[6, i] = flank.line_stiffness * max(stations[DEPTH, i], 0.0)
     if flank.line_stiffness > 0:
         return
-    matrix, force = compliance_matrix(lines, found, data), np.empty(n)
+    matrix, force, left = placed(room, 0, (n, n)), placed(room, n * n, n), room[n * n + n :]
+    fill_compliance(matrix, lines, n // flank.stations, data)
     depth, length, top = stations[DEPTH], stations[LENGTH], stations[TOP]
-    solved = press_stations(n, matrix, depth, length, top, HERTZ, GUESS, force)
+    solved = press_stations(n, matrix, depth, length, top, HERTZ, GUESS, force, left)
     for i in range(n):
         rows[6, i] = force[i] / length[i] if solved else np.nan

@@ -9,10 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inline
+from rps_exudyn.base.compiled import inline, kernel, placed, stacked
 from rps_exudyn.gears.tooth_stiffness import FLATTENED
 from rps_exudyn.tooth_contact import flank_strip
 from rps_exudyn.tooth_contact.flank_line import (
+    MARGIN,
     FlankZone,
     affine,
     band_of,
@@ -68,13 +69,33 @@ class Lines(NamedTuple):
     on_rack: np.ndarray  # (PLACE_SIZE, stations)
 
 
-@inline
-def find_lines(angle, drive, coast, data):  # type: ignore[no-untyped-def]
-    """Return the lines along which flanks may meet, with their stations, and how many there are."""
+LINE_SIZE = 11  # numbers of a line
+COLUMN = STATION_SIZE + 2 * PLACE_SIZE  # numbers of a station
+
+
+def most_lines(flank: np.void) -> int:
+    """Return how many lines `find_lines` may find on a gear, by its record of flanks."""
+    reach = flank["base_radius"] * (flank["half_face"] * abs(flank["twist"]) + MARGIN)
+    along = (flank["q_tip"] - flank["q_form"] + 2 * reach) / flank["base_radius"]
+    of_side = int(along / (2 * np.pi / flank["teeth"])) + 1
+    return 2 * of_side * bands.py_func(flank) * (2 if flank["breaks_sliding"] else 1)
+
+
+def room_of_lines(lines: int, stations: int) -> int:
+    """Return how much room `find_lines` takes for that many lines, in numbers."""
+    return lines * (LINE_SIZE + COLUMN * stations)
+
+
+@kernel
+def find_lines(angle, drive, coast, data, room):  # type: ignore[no-untyped-def]
+    """Return the lines along which flanks may meet, with their stations, in a room for them (n,), and how
+    many there are; -1 if there may be more than there is room for."""
     flank, n = data.flank, 0
     most, deepest = _overlap(angle, drive, coast, flank)
+    if most > data.most_lines:
+        most, n = 0, -1
     total = most * flank.stations
-    numbers, columns = np.empty((11, most)), np.empty((STATION_SIZE + 2 * PLACE_SIZE, total))
+    numbers, columns = placed(room, 0, (LINE_SIZE, most)), placed(room, LINE_SIZE * most, (COLUMN, total))
     lines = Lines(
         numbers[0],
         numbers[1],
@@ -89,7 +110,7 @@ def find_lines(angle, drive, coast, data):  # type: ignore[no-untyped-def]
     )
     if most == 0:
         return lines, n
-    strip, margin, plain = np.empty(STRIP_SHAPE), BEYOND * deepest, is_plain(flank)
+    strip, margin, plain = stacked(STRIP_SHAPE), BEYOND * deepest, is_plain(flank)
     for side in (drive, coast):
         first, last, turn = first_tooth(angle, side, flank)
         for tooth in range(first, last + 1):

@@ -12,7 +12,7 @@ stations is found as in the primal-dual active set method, one station at a time
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inline
+from rps_exudyn.base.compiled import inline, kernel, placed, placed_numbers
 
 THICK = 3.0  # least L - ln f of the logarithm, which asks for flat strips in thick teeth; linear beyond
 ROUNDS = 40  # changes of the set, or of the loads
@@ -160,8 +160,14 @@ def _tangent(m, chosen, block, length, slopes, system):  # type: ignore[no-untyp
     return full
 
 
-@inline
-def press_stations(n, matrix, delta, length, top, k, guess, force):  # type: ignore[no-untyped-def]
+def room_of_loads(stations: int) -> int:
+    """Return how much room `press_stations` takes, in numbers."""
+    most = (stations + 3) // 4 * 4
+    return 2 * stations + (2 * most + 4) * most
+
+
+@kernel
+def press_stations(n, matrix, delta, length, top, k, guess, force, room):  # type: ignore[no-untyped-def]
     """Fill the forces [N] of n stations; returns whether they were found.
 
     `matrix` holds the compliance [m/N], its lower triangle; `delta` the depths of the undeformed flanks [m],
@@ -169,13 +175,13 @@ def press_stations(n, matrix, delta, length, top, k, guess, force):  # type: ign
     begin with [N/m^2]. The stations that overlap are taken first. A factor serves for as long as each step
     is much smaller than that before; by what the slopes have changed since, each step is corrected once.
     """
-    pressed, chosen = np.empty(n, np.bool_), np.empty(n, np.int64)
     most = (n + 3) // 4 * 4
-    work = np.empty((2 * most + 4, most))
+    pressed, chosen = placed_numbers(room, 0, n), placed_numbers(room, n, n)
+    work = placed(room, 2 * n, (2 * most + 4, most))
     system, block, step, slopes = work[:most], work[most : 2 * most], work[2 * most], work[2 * most + 1]
     factored, excess = work[2 * most + 2], work[2 * most + 3]
     for i in range(n):
-        pressed[i] = delta[i] > 0
+        pressed[i] = 1 if delta[i] > 0 else 0
         force[i] = guess * max(delta[i], 0.0) * length[i]
     m, full, before, largest, serves, fade = 0, 0, np.inf, 0.0, False, 1.0
     for turn in range(ROUNDS):
@@ -231,7 +237,7 @@ def _revise(n, m, matrix, delta, force, chosen, pressed, one_by_one):  # type: i
         if pressed[i]:
             if force[i] < 0:
                 changes += 1
-                pressed[i] = False
+                pressed[i] = 0
         else:
             gap = -delta[i]
             for col in range(m):
@@ -239,7 +245,7 @@ def _revise(n, m, matrix, delta, force, chosen, pressed, one_by_one):  # type: i
                 gap += matrix[max(i, j), min(i, j)] * force[j]
             if gap < 0:
                 changes += 1
-                pressed[i] = True
+                pressed[i] = 1
     for i in range(n):
         if not pressed[i]:
             force[i] = 0.0

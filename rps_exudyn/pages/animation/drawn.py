@@ -8,7 +8,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.colors import to_rgb
 
-from rps_exudyn.base.compiled import called, kernel
+from rps_exudyn.base.compiled import CUBE, MATRIX, VECTOR, entry
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.pages.animation.camera import UNCUT, Camera, in_front
 from rps_exudyn.pages.animation.motion import Motion, Pose, exploded
@@ -141,7 +141,7 @@ def _paint(
     lit = weights @ normals[of]
     seen = camera.seen(world, width, height)
     arrays = (np.ascontiguousarray(each, dtype=float) for each in (seen, world, lit, colours[of], cuts[of]))
-    called(paint, image, depth, *arrays, camera.eye, SUN, FILL)
+    paint(image, depth, *arrays, camera.eye, SUN, FILL)
 
 
 def _cone(
@@ -175,7 +175,7 @@ FILL = np.array([0.8, -0.35, 0.5]) / np.sqrt(0.8**2 + 0.35**2 + 0.5**2)
 HATCHES = 45.0  # of a section, down a picture: flat on the picture, however deep the face lies
 
 
-@kernel
+@entry(CUBE, MATRIX, CUBE, CUBE, CUBE, MATRIX, VECTOR, VECTOR, VECTOR, VECTOR)
 def paint(image, depth, seen, world, normals, colours, cuts, eye, sun, fill):  # type: ignore[no-untyped-def]
     """Draw triangles over what is there.
 

@@ -14,9 +14,8 @@ from functools import partial
 from queue import LifoQueue
 from typing import Any
 
-from rps_exudyn.base.compiling import CompileStep, CompilingProgress, listening
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.progress import Progress, following
+from rps_exudyn.base.progress import Making, Progress, following, listening
 from rps_exudyn.base.units import pretty
 from rps_exudyn.pages.explore.on_request import KINDS, SIMULATION, on_request
 from rps_exudyn.pages.explore.sliders import SLIDERS, SLOW, Answer, Wish, answer, scenes
@@ -83,11 +82,9 @@ class _Work:
     def take(self, progress: Progress) -> None:
         self.text, self.fraction = progress.sentence, progress.fraction
 
-    def take_compiled(self, step: CompileStep) -> None:
-        row = CompilingProgress()
-        row.take(step)
-        if not row.is_done:
-            self.text, self.fraction = row.text, row.fraction
+    def take_code(self, step: Making) -> None:
+        if step.sentence:
+            self.text, self.fraction = step.sentence, None
 
     def begin(self, processes: Processes) -> None:
         self.processes, self.text = processes, "computing"
@@ -164,7 +161,7 @@ class Answering:
         """Work of which the page can ask how far it is."""
         work = self._works[tab, kind] = _Work()
         try:
-            with following(work.take), listening(work.take_compiled):
+            with following(work.take), listening(work.take_code):
                 yield work
         finally:
             if self._works.get((tab, kind)) is work:

@@ -23,9 +23,9 @@ from pathlib import Path
 from time import monotonic
 from typing import IO
 
-from rps_exudyn.base.compiling import CompileStep, publish
+from rps_exudyn.base.kernel_code import object_files
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.progress import Progress, passed_on
+from rps_exudyn.base.progress import Making, Progress, passed_on, publish
 from rps_exudyn.results.result import Result
 from rps_exudyn.simulate.cases.frames import frame_of, frames_in
 from rps_exudyn.simulate.cases.task import Answer, Task
@@ -90,14 +90,6 @@ class _Worker:
             self.process.stdin.close()
 
 
-def compiled_before() -> bool:
-    """Return whether a cache holds kernels of gears."""
-    from rps_exudyn.base.kernel_cache import cache_folders, files_of  # loads numba
-    from rps_exudyn.solvers import gear_model  # noqa: F401, the modules of a gear's kernels
-
-    return any(True for folder in cache_folders() for _ in files_of(folder))
-
-
 class Processes:
     """So many processes that do tasks; use it in a `with` block, which ends them."""
 
@@ -115,7 +107,7 @@ class Processes:
         self._failed_starts = 0
         self._next_start = 0.0  # when one may be started again
         self._cost = BATCH_SECONDS  # running mean of what a task takes [s]
-        self._compiled = workers == 1 or compiled_before()  # before this process compiles anything itself
+        self._compiled = workers == 1 or bool(object_files())  # before this process makes any itself
         self.is_cancelled = False
 
     def __enter__(self) -> "Processes":
@@ -221,8 +213,8 @@ class Processes:
         match pickle.loads(frame):
             case Answer() as answer:
                 yield self._answered(worker, answer)
-            case CompileStep() as step:
-                worker.place = COMPILING if step.done < step.total else RUNNING
+            case Making() as step:
+                worker.place = COMPILING if step.sentence else RUNNING
                 publish(step)
             case Progress() as progress:
                 if self.workers == 1:  # of several tasks at the same time none stands for all

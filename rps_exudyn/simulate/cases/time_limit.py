@@ -23,6 +23,7 @@ GRACE = 1.0  # [s] for a run to end by itself, before its process is ended
 # Where an interrupted run was, by a piece of the innermost file's path
 PLACES = {
     "/numba/": "while force laws were compiled",
+    "/llvmlite/": "while force laws were compiled",
     "/rps_exudyn/solvers/": "while it approached its start",
     "/rps_exudyn/multibody/": "while its model was built",
     "/rps_exudyn/tooth_contact/": "while its contact was prepared",

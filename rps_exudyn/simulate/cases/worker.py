@@ -30,13 +30,12 @@ def main() -> None:
     first = frames.get()
     from dataclasses import replace
 
-    from rps_exudyn.base.compiling import listeners
-    from rps_exudyn.base.progress import following
+    from rps_exudyn.base.progress import following, makers
     from rps_exudyn.results.outcome import Interrupted
     from rps_exudyn.simulate.cases.task import Answer, answer_to, handing_over
 
     warm_up = pickle.loads(first)
-    listeners.append(say)
+    makers.append(say)
     if warm_up is not None:
         with suppress(Exception):  # the tasks' own answers hold what is wrong
             warm_up()
