@@ -19,7 +19,6 @@ import rps_exudyn as rps
 from benchmarks.measure import quickest
 from benchmarks.topic import Columns, Topic, load_data, markdown, save_data, table_of
 from rps_exudyn.analysis.rack_motion import rack_poses
-from rps_exudyn.base.compiled import called
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -183,7 +182,7 @@ def yields(gear: SteeringGear, division: Division) -> tuple[dict[str, Any], list
     for body in ("pinion", "rack"):
         arguments = one_body(handle, pool_of(pair.design, division), body)
         for k in chosen:
-            at = called(line_yields, -float(result["pinion_angle"][k]), points[k], tilts[k], *arguments)
+            at = line_yields(-float(result["pinion_angle"][k]), points[k], tilts[k], *arguments)
             for line in along_lines(at, body):
                 off = np.abs(line.law - line.elastic) / np.abs(line.elastic).max()
                 errors.setdefault(f"{body}, {line.flank}", []).extend(off.tolist())

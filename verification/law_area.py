@@ -7,7 +7,7 @@ solvers.
 
 from collections.abc import Mapping
 
-from rps_exudyn.base.compiled import inline, kernel_of
+from rps_exudyn.base.compiled import entry, inline
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.gear_model import (
     LAW,
@@ -43,7 +43,7 @@ def area_law(q, v, mesh, work, factor_q, factor_v, out, tangent):  # type: ignor
     on_flanks(q, turn, mesh.flank, work, factor_q, factor_v, out, tangent)
 
 
-@kernel_of(*LAW)
+@entry(*LAW)
 def area_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with this law."""
     gear, work = gears[g], works[0]
@@ -54,7 +54,7 @@ def area_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent): 
     finish(q, v, gear, work, factor_q, factor_v, by_rate, total, tangent)
 
 
-@kernel_of(*LAW)
+@entry(*LAW)
 def area_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """The same whose rack bends or is not straight."""
     gear, work = gears[g], works[0]

@@ -14,18 +14,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inline, kernel, kernel_of
+from rps_exudyn.base.compiled import entry, inline, kernel
+from rps_exudyn.base.kernel_compiler import from_python
 from rps_exudyn.forces.rigid_motion import fill_rotation
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.gear_forces import Exchange, GearForces
 from rps_exudyn.solvers.gear_model import LAW, begin, finish, rates_of
-from rps_exudyn.tooth_contact.elastic_teeth import begin_teeth, compliance_matrix, press_teeth
+from rps_exudyn.tooth_contact.elastic_teeth import begin_teeth, fill_compliance, press_teeth, room_of_teeth
 from rps_exudyn.tooth_contact.flank_line import affine, side_of
 from rps_exudyn.tooth_contact.laws import on_flanks, pose_of
 from rps_exudyn.tooth_contact.teeth_data import PHI
-from rps_exudyn.tooth_contact.teeth_stations import LENGTH, P_R, P_T, P_Z, ROLL, find_lines
+from rps_exudyn.tooth_contact.teeth_stations import COLUMN, LENGTH, LINE_SIZE, P_R, P_T, P_Z, ROLL, find_lines
 from rps_exudyn.tooth_contact.tooth_compliance import MODES
 from verification.tooth_elements import Body, Division, Pinion, Rack, compliance
 
@@ -38,7 +39,10 @@ def by_elements(division: Division | None = None) -> Exchange:
     """Return what puts the compliance of elements in the place of that of law "teeth"."""
 
     def exchange(forces: GearForces, gear: SteeringGear, fidelity: Fidelity) -> GearForces:
-        return replace(forces, law=elements_gear, pool=pool_of(GearPair.of(gear).design, division))
+        tables, gears = pool_of(GearPair.of(gear).design, division), forces.gears.copy()
+        gears["mesh"]["room"] = len(tables)
+        room = np.zeros(room_of_teeth(gears[0]["mesh"]["flank"]))
+        return replace(forces, law=elements_gear, gears=gears, pool=np.concatenate([tables, room]))
 
     return exchange
 
@@ -120,12 +124,14 @@ def elements_matrix(lines, n, drive, coast, data, pool):  # type: ignore[no-unty
 @kernel
 def elements_contact(angle, rate, position, rotation, velocity, spin, data, pool, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
     """Fill the wrench as `elastic_teeth.teeth_contact` does."""
-    drive, coast, lines, n = begin_teeth(angle, rate, position, rotation, velocity, spin, data, work)
+    room = pool[data.room :]
+    drive, coast, lines, n = begin_teeth(angle, rate, position, rotation, velocity, spin, data, work, room)
     matrix = elements_matrix(lines, n, drive, coast, data, pool)
-    press_teeth(matrix, lines, n, drive, coast, angle, position, data, work, factor_q, factor_v)
+    left = room[lines.side.size * LINE_SIZE + lines.stations.shape[1] * COLUMN :]
+    press_teeth(matrix, lines, n, drive, coast, angle, position, data, work, factor_q, factor_v, left)
 
 
-@kernel_of(*LAW)
+@entry(*LAW)
 def elements_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with this law."""
     gear, work = gears[g], works[0]
@@ -150,7 +156,7 @@ class LineYields(NamedTuple):
     elements: np.ndarray
 
 
-@kernel
+@from_python
 def line_yields(angle, position, tilt, records, pool):  # type: ignore[no-untyped-def]
     """Return `LineYields` of a gear of law "teeth"; arguments as those of `line_loads`, and the pool."""
     data = records[0]
@@ -158,9 +164,11 @@ def line_yields(angle, position, tilt, records, pool):  # type: ignore[no-untype
     fill_rotation(tilt, rotation)
     drive = side_of(-1.0, angle, 0.0, position, rotation, still, still, flank)
     coast = side_of(1.0, angle, 0.0, position, rotation, still, still, flank)
-    lines, n = find_lines(angle, drive, coast, data)
-    of_elements, law = elements_matrix(lines, n, drive, coast, data, pool), compliance_matrix(lines, n, data)
+    room = np.empty(data.most_lines * (LINE_SIZE + COLUMN * flank.stations))
+    lines, n = find_lines(angle, drive, coast, data, room)
     total = n * flank.stations
+    of_elements, law = elements_matrix(lines, n, drive, coast, data, pool), np.empty((total, total))
+    fill_compliance(law, lines, n, data)
     side, tooth, rack_tooth = np.empty(total), np.empty(total), np.empty(total)
     for i in range(total):
         line = i // flank.stations

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inline, kernel, kernel_of
+from rps_exudyn.base.compiled import entry, inline, kernel
 from rps_exudyn.forces.friction import COULOMB, coulomb
 from rps_exudyn.forces.rigid_motion import cross, dot, minus, on_angles, plus, scaled, spin_of, turn_of
 from rps_exudyn.solvers.bent_rack import add_to_bar, bar_sections, fill_pose
@@ -124,42 +124,42 @@ def exchange_seat_on_bent_rack(q, gear, pool, work, total):  # type: ignore[no-u
 
 
 # --- laws, as those of `gear_model` --------------------------------------------------------------------
-@kernel_of(*LAW)
+@entry(*LAW)
 def line_by_cells(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with the contact law "line"."""
     line_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
     exchange_seat(gears[g], works[0], total)
 
 
-@kernel_of(*LAW)
+@entry(*LAW)
 def line_by_cells_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """The same whose rack bends or is not straight."""
     line_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
     exchange_seat_on_bent_rack(q, gears[g], pool, works[0], total)
 
 
-@kernel_of(*LAW)
+@entry(*LAW)
 def teeth_by_cells(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with the contact law "teeth"."""
     teeth_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
     exchange_seat(gears[g], works[0], total)
 
 
-@kernel_of(*LAW)
+@entry(*LAW)
 def teeth_by_cells_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """The same whose rack bends or is not straight."""
     teeth_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
     exchange_seat_on_bent_rack(q, gears[g], pool, works[0], total)
 
 
-@kernel_of(*LAW)
+@entry(*LAW)
 def area_by_cells(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with the contact law "area"."""
     area_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
     exchange_seat(gears[g], works[0], total)
 
 
-@kernel_of(*LAW)
+@entry(*LAW)
 def area_by_cells_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """The same whose rack bends or is not straight."""
     area_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)

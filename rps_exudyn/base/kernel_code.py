@@ -50,7 +50,7 @@ ENTRIES = (
     "solvers.follower.add_column_to",
     "solvers.bent_rack.fill_local_poses",
     "tooth_contact.line_loads.fill_line_loads",
-    "pages.animation.drawn.paint",
+    "pages.animation.depth_buffer.paint",
 )
 """Entries whose code is shipped, by their modules in the package and names."""
 KERNEL_SOURCES = (
@@ -60,7 +60,7 @@ KERNEL_SOURCES = (
     "gears/tooth_stiffness.py",
     "tooth_contact/*.py",
     "solvers/*.py",
-    "pages/animation/drawn.py",
+    "pages/animation/depth_buffer.py",
 )
 """Files that hold kernels, and the records and constants that they read."""
 EXTERNALS = (
@@ -68,6 +68,8 @@ EXTERNALS = (
     *("sqrt", "sincos", "floor", "ceil", "rint", "memset", "memcpy", "memmove"),
 )
 """Functions of C's library that kernels may call."""
+CACHE = "RPS_EXUDYN_CACHE"
+"""Environment variable that names a folder for object files."""
 MARK = 32  # bytes behind an object file's code
 
 _one_at_a_time = RLock()
@@ -277,7 +279,7 @@ def _described(value: Any) -> str:
 
 def object_folder() -> Path | None:
     """Return the folder of this package's object files; None where nobody but others could write there."""
-    return _trusted_folder(os.environ.get("RPS_EXUDYN_CACHE", ""))
+    return _trusted_folder(os.environ.get(CACHE, ""))
 
 
 @cache

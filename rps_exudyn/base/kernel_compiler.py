@@ -25,7 +25,6 @@ from numba import carray, types
 from numba.core import cgutils
 from numba.core.registry import cpu_target
 from numba.extending import intrinsic, typeof_impl
-from numba.np.arrayobj import make_array, populate_array
 
 from rps_exudyn.base import compiled
 from rps_exudyn.base.compiled import Array, Entry, Function, Law, Primitive
@@ -46,18 +45,26 @@ def _type_of(function: Function, context: Any) -> Any:
     return cpu_target.typing_context.resolve_value_type(made)
 
 
+def from_python(function: Any) -> Any:
+    """Return a function, of kernels or any other one, compiled for the arguments with which Python calls it."""
+    function = function.py_func if isinstance(function, Function) else function
+    return numba.njit(function, error_model="numpy")
+
+
 # --- primitives
 
 
 def _array(context: Any, builder: Any, kind: Any, data: Any, shape: Sequence[Any]) -> Any:
     """An array without gaps at an address."""
-    made = make_array(kind)(context, builder)
+    made = context.make_array(kind)(context, builder)
     size = step = context.get_constant(types.intp, 8)
     strides: list[Any] = []
     for length in reversed(shape):
         strides.insert(0, step)
         step = builder.mul(step, length)
-    populate_array(made, data=data, shape=shape, strides=strides, itemsize=size, meminfo=None)
+    made.data, made.itemsize, made.nitems = data, size, builder.udiv(step, size)
+    made.shape, made.strides = cgutils.pack_array(builder, shape), cgutils.pack_array(builder, strides)
+    made.meminfo = made.parent = cgutils.get_null_value(cgutils.voidptr_t)
     return made._getvalue()
 
 
@@ -99,7 +106,7 @@ def _on_stack(is_zero: bool) -> Any:
 def _at_place(dtype: Any) -> Any:
     def placed(_: Any, room: Any, first: Any, shape: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-            vector = make_array(signature.args[0])(context, builder, values[0])
+            vector = context.make_array(signature.args[0])(context, builder, values[0])
             kind = signature.return_type
             data = builder.gep(vector.data, [values[1]])
             data = builder.bitcast(data, context.get_data_type(kind.dtype).as_pointer())
@@ -117,7 +124,7 @@ def _called(_: Any, law: Any, *arguments: Any) -> Any:
         passed = []
         for kind, value in zip(signature.args[1], cgutils.unpack_tuple(builder, values[1]), strict=True):
             if isinstance(kind, types.Array):
-                array = make_array(kind)(context, builder, value)
+                array = context.make_array(kind)(context, builder, value)
                 address = builder.bitcast(array.data, ir.IntType(8).as_pointer())
                 passed += [address, *cgutils.unpack_tuple(builder, array.shape)]
             else:

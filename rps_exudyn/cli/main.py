@@ -96,7 +96,6 @@ def prepare_process() -> None:
     """Set what must be set before a command loads anything."""
     gc.set_threshold(*SELDOM)
     atexit.register(gc.freeze)  # the system takes all memory back: to free each object takes a quarter second
-    sys.modules.setdefault("coverage", None)  # type: ignore[arg-type] # numba would load it for kernels' lines
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="replace")  # of a terminal without Greek letters

@@ -12,7 +12,7 @@ from pathlib import Path
 FIELDS = ("package_version", "library_versions", "git_hash", "date", "machine")
 MODEL_VERSION = 2
 """To be raised when the same parameters give other numbers: finished cases are then done anew."""
-LIBRARIES = ("exudyn", "numpy", "scipy", "numba", "h5py", "trimesh", "manifold3d")
+LIBRARIES = ("exudyn", "numpy", "scipy", "llvmlite", "h5py", "trimesh", "manifold3d")
 
 
 def provenance() -> dict[str, str]:

@@ -2,6 +2,7 @@
 pinion's supports."""
 
 from collections.abc import Callable
+from ctypes import c_double
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -50,6 +51,7 @@ class Balance:
     modes: int = 0
     supported: np.ndarray = field(default_factory=lambda: np.zeros(0))
     works: np.ndarray = field(default_factory=new_work)
+    _evaluations: dict[int, "_Evaluation"] = field(default_factory=dict, init=False)
 
     @property
     def size(self) -> int:
@@ -84,23 +86,43 @@ class Balance:
 
     def force(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return the generalised forces (n,) at coordinates and rates (n,)."""
-        return self.force_and_tangent(q, v, 0.0, 0.0)[0]
+        return self._evaluated(q, v, 0.0, 0.0).total.copy()
 
     def tangent(self, q: np.ndarray, v: np.ndarray, factor_q: float, factor_v: float) -> np.ndarray:
         """Return factor_q dF/dq + factor_v dF/dv, shape (n, n)."""
-        return self.force_and_tangent(q, v, factor_q, factor_v)[1]
+        return self._evaluated(q, v, factor_q, factor_v).tangent.copy()
 
     def force_and_tangent(
         self, q: np.ndarray, v: np.ndarray, factor_q: float, factor_v: float
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return the forces, and factor_q dF/dq + factor_v dF/dv (n, n) unless both factors are 0."""
-        total, tangent = np.empty(q.size), np.zeros((q.size, q.size))
-        self.law(q, v, self.gears, 0, self.pool, self.works, factor_q, factor_v, total, tangent)
-        return total, tangent
+        found = self._evaluated(q, v, factor_q, factor_v)
+        return found.total.copy(), found.tangent.copy()
+
+    def _evaluated(self, q: np.ndarray, v: np.ndarray, factor_q: float, factor_v: float) -> "_Evaluation":
+        made = self._evaluations.get(q.size)
+        if made is None:
+            made = self._evaluations[q.size] = _Evaluation(self, q.size)
+        made.q[:], made.v[:] = q, v
+        made.factor_q.value, made.factor_v.value = factor_q, factor_v
+        made.call()
+        return made
 
     def with_(self, **changes: Any) -> "Balance":
         """Return the same with other masses or forces from outside."""
         return replace(self, **changes)
+
+
+class _Evaluation:
+    """A law's call at n coordinates, with places for what goes in and comes out."""
+
+    def __init__(self, balance: Balance, n: int) -> None:
+        self.q, self.v, self.total, self.tangent = np.empty(n), np.empty(n), np.empty(n), np.zeros((n, n))
+        self.factor_q, self.factor_v = c_double(), c_double()
+        constants = balance.gears, 0, balance.pool, balance.works
+        factors, results = (self.factor_q, self.factor_v), (self.total, self.tangent)
+        law: Entry = balance.law
+        self.call = law.bound(self.q, self.v, *constants, *factors, *results)
 
 
 # --- The motion of a gear linearised at places that it passes: slopes of its forces, and eigenvalues

@@ -78,7 +78,8 @@ def most_lines(flank: np.void) -> int:
     reach = flank["base_radius"] * (flank["half_face"] * abs(flank["twist"]) + MARGIN)
     along = (flank["q_tip"] - flank["q_form"] + 2 * reach) / flank["base_radius"]
     of_side = int(along / (2 * np.pi / flank["teeth"])) + 1
-    return 2 * of_side * bands.py_func(flank) * (2 if flank["breaks_sliding"] else 1)
+    pieces = (2 if flank["relief"] > 0 else 1) * (2 if flank["breaks_sliding"] else 1)
+    return 2 * of_side * pieces
 
 
 def room_of_lines(lines: int, stations: int) -> int:

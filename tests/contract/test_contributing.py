@@ -13,12 +13,10 @@ import pytest
 import rps_exudyn as rps
 import rps_exudyn.scenes as scenes
 from conftest import LONG, QUICK, SLOW
-from rps_exudyn.base.compiled import ready
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.solvers.follower import follow
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
@@ -81,14 +79,12 @@ def test_few_frames_stand_between_a_run_and_its_kernel(monkeypatch: pytest.Monke
     """Each of them does something of its own: none only passes on."""
     seen: list[str] = []
 
-    def noted(kernel: object) -> object:
-        if kernel is follow:
-            stack = [frame for frame in inspect.stack()[1:] if "/rps_exudyn/" in frame.filename]
-            seen.extend(frame.function for frame in stack)
-            raise KeyboardInterrupt
-        return ready(kernel)
+    def noted(*_: object) -> None:
+        stack = [frame for frame in inspect.stack()[1:] if "/rps_exudyn/" in frame.filename]
+        seen.extend(frame.function for frame in stack)
+        raise KeyboardInterrupt
 
-    monkeypatch.setattr("rps_exudyn.solvers.equilibrium.ready", noted)
+    monkeypatch.setattr("rps_exudyn.solvers.equilibrium.follow", noted)
     with pytest.raises(KeyboardInterrupt):
         rps.run("free-pinion-torque", fidelity=Fidelity.preset("quasi-static"), turns=1)
     assert len(seen) <= 11, seen

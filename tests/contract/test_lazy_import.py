@@ -7,7 +7,7 @@ import pytest
 
 import rps_exudyn
 
-HEAVY = "exudyn numba matplotlib h5py trimesh manifold3d"
+HEAVY = "exudyn numba llvmlite matplotlib h5py trimesh manifold3d"
 
 
 def loaded_after(code: str) -> set[str]:

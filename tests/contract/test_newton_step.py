@@ -1,12 +1,12 @@
 """The step of Newton's method that the compiled follower takes."""
 
 import numpy as np
-from numba import njit
 
+from rps_exudyn.base.kernel_compiler import from_python
 from rps_exudyn.solvers.follower import factorized, newton_move
 
 
-@njit(error_model="numpy")  # type: ignore[untyped-decorator]
+@from_python
 def step(tangent, damping, forces, free, lengths, move):  # type: ignore[no-untyped-def]
     """Fill the step of the free coordinates; whether there is one, and its size."""
     n = free.size

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numba import njit
 
 import rps_exudyn as rps
 from rps_exudyn.analysis.friction_oscillator import Oscillator, Rubbing
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.kernel_compiler import from_python
 from rps_exudyn.forces.friction import (
     ELEMENT_SHARES,
     ELEMENT_TRAVELS,
@@ -48,7 +48,7 @@ def with_law(gear: SteeringGear = GEAR, **law: object) -> SteeringGear:
     return gear.replace({f"{part}.{name}": value for part in PARTS for name, value in law.items()})
 
 
-@njit(error_model="numpy")  # type: ignore[untyped-decorator]
+@from_python
 def press(loads, slips, friction, laws, rows, out):  # type: ignore[no-untyped-def]
     """Press points with loads (n,) and slips (n, 2) on a patch; fill its friction, the energy stored, the
     work lost so far and the slip that it has as a whole."""
@@ -60,7 +60,7 @@ def press(loads, slips, friction, laws, rows, out):  # type: ignore[no-untyped-d
     out[0], out[1], out[4], out[5] = sums[17], sums[18], sums[12], sums[13]
 
 
-@njit(error_model="numpy")  # type: ignore[untyped-decorator]
+@from_python
 def follow_histories(limits, slips, laws, rows, found):  # type: ignore[no-untyped-def]
     """Slide along histories of limits (t,) and slips (t, 2) in steps of 1 s; fill rows (t, 4) of friction,
     energy and work lost."""
@@ -72,7 +72,7 @@ def follow_histories(limits, slips, laws, rows, found):  # type: ignore[no-untyp
         found[k, 0], found[k, 1], found[k, 2], found[k, 3] = f_a, f_b, stored, lost
 
 
-@njit(error_model="numpy")  # type: ignore[untyped-decorator]
+@from_python
 def slopes_at(limit, slip, laws, rows):  # type: ignore[no-untyped-def]
     """Derivatives of the friction as `slide_slopes` returns them."""
     law = laws[0]

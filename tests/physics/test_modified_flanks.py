@@ -8,7 +8,7 @@ import pytest
 
 from flank_points import wrench_by_points
 from flank_poses import POSES, ZONE, changed, difference, state
-from rps_exudyn.base.compiled import kernel
+from rps_exudyn.base.kernel_compiler import from_python
 from rps_exudyn.tooth_contact.flank_data import pack
 from rps_exudyn.tooth_contact.flank_strip import DEPTH, LOW_END, PRESSING, STRIP_SHAPE, touching
 from rps_exudyn.tooth_contact.wrench import PENETRATION
@@ -61,7 +61,7 @@ def test_penetration_is_the_greatest_depth_of_all_points(pose: str, form: dict[s
         assert flank_contact(*args, pack(gear, zone=ZONE))[PENETRATION] == pytest.approx(expected, rel=3e-3)
 
 
-@kernel
+@from_python
 def touched_part(strip, low, high):  # type: ignore[no-untyped-def]
     """What `touching` returns first, for Python."""
     low, high, _, _ = touching(strip, low, high)

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from part_law import alone
-from rps_exudyn.base.compiled import ready
 from rps_exudyn.forces.friction import TIME
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -219,7 +218,7 @@ def test_a_column_without_masses_is_one_whose_masses_are_zero() -> None:
     found = []
     for masses in (np.zeros((0, 0)), np.zeros((9, 9))):
         total, tangent = np.zeros(9), np.zeros((9, 9))
-        ready(add_column_to)(q, v, column, 0.4, masses, before, 200.0, 200.0, total, tangent)
+        add_column_to(q, v, column, 0.4, masses, before, 200.0, 200.0, total, tangent)
         found.append((total, tangent))
     for empty, zero in zip(*found, strict=True):
         assert (empty == zero).all()
@@ -237,7 +236,7 @@ def test_tangent_of_column_and_tyres_is_their_derivative(bend: float) -> None:
 
     def at(q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         total, tangent = np.zeros(9), np.zeros((9, 9))
-        ready(add_column_to)(q, v, column, 0.4, masses, before, per_time, per_time, total, tangent)
+        add_column_to(q, v, column, 0.4, masses, before, per_time, per_time, total, tangent)
         return total, tangent
 
     found, expected = at(q, v)[1], np.empty((9, 9))

@@ -9,7 +9,7 @@ from scipy.sparse.linalg import spsolve
 
 from benchmarks.tooth_compliance import DATA
 from benchmarks.topic import RESULTS, load_data
-from rps_exudyn.base.compiled import kernel
+from rps_exudyn.base.kernel_compiler import from_python
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.trochoid import form_point
 from rps_exudyn.parameters.gear import SteeringGear
@@ -88,7 +88,7 @@ def test_rack_tooth_has_the_spot_values(q_mm: float, zeta: float, phi: tuple[flo
 
 
 # --- Compliance of stations --------------------------------------------------------------------------
-@kernel
+@from_python
 def rack_matrix(stations, half, scale, tooth):  # type: ignore[no-untyped-def]
     """Compliance of stations (n, 4) on a rack's tooth: zeta, place, offset of the flank, side."""
     n = stations.shape[0]
@@ -102,7 +102,7 @@ def rack_matrix(stations, half, scale, tooth):  # type: ignore[no-untyped-def]
     return matrix
 
 
-@kernel
+@from_python
 def pinion_matrix(stations, half, tooth):  # type: ignore[no-untyped-def]
     """The same on a pinion's tooth: zeta, place, offset of the flank, side, phi of both modes."""
     n = stations.shape[0]

@@ -23,7 +23,7 @@ from rps_exudyn.pages.animation import film
 from rps_exudyn.pages.animation.animation_page import page
 from rps_exudyn.pages.animation.camera import VIEWS, Camera, in_front
 from rps_exudyn.pages.animation.camera import view as camera_of
-from rps_exudyn.pages.animation.drawn import FILL, SUN, paint
+from rps_exudyn.pages.animation.depth_buffer import FILL, SUN, paint
 from rps_exudyn.pages.animation.motion import MOST_FRAMES, Factors, Motion
 from rps_exudyn.pages.animation.overlays import ContactLines, contact_lines
 from rps_exudyn.pages.animation.page_data import page_data
