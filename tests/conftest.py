@@ -1,13 +1,12 @@
 """Made-up results and an in-process command line, for tests that need no simulation; and the sets of tests.
 
     pytest -q            the everyday set: all but the long tests
-    pytest -q -m quick   the tests that run no compiled kernel, within a minute of CPU time
+    pytest -q -m quick   the tests that run no kernel, within a minute of CPU time
     pytest -q -m long    bad cases, pages as printed, kills, benchmarks, browsers: what takes minutes
     pytest -q FILE       all tests of a file
 
-Two processes share the files: one compiles the kernels of `COMPILING` while the other does the quick tests,
-so that few kernels are compiled twice. A test that needs a law of `verification`, which each process
-compiles, is long.
+Two processes share the files. A test that needs a law of `verification`, which each process compiles by
+numba, is long.
 """
 
 import dataclasses
@@ -39,16 +38,13 @@ QUICK = (
     "physics/test_metrics.py",
     "stability/test_after_run.py",
 )
-COMPILING = "smoke/test_real_runs.py"  # every preset
 SLOW = (  # files, or single tests, in the folders above that are not quick
-    COMPILING,
+    "smoke/test_real_runs.py",
     "contract/test_contributing.py::test_few_frames_stand_between_a_run_and_its_kernel",
     "contract/test_docstring_examples.py",
-    "contract/test_law_call.py",
-    "contract/test_libraries.py::test_a_function_of_the_user_is_cached_where_numba_keeps_it",
     "contract/test_libraries.py::test_a_run_leaves_the_libraries_as_they_were",
     "contract/test_limit_of_cpu_time.py",
-    "contract/test_kernel_cache.py::test_only_what_this_process_would_compile_is_loaded",
+    "contract/test_kernel_code.py",
     "contract/test_newton_step.py",
     "geometry/test_geometry_picture.py",
     "geometry/test_pinion_mesh.py",
@@ -65,7 +61,6 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "smoke/test_blocks.py::test_page_about_a_case_in_a_block_has_a_place",
     "smoke/test_cluster.py",
     "smoke/test_commands.py::test_overwritten_files_leave_no_others_and_quiet_runs_no_words",
-    "smoke/test_compiling.py",
     "smoke/test_examples.py",
     "smoke/test_explore.py",
     "smoke/test_first_steps.py",
@@ -94,6 +89,8 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
 )
 LONG = (  # files, folders or single tests that the everyday set leaves out
     "benchmarks",
+    "contract/test_kernel_code.py::test_all_laws_are_those_of_numba_bit_for_bit",
+    "contract/test_kernel_code.py::test_where_it_does_not_fit_numba_makes_the_same_and_says_why",
     "contract/test_limit_of_cpu_time.py",
     "physics/test_accuracy_methods.py",
     "physics/test_convergence.py",
@@ -110,7 +107,6 @@ LONG = (  # files, folders or single tests that the everyday set leaves out
     "smoke/test_explore.py::test_page_in_a_browser",
     "smoke/test_explore.py::test_sheet_picture_and_pattern_are_those_of_the_state",
     "smoke/test_explore.py::test_state_is_in_the_address_and_a_file_can_be_dropped",
-    "smoke/test_compiling.py::test_first_use_is_never_silent_and_its_total_is_right",
     "smoke/test_first_steps.py",
     "smoke/test_one_entry.py",
     "smoke/test_pictures.py",
@@ -148,25 +144,25 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Limit the tests' CPU time; one that compiles a kernel fails where only quick ones are wanted.
+    """Limit the tests' CPU time; one that runs a kernel fails where only quick ones are wanted.
 
     Ctrl-C interrupts, also where a shell started the tests in the background, whose processes ignore it.
     """
     signal.signal(signal.SIGINT, signal.default_int_handler)
     config.pluginmanager.register(CpuLimit(float(config.getini("cpu_limit"))))
     if config.option.markexpr == "quick":
-        from rps_exudyn.base import compiled
+        from rps_exudyn.base import kernel_code
 
-        setattr(compiled, "compiling", refuse)  # noqa: B010, for mypy
+        setattr(kernel_code, "address_of", refuse)  # noqa: B010, for mypy
 
 
-def refuse(kernel: Any) -> None:
-    """Fail a test that needs a compiled kernel."""
-    pytest.fail(f"compiles {kernel.py_func.__qualname__}: list it as SLOW in tests/conftest.py")
+def refuse(entry: Any) -> None:
+    """Fail a test that runs a kernel."""
+    pytest.fail(f"runs {entry.name}: list it as SLOW in tests/conftest.py")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark quick and long tests; bring the file that compiles and then the quick tests to the front."""
+    """Mark quick and long tests."""
     for item in items:
         name = item.nodeid.removeprefix("tests/")
         if name.startswith(LONG):
@@ -177,7 +173,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         left_out = [item for item in items if item.get_closest_marker("long")]
         config.hook.pytest_deselected(items=left_out)
         items[:] = [item for item in items if not item.get_closest_marker("long")]
-    items.sort(key=lambda item: (COMPILING not in item.nodeid, not item.get_closest_marker("quick")))
 
 
 @pytest.fixture

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from rps_exudyn.base.compiled import ready
 from rps_exudyn.solvers.balance import Balance
 
 STEPS_PER_SECOND = 100.0  # of a rate's difference over that of its coordinate, at most ...
@@ -20,7 +19,7 @@ def difference_tangent(
     """
     n = q.size
     total, moved, unused = np.empty(n), np.empty(n), np.zeros((0, 0))
-    tangent, law = np.zeros((n, n)), ready(balance.law)
+    tangent, law = np.zeros((n, n)), balance.law
     rest = balance.gears, 0, balance.pool, balance.works, 0.0, 0.0
     step = np.where(angles(balance), 1e-8, 1e-9)
     per_step = min(STEPS_PER_SECOND, PART_OF_ZONE * float(balance.gears[0]["fit"]["zone"]) / 1e-9)

@@ -9,8 +9,9 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
-from benchmarks.topic import load_rows, save_rows
 from rps_exudyn.base.compiling import CompileStep, listeners
+
+from benchmarks.topic import load_rows, save_rows
 from rps_exudyn.parameters.friction_law import LAWS, RUBBING_PARTS
 from rps_exudyn.results.outcome import Status
 from verification.stability import ScenePlan

@@ -1,8 +1,8 @@
 """The machine code of kernels.
 
-The package ships the LLVM code of its entries, as text, with a fingerprint of what they were made of. llvmlite
-makes machine code of an entry where it is first called on a machine, and keeps it as an object file. Where
-the shipped code does not fit the sources, the platform or llvmlite, numba makes it (`kernel_compiler`).
+The package ships the LLVM code of its entries, as text, with a fingerprint of what they were made of.
+llvmlite makes machine code of an entry where it is first called on a machine, and keeps it as an object file.
+Where the shipped code does not fit the sources, the platform or llvmlite, numba makes it (`kernel_compiler`).
 
 Object files of other sources are never read: they lie in a folder named by the hash of all kernel sources,
 and each ends with its sha256. A folder that others can write to holds none.
@@ -75,6 +75,7 @@ MARK = 32  # bytes behind an object file's code
 _one_at_a_time = RLock()
 _engines: list[Any] = []  # hold the machine code
 
+
 def address_of(entry: Entry) -> int:
     """Return the address of an entry's machine code: loaded, or made first."""
     with _one_at_a_time:
@@ -128,7 +129,9 @@ def _machine() -> Any:
     cpu, features = binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten()
     target = binding.Target.from_default_triple()
     # as numba asks for it: code for addresses anywhere, which a later process loads
-    return target.create_target_machine(cpu=cpu, features=features, opt=3, reloc="default", codemodel="jitdefault")
+    return target.create_target_machine(
+        cpu=cpu, features=features, opt=3, reloc="default", codemodel="jitdefault"
+    )
 
 
 @cache
@@ -191,7 +194,9 @@ def misfit() -> str:
         return f"the package contains them compiled for {platform or 'no platform'}, and this is {here}."
     if binding.llvm_version_info[:2] < LLVM:
         return "llvmlite is older than 0.46."
-    return "" if mark == fingerprint(entries) else "their sources differ from those that it contains compiled."
+    if mark != fingerprint(entries):
+        return "the package contains those of other sources compiled."
+    return ""
 
 
 def platform_of(triple: str) -> str:

@@ -27,7 +27,7 @@ from numba.core.registry import cpu_target
 from numba.extending import intrinsic, typeof_impl
 
 from rps_exudyn.base import compiled
-from rps_exudyn.base.compiled import Array, Entry, Function, Law, Primitive
+from rps_exudyn.base.compiled import Array, Entry, Function, Primitive
 
 
 @cache

@@ -16,8 +16,8 @@ from threading import Event, Thread
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Protocol
 
-from rps_exudyn.base.progress import Progress as RunProgress
 from rps_exudyn.base.progress import Making, duration, following, listening
+from rps_exudyn.base.progress import Progress as RunProgress
 
 if TYPE_CHECKING:
     from rich.progress import Progress

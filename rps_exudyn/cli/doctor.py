@@ -63,7 +63,11 @@ def _code() -> Iterator[tuple[str, str, bool]]:
         yield "machine code", f"{held}, {size:.1f} MB; rps-exudyn doctor --clear-cache removes them", True
     else:
         where = f"{kernel_code.CACHE} names a folder for it"
-        yield "machine code", f"not kept: its folder cannot be written, or others can write there; {where}", False
+        yield (
+            "machine code",
+            f"not kept: its folder cannot be written, or others can write there; {where}",
+            False,
+        )
     try:
         check_writable(Path.cwd() / "rps-exudyn-doctor.tmp")
     except InputError as error:
@@ -84,7 +88,9 @@ def _reference(loaded: float) -> tuple[str, str, bool]:
         with shown_progress():
             result = run(SCENE.name, fidelity="quasi-static")
         times.append(process_time() - began)
-    took = f"CPU time: {loaded:.2g} s loading, {times[0] - times[1]:.2g} s preparing, {times[1]:.2g} s computing"
+    took = (
+        f"CPU time: {loaded:.2g} s loading, {times[0] - times[1]:.2g} s preparing, {times[1]:.2g} s computing"
+    )
     if result.status is not Status.OK:
         return "reference run", f"{result.status}: {result.message}", False
     torque = result.summary["torque_mean"]

@@ -32,6 +32,7 @@ from rps_exudyn.base.compiled import (
     stacked,
     stacked_zeros,
 )
+from rps_exudyn.forces.friction import MOST_COORDINATES
 from rps_exudyn.gears.bar_bow import BarBow
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.rack_beam import RackBeam, RackModes
@@ -39,9 +40,9 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 
 MODES = 8  # where the modes begin in the stack
-MOST_MODES = 80  # forty in each plane, as `rack.modes` allows
-MOST_COORDINATES = 13 + MOST_MODES  # with those of pinion, rack, plunger and supports
-MOST_SECTIONS, MOST_LOCAL = 4 * (MOST_MODES + 2), 13 * MOST_COORDINATES  # numbers of arrays on the stack
+LOCAL = 13  # coordinates of pinion, rack, plunger and supports
+MOST_MODES = MOST_COORDINATES - LOCAL
+MOST_SECTIONS, MOST_LOCAL = 4 * (MOST_MODES + 2), LOCAL * MOST_COORDINATES  # numbers of arrays on the stack
 
 # Rows of a bar's fields at its nodes: w, dw/dxi, theta, dtheta/dxi of a unit of each mode, and of the bow
 SHAPE, SLOPE, ROTATION, CURVATURE = 0, 1, 2, 3

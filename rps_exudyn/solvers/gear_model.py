@@ -71,7 +71,6 @@ from rps_exudyn.forces.yoke import (
 )
 from rps_exudyn.solvers.bent_rack import (
     BAR,
-    MOST_COORDINATES,
     MOST_LOCAL,
     MOST_SECTIONS,
     POSE,

@@ -167,7 +167,7 @@ def _goes_on(lines, line, force, count):  # type: ignore[no-untyped-def]
     """Return whether the piece before is of the same tooth's line and pressed."""
     if line == 0 or lines.tooth[line - 1] != lines.tooth[line] or lines.side[line - 1] != lines.side[line]:
         return False
-    for i in range((line - 1) * count, line * count):
+    for i in range((line - 1) * count, line * count):  # noqa: SIM110, numba has no `any` of a generator
         if force[i] > 0:
             return True
     return False

@@ -13,7 +13,6 @@ from rps_exudyn.base.compiled import inline, kernel, placed, stacked
 from rps_exudyn.gears.tooth_stiffness import FLATTENED
 from rps_exudyn.tooth_contact import flank_strip
 from rps_exudyn.tooth_contact.flank_line import (
-    MARGIN,
     FlankZone,
     affine,
     band_of,
@@ -29,6 +28,7 @@ from rps_exudyn.tooth_contact.flank_line import (
     turning_of,
 )
 from rps_exudyn.tooth_contact.flank_strip import (
+    MARGIN,
     PRESSING,
     STRIP_SHAPE,
     crest_of,

@@ -327,14 +327,14 @@ def test_simulation_is_cancelled_and_stops_no_other_tab(server: Explorer) -> Non
     def post(path: str, content: Any) -> Any:
         return json.loads(asked(server, "POST", path, content)[1])
 
-    post("/simulation", {"state": {}, "scene": "stick-slip", "tab": "other"})  # its kernels are compiled now
+    post("/simulation", {"state": {}, "scene": "stick-slip", "tab": "other"})
     with ThreadPoolExecutor(1) as crowd:
         long = crowd.submit(post, "/simulation", {"state": {}, "scene": "rattle", "tab": "dynamic"})
         end, texts = monotonic() + PATIENCE, set[str]()
         while not any(" left" in text for text in texts) and monotonic() < end:
             texts.add(post("/progress", watched_tab).get("text", ""))
             sleep(0.1)
-        assert any("%, " in text or "Compiling" in text for text in texts), texts
+        assert any("%, " in text or "once" in text for text in texts), texts
         other = post("/simulation", {"state": {}, "scene": "stick-slip", "tab": "other"})
         assert "curves" in other
         assert "curves" in post("/curve", {"state": {}, "tab": "third", "number": 1})
@@ -397,7 +397,7 @@ def test_sheet_picture_and_pattern_are_those_of_the_state(server: Explorer) -> N
     assert undercut["problems"] == ["yoke.preload is -1; it must be from 0 to 1000."]
 
 
-def test_what_a_scene_compiles_first_is_on_no_clock(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_a_scene_needs_first_is_on_no_clock(monkeypatch: pytest.MonkeyPatch) -> None:
     class Cold(Answering):
         def task(self, wish: Wish) -> Task:
             task = super().task(wish)

@@ -65,38 +65,25 @@ def test_doctor_runs_a_reference(command: Command, monkeypatch: pytest.MonkeyPat
     assert (wrong.status, "NO  reference run" in wrong.out) == (1, True)
 
 
-def test_doctor_finds_the_cache_in_a_fresh_process(tmp_path: Path) -> None:
-    """The current folder is another one. The reference compiles; a second process loads."""
+def test_doctor_finds_the_code_in_a_fresh_process(tmp_path: Path) -> None:
+    """The current folder is another one. The reference makes machine code; a second process loads it."""
     kernels, here = tmp_path / "kernels", tmp_path / "here"
     here.mkdir()
 
-    def doctor(options: str) -> str:
-        done = in_fresh_process(f"rps-exudyn doctor{options}", here, NUMBA_CACHE_DIR=str(kernels))
+    def made_before(options: str) -> int:
+        done = in_fresh_process(f"rps-exudyn doctor{options}", here, RPS_EXUDYN_CACHE=str(kernels))
         assert done.returncode == 0, done.stderr
-        assert f"cache is writable  {kernels}" in done.stdout
-        (megabytes,) = re.findall(rf"compiled kernels   {kernels}, (\d+) MB", done.stdout)
-        return str(megabytes)
+        assert re.search(r"^ok  force laws +\S", done.stdout, re.M)
+        (count,) = re.findall(
+            rf"machine code +{kernels}/kernels-\w+, (\d+) of \d+ force laws made", done.stdout
+        )
+        return int(count)
 
-    def size() -> str:
-        return f"{sum(file.stat().st_size for file in kernels.rglob('*.nb[ci]')) / 1e6:.0f}"
-
-    assert doctor("") == "0"
-    compiled = sorted(kernels.rglob("*.nb[ci]"))
-    assert compiled
-    changed = {file: file.stat().st_mtime_ns for file in compiled}
-    assert doctor("") == size()
-    assert {file: file.stat().st_mtime_ns for file in compiled} == changed
-
-
-def test_doctor_removes_kernels_of_this_package_only(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    own, foreign = tmp_path / "gear_model.line_gear-1.py311.nbi", tmp_path / "users_own.f-1.py311.nbi"
-    for file in (own, foreign, own.with_name(f"{own.name}.sha256")):
-        file.touch()
-    doctor._clear([tmp_path])
-    assert list(tmp_path.iterdir()) == [foreign]
-    assert capsys.readouterr().out == "removed: 1 files of compiled kernels\n"
+    assert made_before("") == 0
+    files = {file: file.stat().st_mtime_ns for file in kernels.rglob("*.o")}
+    assert made_before("") == len(files) > 0
+    assert {file: file.stat().st_mtime_ns for file in kernels.rglob("*.o")} == files
+    assert made_before(" --clear-cache") == 0
 
 
 def test_viewer_needs_a_display(

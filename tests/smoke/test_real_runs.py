@@ -1,7 +1,4 @@
-"""Each preset, law and rack through the command line, without stand-ins; full over a small part of a turn.
-
-They are the first tests and compile what most others need, the default law first.
-"""
+"""Each preset, law and rack through the command line, without stand-ins; full over a small part of a turn."""
 
 import pytest
 

@@ -23,8 +23,8 @@ from pathlib import Path
 from time import monotonic
 from typing import IO
 
-from rps_exudyn.base.kernel_code import object_files
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.kernel_code import object_files
 from rps_exudyn.base.progress import Making, Progress, passed_on, publish
 from rps_exudyn.results.result import Result
 from rps_exudyn.simulate.cases.frames import frame_of, frames_in
