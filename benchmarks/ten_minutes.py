@@ -76,8 +76,8 @@ def run(folder: Path, commands: Sequence[str] = COMMANDS, repeats: int = 2, besi
         if beside:
             copy = ["git", "clone", "-q", "--depth", "1", ROOT.as_uri(), str(place / "clone")]
             steps.append(timed("git clone", copy, place, {}))
-            cache = {"NUMBA_CACHE_DIR": str(place / "cache")}
-            steps.append(timed(f"rps-exudyn {FIRST}, compiling", command(FIRST), place, cache))
+            cache = {"RPS_EXUDYN_CACHE": str(place / "cache")}
+            steps.append(timed(f"rps-exudyn {FIRST}, preparing", command(FIRST), place, cache))
             named.append((f"the cells of {NOTEBOOK}", [sys.executable, "-c", CELLS, NOTEBOOK]))
         for name, process in named:
             line, tries = name.removeprefix("rps-exudyn "), []

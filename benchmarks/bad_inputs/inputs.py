@@ -77,8 +77,8 @@ ENVIRONMENTS = (
     {"PATH": ""}, {"GIT_DIR": "/nowhere"}, {"PYTHONOPTIMIZE": "2"},
 )  # fmt: skip
 CACHES = (
-    {"NUMBA_CACHE_DIR": "/dev/null"}, {"NUMBA_CACHE_DIR": "/proc"}, {"NUMBA_CACHE_DIR": "precious.h5"},
-    {"XDG_CACHE_HOME": "/dev/null"}, {"NUMBA_CACHE_DIR": "", "XDG_CACHE_HOME": "", "HOME": "/dev/null"},
+    {"RPS_EXUDYN_CACHE": "/dev/null"}, {"RPS_EXUDYN_CACHE": "/proc"}, {"RPS_EXUDYN_CACHE": "precious.h5"},
+    {"XDG_CACHE_HOME": "/dev/null"}, {"RPS_EXUDYN_CACHE": "", "XDG_CACHE_HOME": "", "HOME": "/dev/null"},
 )  # fmt: skip
 SECRET = b"password 7f3a91"
 """Content of secret.txt beside hostile files; nothing of it may be printed, written or sent."""

@@ -9,9 +9,8 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
-from rps_exudyn.base.compiling import CompileStep, listeners
-
 from benchmarks.topic import load_rows, save_rows
+from rps_exudyn.base.progress import Making, makers
 from rps_exudyn.parameters.friction_law import LAWS, RUBBING_PARTS
 from rps_exudyn.results.outcome import Status
 from verification.stability import ScenePlan
@@ -47,14 +46,14 @@ def mark_of(plan: ScenePlan) -> str:
 
 def child(pipe: multiprocessing.connection.Connection, outcome_of: OutcomeOf) -> None:
     """Do plans by their numbers, as the parent sends them; compiling is on no plan's clock."""
-    compiled: list[int] = []
+    compiled: list[str] = []
 
-    def listen(step: CompileStep) -> None:
+    def listen(step: Making) -> None:
         if not compiled:
             pipe.send("compiling")
-        compiled.append(step.done)
+        compiled.append(step.sentence)
 
-    listeners.append(listen)
+    makers.append(listen)
     while True:
         compiled.clear()
         try:

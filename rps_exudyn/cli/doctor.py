@@ -1,4 +1,4 @@
-"""The command `doctor`: whether this installation computes what it should, which code runs, where it is kept."""
+"""The command `doctor`: whether this installation computes what it should, and by which code."""
 
 import json
 import os

@@ -15,7 +15,7 @@ OWN = {"rps_exudyn"}
 PRIVATE = ("numba.core", "numba.np", "numba.cpython", "numba.experimental")
 """Modules that are their libraries' own, whatever their names."""
 COMPILER = "base/kernel_compiler.py"
-"""No run needs it: numba documents that its extensions use `numba.core`, and the structure of arrays there."""
+"""No run needs it: numba documents that its extensions use `numba.core`."""
 SETTINGS = "exudyn.config."  # made to be set
 UNTOUCHED = ("numba", "numpy", "scipy", "exudyn", "matplotlib", "h5py", "trimesh", "pydantic")
 
