@@ -46,7 +46,7 @@ def _type_of(function: Function, context: Any) -> Any:
 
 
 def from_python(function: Any) -> Any:
-    """Return a function, of kernels or any other one, compiled for the arguments that Python calls it with."""
+    """Return a function, of kernels or any other one, compiled for the arguments that come from Python."""
     function = function.py_func if isinstance(function, Function) else function
     return numba.njit(function, error_model="numpy")
 

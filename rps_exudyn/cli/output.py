@@ -251,6 +251,27 @@ def keep(result: "Result", files: Files) -> tuple[list[Path], bool]:
     return [out, plot], False
 
 
+class LateFiles:
+    """The files of a result, written where they are named: once all printed before is on the screen."""
+
+    def __init__(self, result: "Result", files: Files) -> None:
+        self.written: list[Path] = []
+        self.have_problems = False
+        self._wanted: tuple[Result, Files] | None = (result, files)
+
+    def __iter__(self) -> Iterator[Path]:
+        sys.stdout.flush()
+        self.write()
+        return iter(self.written)
+
+    def write(self) -> None:
+        """Write them, unless that has begun."""
+        if (wanted := self._wanted) is not None:
+            self._wanted = None
+            made, self.have_problems = keep(*wanted)
+            self.written += made
+
+
 def _kept_elsewhere(result: "Result", out: Path, problem: str) -> tuple[list[Path], bool]:
     """Write a result whose own place cannot be written, and print where; never fails."""
     from tempfile import mkdtemp

@@ -25,7 +25,7 @@ from rps_exudyn.cli.options import (
     SetupOptions,
     chosen_columns,
 )
-from rps_exudyn.cli.output import DONE, FAILED, QUIET_ALONE, Files, keep, naming, note, printing
+from rps_exudyn.cli.output import DONE, FAILED, QUIET_ALONE, Files, LateFiles, keep, naming, note, printing
 from rps_exudyn.scenes import SCENE_NAMES
 
 if TYPE_CHECKING:
@@ -155,10 +155,13 @@ def run(
     result = replace(result, measured=curve)
     with printing(quiet):
         put_accuracy(result)
-        written, problems = keep(result, Files(out, picture, overwrite))
-        with naming(written):
-            put_result(result, json, written, every)
-    return max(verdict(result), FAILED if problems else DONE)
+        files = LateFiles(result, Files(out, picture, overwrite))
+        with naming(files.written):
+            try:
+                put_result(result, json, files, every)
+            finally:  # also where the terminal is gone
+                files.write()
+    return max(verdict(result), FAILED if files.have_problems else DONE)
 
 
 def as_turned(gear: "SteeringGear", scene: str, measured: "MeasuredTorque") -> "SteeringGear":
