@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
 
 from rps_exudyn.analysis.passes import Signals
 
@@ -128,6 +127,8 @@ def _by_cycle(
 ) -> np.ndarray:
     """Return the force's impulse [N s], mean square [N^2] and the impacts' energy [J] of each whole cycle of
     all runs, shape (cycles, 3)."""
+    from scipy.integrate import cumulative_trapezoid  # a fifth of a second, which other scenes are spared
+
     cycles = []
     for run, found in zip(runs, impacts, strict=True):
         time, force = run["time"], run["yokenut_force"]

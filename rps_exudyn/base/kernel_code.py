@@ -17,9 +17,9 @@ import tokenize
 from collections.abc import Iterable
 from contextlib import suppress
 from functools import cache, partial
-from importlib import import_module
 from inspect import getsource
 from io import StringIO
+from itertools import takewhile
 from pathlib import Path
 from shutil import rmtree
 from threading import RLock
@@ -35,24 +35,9 @@ from rps_exudyn.base.progress import making
 
 PACKAGE = Path(__file__).parents[1]
 SHIPPED = PACKAGE / "kernels.ll.xz"
-"""LLVM code of all entries, behind a line with its platform and fingerprint."""
+"""LLVM code of all entries, behind lines with its platform and with each entry's fingerprint."""
 LLVM = (20, 1)
 """Version of the code, which later ones read: that of llvmlite 0.46."""
-ENTRIES = (
-    *(
-        f"solvers.gear_model.{contact}_gear{rack}"
-        for contact in ("line", "teeth", "sphere")
-        for rack in ("", "_on_bent_rack")
-    ),
-    "solvers.gear_model.fill_outputs",
-    "solvers.settling.find_approach",
-    "solvers.follower.follow",
-    "solvers.follower.add_column_to",
-    "solvers.bent_rack.fill_local_poses",
-    "tooth_contact.line_loads.fill_line_loads",
-    "pages.animation.depth_buffer.paint",
-)
-"""Entries whose code is shipped, by their modules in the package and names."""
 KERNEL_SOURCES = (
     "base/compiled.py",
     "base/kernel_c*.py",
@@ -71,6 +56,7 @@ EXTERNALS = (
 CACHE = "RPS_EXUDYN_CACHE"
 """Environment variable that names a folder for object files."""
 MARK = 32  # bytes behind an object file's code
+MARKED = "; of "
 
 _one_at_a_time = RLock()
 _engines: list[Any] = []  # hold the machine code
@@ -79,32 +65,31 @@ _engines: list[Any] = []  # hold the machine code
 def address_of(entry: Entry) -> int:
     """Return the address of an entry's machine code: loaded, or made first."""
     with _one_at_a_time:
-        name = entry.name.removeprefix(f"{PACKAGE.name}.")
-        if name in ENTRIES:
-            return _loaded(_object_file(entry, name), name)
+        if entry.name.startswith(f"{PACKAGE.name}."):
+            return _loaded(_object_file(entry), entry.name)
         from rps_exudyn.base import kernel_compiler
 
         with making(f"Compiling the force law {entry.py_func.__name__}, which no release contains"):
             return kernel_compiler.address_of(entry)
 
 
-def _object_file(entry: Entry, name: str) -> bytes:
+def _object_file(entry: Entry) -> bytes:
     """Return the machine code of an entry as an object file: kept, or made and kept."""
     folder = object_folder()
-    file = folder / f"{name}-{_processor()}.o" if folder else None
+    file = folder / f"{entry.name}-{_processor()}.o" if folder else None
     if file and file.exists():
         content = file.read_bytes()
         if hashlib.sha256(content[:-MARK]).digest() == content[-MARK:]:
             return content[:-MARK]
-    reason = misfit()
+    reason = misfit(entry)
     if reason:
         from rps_exudyn.base import kernel_compiler
 
         with making(f"Compiling force laws, once, which takes about a minute: {reason}"):
-            code = _machine_code(kernel_compiler.llvm_code({name: entry}), name)
+            code = _machine_code(kernel_compiler.llvm_code([entry]), entry.name)
     else:
         with making("Preparing force laws for this machine, once"):
-            code = _machine_code(_shipped(), name)
+            code = _machine_code(_shipped(), entry.name)
     if file:
         with suppress(OSError, InputError):  # a full disk: another process makes it again
             file.parent.mkdir(parents=True, exist_ok=True)
@@ -179,23 +164,27 @@ def _shipped() -> str:
         return file.read()
 
 
-@cache
-def misfit() -> str:
-    """Return why the shipped code does not serve here; "" if it does."""
+def marks() -> dict[str, str]:
+    """Return the fingerprints of the shipped entries, and their platform by the name "platform"."""
+    lines = takewhile(lambda line: line.startswith(MARKED), _shipped().splitlines())
+    return dict(line.removeprefix(MARKED).split() for line in lines)
+
+
+def misfit(entry: Entry) -> str:
+    """Return why the shipped code of an entry does not serve here; "" if it does."""
     from llvmlite import binding
 
     try:
-        header, entries = _shipped().partition("\n")[0].split(), _package_entries()
-    except (OSError, EOFError, lzma.LZMAError, UnicodeDecodeError):
+        shipped = marks()
+    except (OSError, EOFError, ValueError, lzma.LZMAError):
         return f"{SHIPPED} is damaged or missing."
-    _, platform, mark = header if len(header) == 3 else ("", "", "")
     here = platform_of(binding.get_default_triple())
-    if platform != here:
-        return f"the package contains them compiled for {platform or 'no platform'}, and this is {here}."
+    if shipped.get("platform") != here:
+        return f"the package contains them for {shipped.get('platform', 'no platform')}, and this is {here}."
     if binding.llvm_version_info[:2] < LLVM:
         return "llvmlite is older than 0.46."
-    if mark != fingerprint(entries):
-        return "the package contains those of other sources compiled."
+    if shipped.get(entry.name) != fingerprint(entry):
+        return "the package contains them of other sources."
     return ""
 
 
@@ -205,33 +194,23 @@ def platform_of(triple: str) -> str:
     return f"{triple.partition('-')[0]}-{system}"
 
 
-def write(code: str) -> None:
-    """Write the LLVM code of all entries as the package ships it."""
+def write(code: str, entries: Iterable[Entry]) -> None:
+    """Write the LLVM code of entries as the package ships it."""
     from llvmlite import binding
 
-    header = f"; {platform_of(binding.get_default_triple())} {fingerprint(_package_entries())}\n"
-    text = header + code
+    head = {"platform": platform_of(binding.get_default_triple())}
+    head |= {entry.name: fingerprint(entry) for entry in entries}
+    text = "".join(f"{MARKED}{name} {mark}\n" for name, mark in head.items()) + code
     SHIPPED.write_bytes(lzma.compress(text.encode("ascii"), preset=9 | lzma.PRESET_EXTREME))
-
-
-def _package_entries() -> list[Entry]:
-    return [entry_named(name) for name in ENTRIES]
-
-
-def entry_named(name: str) -> Entry:
-    """Return an entry by its name in `ENTRIES`."""
-    module, _, function = name.rpartition(".")
-    made: Entry = getattr(import_module(f"{PACKAGE.name}.{module}"), function)
-    return made
 
 
 # --- What kernels are made of
 
 
-def fingerprint(entries: Iterable[Entry]) -> str:
-    """Return the hash of entries: what they and all functions that they call are written like, comments and
-    docstrings apart, and the values of the names in them."""
-    ahead: list[Function] = list(entries)
+def fingerprint(entry: Entry) -> str:
+    """Return the hash of what an entry and all functions that it calls are written like, comments and
+    docstrings apart, and of the values of the names in them."""
+    ahead: list[Function] = [entry]
     told: dict[str, str] = {}
     while ahead:
         function = ahead.pop()
@@ -247,6 +226,7 @@ def fingerprint(entries: Iterable[Entry]) -> str:
     return hashlib.sha256("\n".join(told[name] for name in sorted(told)).encode()).hexdigest()
 
 
+@cache
 def _written(function: Function) -> str:
     """The words of a function without comments and docstring."""
     tokens = list(tokenize.generate_tokens(StringIO(getsource(function.py_func)).readline))

@@ -179,16 +179,16 @@ COUNTING = re.compile(r"^.*call void @NRT_(inc|dec)ref\(.*\n", re.MULTILINE)
 """What counts the owners of memory: kernels own none."""
 
 
-def llvm_code(entries: dict[str, Entry]) -> str:
-    """Compile entries; return their LLVM code, in which they have these names, with what they call."""
-    whole = binding.parse_assembly("")
-    for name, entry in entries.items():
+def llvm_code(entries: Sequence[Entry]) -> str:
+    """Compile entries; return their LLVM code, in which they have their names, with what they call."""
+    whole, names = binding.parse_assembly(""), {entry.name for entry in entries}
+    for entry in entries:
         made = _c_function(entry)
         module = binding.parse_assembly(COUNTING.sub("", made.inspect_llvm()))
-        module.get_function(made.native_name).name = name
+        module.get_function(made.native_name).name = entry.name
         whole.link_in(module)
     for each in [*whole.functions, *whole.global_variables]:
-        if not each.is_declaration and each.name not in entries:
+        if not each.is_declaration and each.name not in names:
             each.linkage = "internal"
     machine = binding.Target.from_default_triple().create_target_machine()
     passes = binding.create_new_module_pass_manager()
@@ -202,6 +202,29 @@ def llvm_code(entries: dict[str, Entry]) -> str:
     return str(whole)
 
 
+SHIPPED = (
+    *(
+        f"solvers.gear_model.{contact}_gear{rack}"
+        for contact in ("line", "teeth", "sphere")
+        for rack in ("", "_on_bent_rack")
+    ),
+    "solvers.gear_model.fill_outputs",
+    "solvers.settling.find_approach",
+    "solvers.follower.follow",
+    "solvers.follower.add_column_to",
+    "solvers.bent_rack.fill_local_poses",
+    "tooth_contact.line_loads.fill_line_loads",
+    "pages.animation.depth_buffer.paint",
+)
+"""Entries whose code is shipped, by their modules in the package and names."""
+
+
+def shipped_entries() -> list[Entry]:
+    """Return the entries whose code is shipped."""
+    places = (name.rpartition(".") for name in SHIPPED)
+    return [getattr(import_module(f"rps_exudyn.{module}"), name) for module, _, name in places]
+
+
 def main() -> int:
     """Write the code of all entries."""
     from rps_exudyn.base import kernel_code
@@ -209,7 +232,8 @@ def main() -> int:
     if binding.llvm_version_info[:2] != kernel_code.LLVM:
         print("numba 0.63 makes the code, which newer llvmlite reads: install it.", file=sys.stderr)
         return 1
-    kernel_code.write(llvm_code({name: kernel_code.entry_named(name) for name in kernel_code.ENTRIES}))
+    entries = shipped_entries()
+    kernel_code.write(llvm_code(entries), entries)
     return 0
 
 

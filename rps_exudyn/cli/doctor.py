@@ -53,12 +53,13 @@ def _machine() -> Iterator[tuple[str, str, bool]]:
 def _code() -> Iterator[tuple[str, str, bool]]:
     """Where the force laws' machine code comes from, and where it is kept."""
     from rps_exudyn.base import kernel_code
+    from rps_exudyn.solvers.gear_model import LAWS
 
-    reason = kernel_code.misfit()
+    reason = kernel_code.misfit(LAWS["line", False])
     yield "force laws", f"compiled here by numba: {reason}" if reason else "as shipped with the package", True
     folder, files = kernel_code.object_folder(), kernel_code.object_files()
     if folder:
-        held = f"{folder}, {len(files)} of {len(kernel_code.ENTRIES)} force laws made"
+        held = f"{folder}, {len(files)} of {len(kernel_code.marks()) - 1} parts made"
         size = sum(file.stat().st_size for file in files) / 1e6
         yield "machine code", f"{held}, {size:.1f} MB; rps-exudyn doctor --clear-cache removes them", True
     else:

@@ -1,7 +1,7 @@
 """The command line `rps-exudyn`: its commands, and what becomes of their errors.
 
-Each command is a function in a file of its name. What it needs is imported inside the function, so that
-`--help` and `describe` are quick.
+Each command is a function in a file of its name, which is imported when it is asked for. What it needs is
+imported inside the function, so that `--help` and `describe` are quick.
 """
 
 import atexit
@@ -16,29 +16,11 @@ from cyclopts import App, CycloptsError, UnusedCliTokensError
 
 from rps_exudyn.base.errors import InputError, unwrapped_interrupts
 from rps_exudyn.base.files import printable
-from rps_exudyn.cli.animate import animate
-from rps_exudyn.cli.check import check
-from rps_exudyn.cli.collect import collect
-from rps_exudyn.cli.describe import describe
-from rps_exudyn.cli.diff import diff
-from rps_exudyn.cli.doctor import doctor
-from rps_exudyn.cli.explore import explore
-from rps_exudyn.cli.fit import fit
-from rps_exudyn.cli.geometry import geometry
-from rps_exudyn.cli.init import init
 from rps_exudyn.cli.output import DONE, INTERRUPTED, WRONG_INPUT, say
-from rps_exudyn.cli.report import report
-from rps_exudyn.cli.rerun import rerun
-from rps_exudyn.cli.run import run
-from rps_exudyn.cli.schema import schema
-from rps_exudyn.cli.show import show
-from rps_exudyn.cli.study import study
-from rps_exudyn.cli.validate import validate
-from rps_exudyn.cli.view import view
 
 COMMANDS = (
-    *(run, study, show, diff, rerun, geometry, describe, collect, report, fit, check, validate),
-    *(animate, view, explore, doctor, init, schema),
+    *("run", "study", "show", "diff", "rerun", "geometry", "describe", "collect", "report", "fit", "check"),
+    *("validate", "animate", "view", "explore", "doctor", "init", "schema"),
 )
 
 SELDOM = (500_000, 100, 1000)
@@ -59,7 +41,7 @@ app = App(
 )
 app.register_install_completion_command(add_to_startup=False)
 for command in COMMANDS:
-    app.command(command)
+    app.command(f"rps_exudyn.cli.{command}:{command}")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -71,6 +53,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     prepare_process()
     try:
         _check_folder()
+        given = sys.argv[1:] if arguments is None else arguments
+        if not given or given[0] not in COMMANDS:
+            for command in COMMANDS:
+                app[command]  # is imported by that, and the help describes it
         with unwrapped_interrupts():
             status = app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
         sys.stdout.flush()

@@ -155,13 +155,13 @@ def run(
     result = replace(result, measured=curve)
     with printing(quiet):
         put_accuracy(result)
-        files = LateFiles(result, Files(out, picture, overwrite))
-        with naming(files.written):
+        late = LateFiles(result, Files(out, picture, overwrite))
+        with naming(late.written):
             try:
-                put_result(result, json, files, every)
+                put_result(result, json, late, every)
             finally:  # also where the terminal is gone
-                files.write()
-    return max(verdict(result), FAILED if files.have_problems else DONE)
+                late.write()
+    return max(verdict(result), FAILED if late.have_problems else DONE)
 
 
 def as_turned(gear: "SteeringGear", scene: str, measured: "MeasuredTorque") -> "SteeringGear":

@@ -15,18 +15,21 @@ import pytest
 import rps_exudyn as rps
 from rps_exudyn.base import kernel_code
 from rps_exudyn.base.compiled import VECTOR, Entry, entry, inline
-from rps_exudyn.base.kernel_code import ENTRIES, EXTERNALS, entry_named, fingerprint, misfit
+from rps_exudyn.base.kernel_code import EXTERNALS, fingerprint, misfit
+from rps_exudyn.base.kernel_compiler import shipped_entries
 from rps_exudyn.solvers.bent_rack import fill_local_poses
 from rps_exudyn.solvers.follower import add_column_to
 
-HERE = misfit()
+ENTRIES = shipped_entries()
+HERE = misfit(add_column_to)
 shipped_here = pytest.mark.skipif("is" in HERE and "this is" in HERE, reason=HERE)
 
 
 @shipped_here
 def test_shipped_code_is_that_of_the_sources() -> None:
     """`python -m rps_exudyn.base.kernel_compiler` writes it anew, see CONTRIBUTING.md."""
-    assert HERE == ""
+    assert {entry.name: misfit(entry) for entry in ENTRIES if misfit(entry)} == {}
+    assert set(kernel_code.marks()) == {"platform", *(entry.name for entry in ENTRIES)}
 
 
 def test_shipped_code_needs_nothing_but_the_library_of_c() -> None:
@@ -34,7 +37,7 @@ def test_shipped_code_needs_nothing_but_the_library_of_c() -> None:
     declared = set(re.findall(r"^declare .*@([\w.]+)\(", text, re.M))
     assert {name for name in declared if not name.startswith("llvm.")} <= set(EXTERNALS)
     assert not re.findall(r"^@.* = external", text, re.M)
-    assert set(re.findall(r"^define [^@]*@([a-z][\w.]+)\(", text, re.M)) == set(ENTRIES)
+    assert set(re.findall(r"^define [^@]*@([a-z][\w.]+)\(", text, re.M)) == {each.name for each in ENTRIES}
 
 
 # --- what the fingerprint covers
@@ -64,7 +67,7 @@ def law_of(source: str, factor: float = 2.0, folder: Path | None = None) -> Entr
 
 def test_words_for_readers_do_not_change_the_fingerprint_and_all_else_does(tmp_path: Path) -> None:
     def mark(source: str, factor: float = 2.0) -> str:
-        return fingerprint([law_of(source, factor, tmp_path)])
+        return fingerprint(law_of(source, factor, tmp_path))
 
     own = mark(SOURCE)
     assert mark(SOURCE.replace("Half of it", "The half").replace("a reason", "another one")) == own
@@ -113,6 +116,15 @@ def test_only_intact_object_files_are_loaded(tmp_path: Path) -> None:
 
 
 @shipped_here
+def test_each_processor_has_its_own(tmp_path: Path) -> None:
+    made = force_by(tmp_path)
+    other = "from llvmlite import binding\nbinding.get_host_cpu_name = lambda: 'x86-64'"
+    assert force_by(tmp_path, other) == made
+    assert len(force_by(tmp_path)) == 1
+    assert len(list(tmp_path.glob("kernels-*/*.o"))) == 2
+
+
+@shipped_here
 def test_code_of_other_sources_goes(tmp_path: Path) -> None:
     (other := tmp_path / "kernels-0123456789abcdef").mkdir()
     force_by(tmp_path)
@@ -142,8 +154,11 @@ def test_without_a_folder_code_is_made_for_each_process(tmp_path: Path) -> None:
     [
         ("kernel_code.SHIPPED = kernel_code.Path('nowhere')", "nowhere is damaged or missing"),
         ("kernel_code.SHIPPED = kernel_code.Path(kernel_code.__file__)", "is damaged or missing"),
-        ("kernel_code.platform_of = lambda _: 'riscv64-linux'", "x86_64-linux, and this is riscv64-linux"),
-        ("kernel_code.fingerprint = lambda _: ''", "those of other sources compiled"),
+        (
+            "kernel_code.platform_of = lambda _: 'riscv64-linux'",
+            "and this is riscv64-linux",
+        ),
+        ("kernel_code.fingerprint = lambda _: ''", "of other sources"),
         ("kernel_code.LLVM = (99, 0)", "llvmlite is older"),
     ],
 )
@@ -242,14 +257,14 @@ def test_all_laws_are_those_of_numba_bit_for_bit(monkeypatch: pytest.MonkeyPatch
     from rps_exudyn.base import kernel_compiler
 
     shipped = [law_values(*each) for each in RUNS]
-    for name in ENTRIES:
-        vars(entry_named(name)).pop("address", None)
-        vars(entry_named(name)).pop("_code", None)
+    for each in ENTRIES:
+        vars(each).pop("address", None)
+        vars(each).pop("_code", None)
     monkeypatch.setattr(kernel_code, "address_of", kernel_compiler.address_of)
     compiled = [law_values(*each) for each in RUNS]
-    for name in ENTRIES:
-        vars(entry_named(name)).pop("address", None)
-        vars(entry_named(name)).pop("_code", None)
+    for each in ENTRIES:
+        vars(each).pop("address", None)
+        vars(each).pop("_code", None)
     same = partial(np.array_equal, equal_nan=True)
     for pair in zip(shipped, compiled, strict=True):
         assert all(map(same, *pair))

@@ -11,6 +11,7 @@ from typing import get_args
 
 import pytest
 
+import rps_exudyn.cli.run_band  # noqa: F401, what takes `simulate` at its import takes it before it is replaced
 from rps_exudyn import load
 from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
 from rps_exudyn.parameters.gear import Setup
