@@ -271,7 +271,7 @@ def object_folder() -> Path | None:
 def _trusted_folder(named: str) -> Path | None:
     place = hashlib.sha256(str(PACKAGE).encode()).hexdigest()[:16]
     users = os.environ.get("LOCALAPPDATA") or os.environ.get("XDG_CACHE_HOME") or "~/.cache"
-    roots = [named] if named else [PACKAGE / "__pycache__", Path(users) / PACKAGE.name / place]
+    roots = [Path(named, place)] if named else [PACKAGE / "__pycache__", Path(users, PACKAGE.name, place)]
     for root in (Path(os.path.expanduser(each)) for each in roots):
         folder = root / f"kernels-{_source_hash()}"
         with suppress(OSError):

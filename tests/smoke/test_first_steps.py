@@ -74,7 +74,9 @@ def test_doctor_finds_the_code_in_a_fresh_process(tmp_path: Path) -> None:
         done = in_fresh_process(f"rps-exudyn doctor{options}", here, RPS_EXUDYN_CACHE=str(kernels))
         assert done.returncode == 0, done.stderr
         assert re.search(r"^ok  force laws +\S", done.stdout, re.M)
-        (count,) = re.findall(rf"machine code +{kernels}/kernels-\w+, (\d+) of \d+ parts made", done.stdout)
+        (count,) = re.findall(
+            rf"machine code +{kernels}/\w+/kernels-\w+, (\d+) of \d+ parts made", done.stdout
+        )
         return int(count)
 
     assert made_before("") == 0
