@@ -383,6 +383,11 @@ def _pushed(gear: SteeringGear, maneuver: Maneuver) -> Signals:
     time, gain = maneuver.time[maneuver.lead :], float(GearPair.of(gear).gain)
     place, rate = maneuver.drive.place(time), maneuver.drive.rate(time)
     force = {sense: pushing_force(gear, sense, maneuver.rack_load) for sense in (-1, 1)}
+    if not np.isfinite(list(force.values())).all():
+        raise InputError(
+            f"the gear locks itself by closed-form: with mesh.friction {gear.mesh.friction:g} and "
+            f"yoke.friction {gear.yoke.friction:g} no force on the rack turns the pinion."
+        )
     loads = {sense: maneuver.rack_load - force[sense] for sense in force}
     signals = _mean_signals(gear, maneuver, place / gain, rate / gain, loads)
     del signals["pinion_torque"]  # nothing but friction acts on the pinion

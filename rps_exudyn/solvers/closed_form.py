@@ -316,7 +316,7 @@ def mean_state(gear: SteeringGear, direction: int, load: float) -> MeanState:
 
 def pushing_force(gear: SteeringGear, direction: int, load: float = 0.0) -> float:
     """Return the force on the rack along X that moves it along `direction` with the pinion following freely
-    [N].
+    [N]; infinite where the gear locks itself.
 
     The gear is driven back: no torque acts on the pinion but that of its bearings. `load` pulls towards -X.
     """
@@ -328,7 +328,12 @@ def pushing_force(gear: SteeringGear, direction: int, load: float = 0.0) -> floa
         return mean_state(gear, direction, load - force).torque
 
     scale = (1.0 + abs(mean_state(gear, direction, load).torque)) / gain
-    return float(brentq(torque, load - 10 * scale, load + 10 * scale, xtol=1e-9))
+    far = scale / 16  # the first of two places: far beyond it no teeth would slide
+    while torque(load - far) * torque(load + far) > 0:
+        far *= 1.25
+        if far > 10 * scale:
+            return direction * np.inf
+    return float(brentq(torque, load - far, load + far, xtol=1e-9))
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.yoke import seat_wedge_factor
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
@@ -20,6 +21,7 @@ from rps_exudyn.solvers.closed_form import (
     load_test,
     mean_lever,
     mean_state,
+    pushing_force,
     runout_harmonics,
     static_surplus,
     torque_per_preload,
@@ -183,3 +185,17 @@ def test_formulas_say_in_which_motion_they_do_not_hold(
     wide = {"reversal": {"test.amplitude": "90 deg"}, "load-test": {"mesh.load_exponent": 1.0}}
     mended = settings | wide.get(scene, {"yoke.load_exponent": 1.0})
     assert run(scene, gear=SteeringGear().replace(mended), fidelity="closed-form").status == "ok"
+
+
+def test_a_gear_that_locks_itself_is_pushed_by_no_force() -> None:
+    """From the friction at which the flanks lock on, no force moves the rack; until then it grows."""
+
+    def with_friction(size: float) -> SteeringGear:
+        return SteeringGear().replace({"mesh.friction": size, "yoke.friction": size})
+
+    forces = [pushing_force(with_friction(size), +1) for size in (0.3, 0.6, 0.9)]
+    assert forces == sorted(forces)
+    locked = with_friction(1.0)
+    assert (pushing_force(locked, +1), pushing_force(locked, -1)) == (np.inf, -np.inf)
+    with pytest.raises(InputError, match="locks itself"):
+        run("rack-push", locked, fidelity="closed-form")
