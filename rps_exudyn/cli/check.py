@@ -24,6 +24,8 @@ from rps_exudyn.cli.output import (
 
 if TYPE_CHECKING:
     from rps_exudyn.assessment.requirements.sheet import RequirementRow
+    from rps_exudyn.pages.report.html import Article
+    from rps_exudyn.parameters.gear import SteeringGear
 
 COLUMNS = ("requirement", "limit", "nominal", "5 to 95 %", "gears that keep it", "verdict")
 
@@ -59,8 +61,6 @@ def check(
     from rps_exudyn.assessment.requirements.sheet import judge, law_of_sheet
     from rps_exudyn.cli.printed import print_sheet
     from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
-    from rps_exudyn.pages.report.sheet_file import KEY, sheet_as_dict, with_gear
-    from rps_exudyn.pages.report.write_report import write_pages
     from rps_exudyn.simulate.cases.run_cases import checked_jobs
 
     own, chosen, asked = gear.drawn(), gear.load(), read_limits(limits)
@@ -81,10 +81,8 @@ def check(
             sheet = list(judge(chosen, drawn, asked, torque, on_progress=report, jobs=processes))
             report("sheet", 1.0)
             article = requirement_article(sheet, chosen, torque, command_line())
-            if out is not None and out.suffix == ".html":
-                write_pages([with_gear(article, chosen)], out)
-            elif out is not None:
-                write_json(out, _as_dict(sheet, law) | {KEY: sheet_as_dict(article, chosen)})
+            if out is not None:
+                _write(out, article, chosen, _as_dict(sheet, law))
         files = [out] if out is not None else []
         if json:
             print_json(_as_dict(sheet, law))
@@ -93,6 +91,17 @@ def check(
         else:
             print_sheet(article.sheet, files, "limits, bands and sources")
     return DONE if all(each.verdict == "pass" for each in sheet) else FAILED
+
+
+def _write(out: Path, article: "Article", gear: "SteeringGear", data: dict[str, object]) -> None:
+    """Write the sheet as a page, or as data from which a page can be made."""
+    from rps_exudyn.pages.report.sheet_file import KEY, sheet_as_dict, with_gear
+    from rps_exudyn.pages.report.write_report import write_pages
+
+    if out.suffix == ".html":
+        write_pages([with_gear(article, gear)], out)
+    else:
+        write_json(out, data | {KEY: sheet_as_dict(article, gear)})
 
 
 def _known(value: float) -> float | None:

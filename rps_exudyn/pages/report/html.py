@@ -10,8 +10,6 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from rps_exudyn.base.units import words
-from rps_exudyn.pages.animation.animation_page import admitted, hash_of
-from rps_exudyn.pages.charts.style import PART_COLOURS
 from rps_exudyn.pages.report.sheet import Row, Sheet
 from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.parameters.names import GEAR_FACTS
@@ -234,6 +232,10 @@ _FOLDER = Path(__file__).parent
 
 def page(title: str, articles: Sequence[Article]) -> str:
     """The page as HTML; all text is escaped except the SVG of pictures, which this package draws."""
+    # a second, which the sheet of an article does without
+    from rps_exudyn.pages.animation.animation_page import admitted, hash_of
+    from rps_exudyn.pages.charts.style import PART_COLOURS
+
     environment = Environment(
         loader=FileSystemLoader(_FOLDER),
         autoescape=True,

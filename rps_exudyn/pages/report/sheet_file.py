@@ -16,7 +16,6 @@ from pydantic import TypeAdapter, ValidationError
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of
-from rps_exudyn.pages.report.gear_picture import gear_picture
 from rps_exudyn.pages.report.html import (
     Article,
     CodeText,
@@ -132,4 +131,6 @@ def _as_image(stored: Picture) -> Picture:
 
 def with_gear(article: Article, gear: SteeringGear, result: Result | None = None) -> Article:
     """Return the article with the gear's picture, which plays the motion of a result on a click."""
+    from rps_exudyn.pages.report.gear_picture import gear_picture  # a second, for pages alone
+
     return replace(article, gear=gear_picture(gear, result))

@@ -21,7 +21,6 @@ from rps_exudyn.pages.report.effects_charts import (
     scattered_figure,
     surface_figure,
 )
-from rps_exudyn.pages.report.gear_picture import gear_picture
 from rps_exudyn.pages.report.html import (
     Article,
     Cell,
@@ -80,6 +79,8 @@ def study_article(store: Store) -> Article:
     table = CaseTable.of(store)
     description, failed, gear = table.description, len(list(table.failed())), None
     with suppress(InputError):  # what is set for all cases is no gear by itself
+        from rps_exudyn.pages.report.gear_picture import gear_picture  # a second, for pages of studies alone
+
         gear = gear_picture(SteeringGear().replace(dict(description.base)))
     return Article(
         title=description.title or description.name,
