@@ -77,8 +77,8 @@ def _object_file(entry: Entry) -> bytes:
     """Return the machine code of an entry as an object file: kept, or made and kept."""
     folder = object_folder()
     file = folder / f"{entry.name}-{_processor()}.o" if folder else None
-    if file and file.exists():
-        content = file.read_bytes()
+    with suppress(OSError):  # it is not there, or cannot be read
+        content = file.read_bytes() if file else b""
         if hashlib.sha256(content[:-MARK]).digest() == content[-MARK:]:
             return content[:-MARK]
     reason = misfit(entry)
@@ -177,14 +177,14 @@ def misfit(entry: Entry) -> str:
     try:
         shipped = marks()
     except (OSError, EOFError, ValueError, lzma.LZMAError):
-        return f"{SHIPPED} is damaged or missing."
+        return f"{SHIPPED} is damaged or missing"
     here = platform_of(binding.get_default_triple())
     if shipped.get("platform") != here:
-        return f"the package contains them for {shipped.get('platform', 'no platform')}, and this is {here}."
+        return f"the package contains them for {shipped.get('platform', 'no platform')}, and this is {here}"
     if binding.llvm_version_info[:2] < LLVM:
-        return "llvmlite is older than 0.46."
+        return "llvmlite is older than 0.46"
     if shipped.get(entry.name) != fingerprint(entry):
-        return "the package contains them of other sources."
+        return "the package contains them of other sources"
     return ""
 
 

@@ -3,8 +3,8 @@
     with open_screen() as screen, screen.row(TextRow("case 3 of 20", 0.15)):
         ...
 
-A screen that is not asked for shows nothing outside a terminal until machine code is made (`speak`): what
-goes to a file stays short, and nobody waits in silence.
+A screen that is not asked for shows nothing outside a terminal but that machine code is made: what goes to a
+file stays short, and nobody waits in silence.
 """
 
 import os
@@ -80,11 +80,6 @@ class Screen:
         self._rows = [each for each in self._rows if each is not row]
         if self._live and (task := self._tasks.pop(id(row), None)) is not None:
             self._live.remove_task(task)
-
-    def speak(self) -> None:
-        """Show rows as lines from now on, where there is no terminal."""
-        self._shows = not self._silent
-        self._show()
 
     def say(self, sentence: str) -> None:
         """Write a line that stays."""
@@ -211,21 +206,19 @@ def shown_progress(asked: bool = False) -> Iterator[Show]:
             elif not doing.text:  # a command of several runs shows more than how far each of them is
                 screen.add(run)
 
-        code = TextRow()
+        said = {""}
 
-        def show_code(step: Making) -> None:
-            screen.remove(code)
-            if step.sentence:
-                code.text = step.sentence
-                screen.add(code)
-                screen.speak()
+        def say_once(step: Making) -> None:
+            if step.sentence not in said:
+                said.add(step.sentence)
+                screen.say(f"{step.sentence}.")
 
-        with following(show_run), listening(show_code):
+        with following(show_run), listening(say_once):
             try:
                 yield show
             finally:
-                for row in (doing, run, code):
-                    screen.remove(row)
+                screen.remove(doing)
+                screen.remove(run)
 
 
 def with_time_left(text: str, fraction: float | None, elapsed: float) -> str:
