@@ -157,14 +157,14 @@ class LineYields(NamedTuple):
 
 
 @from_python
-def line_yields(angle, position, tilt, records, pool):  # type: ignore[no-untyped-def]
-    """Return `LineYields` of a gear of law "teeth"; arguments as those of `line_loads`, and the pool."""
+def line_yields(angle, position, tilt, records, pool, room):  # type: ignore[no-untyped-def]
+    """Return `LineYields` of a gear of law "teeth"; arguments as those of `line_loads`, the pool,
+    and a room of `room_of_teeth`."""
     data = records[0]
     still, flank, rotation = np.zeros(3), data.flank, np.empty((3, 3))
     fill_rotation(tilt, rotation)
     drive = side_of(-1.0, angle, 0.0, position, rotation, still, still, flank)
     coast = side_of(1.0, angle, 0.0, position, rotation, still, still, flank)
-    room = np.empty(data.most_lines * (LINE_SIZE + COLUMN * flank.stations))
     lines, n = find_lines(angle, drive, coast, data, room)
     total = n * flank.stations
     of_elements, law = elements_matrix(lines, n, drive, coast, data, pool), np.empty((total, total))
@@ -179,8 +179,8 @@ def line_yields(angle, position, tilt, records, pool):  # type: ignore[no-untype
     return LineYields(side, tooth, rack_tooth, length, law[:total, :total], of_elements[:total, :total])
 
 
-def one_body(records: np.ndarray, pool: np.ndarray, body: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return the arguments of `line_yields` with the other body rigid; torsion belongs to the pinion."""
+def one_body(records: np.ndarray, pool: np.ndarray, body: str) -> tuple[np.ndarray, ...]:
+    """Return the last arguments of `line_yields` with the other body rigid; torsion belongs to the pinion."""
     records, pool = records.copy(), pool.copy()
     start = START + int(pool[PINION]) * 4 * int(pool[ROWS] * pool[LAYERS]) ** 2
     if body == "pinion":
@@ -189,4 +189,4 @@ def one_body(records: np.ndarray, pool: np.ndarray, body: str) -> tuple[np.ndarr
     else:
         records["teeth"]["form"][:, PHI : PHI + MODES] = records["teeth"]["torsion"] = 0.0
         pool[START:start] = 0.0
-    return records, pool
+    return records, pool, np.zeros(room_of_teeth(records[0]["flank"]))

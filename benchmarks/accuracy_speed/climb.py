@@ -81,14 +81,14 @@ def outcome_of(number: int, done: Callable[[dict[str, Any]], None] = lambda foun
     return found | {"reference": how}
 
 
-def run(folder: Path, tests: int = TESTS) -> None:
-    """Run so many tests of each scene, one after the other in a process of their own."""
+def run(folder: Path, plans: int = TESTS * len(SCENES)) -> None:
+    """Run so many tests, scene after scene, one after the other in a process of their own."""
     worker = Child(outcome_of)
 
     def row_of(number: int) -> dict[str, Any]:
         return described(number, plan_of(number)) | worker.do(number, TIME_LIMIT)
 
-    go_on(folder / DATA, COLUMNS, tests * len(SCENES), plan_of, row_of)
+    go_on(folder / DATA, COLUMNS, plans, plan_of, row_of)
     print(climb_table(folder), flush=True)
 
 
@@ -118,4 +118,4 @@ def _judged(wanted: float) -> Callable[[Mapping[str, str]], tuple[float, float]]
     return lambda row: (float(row[f"error_{wanted:g}"] or "inf"), float(row[f"doubt_{wanted:g}"] or "inf"))
 
 
-TOPIC = Topic("2 h", "accuracy_speed", run, {"tests": 1}, {"climb": climb_table})
+TOPIC = Topic("2 h", "accuracy_speed", run, {"plans": 2}, {"climb": climb_table})

@@ -153,7 +153,8 @@ def stacked_zeros(shape: Any, most: int = 0) -> np.ndarray:
 
 @primitive
 def placed(room: np.ndarray, first: int, shape: Any) -> np.ndarray:
-    """Return an array of this shape in a vector, from the place `first` on."""
+    """Return an array of this shape in a vector, from the place `first` on; the vector is an argument, which
+    lives on."""
     return room[first : first + int(np.prod(shape))].reshape(shape)
 
 
