@@ -59,7 +59,6 @@ MARK = 32  # bytes behind an object file's code
 MARKED = "; of "
 
 _one_at_a_time = RLock()
-_engines: list[Any] = []  # hold the machine code
 
 
 def address_of(entry: Entry) -> int:
@@ -93,8 +92,8 @@ def _object_file(entry: Entry) -> bytes:
     if file:
         with suppress(OSError, InputError):  # a full disk: another process makes it again
             file.parent.mkdir(parents=True, exist_ok=True)
-            with replacing(file) as partial:
-                partial.write_bytes(code + hashlib.sha256(code).digest())
+            with replacing(file) as unfinished:
+                unfinished.write_bytes(code + hashlib.sha256(code).digest())
     return code
 
 
@@ -143,15 +142,21 @@ def _machine_code(text: str, name: str) -> bytes:
     return bytes(machine.emit_object(module))
 
 
+@cache
+def _engine() -> Any:
+    """What holds all machine code: one, for it takes over the machine that it is made with."""
+    from llvmlite import binding
+
+    return binding.create_mcjit_compiler(binding.parse_assembly(""), _machine())
+
+
 def _loaded(code: bytes, name: str) -> int:
     """Load an object file; return the address of its entry."""
     from llvmlite import binding
 
-    machine = _machine()
-    engine = binding.create_mcjit_compiler(binding.parse_assembly(""), machine)
+    engine = _engine()
     engine.add_object_file(binding.ObjectFileRef.from_data(code))
     engine.finalize_object()
-    _engines.append(engine)
     return int(engine.get_function_address(name))
 
 
@@ -269,11 +274,11 @@ def object_folder() -> Path | None:
 
 @cache
 def _trusted_folder(named: str) -> Path | None:
-    place = hashlib.sha256(str(PACKAGE).encode()).hexdigest()[:16]
+    place, sources = hashlib.sha256(str(PACKAGE).encode()).hexdigest()[:16], _source_hash()
     users = os.environ.get("LOCALAPPDATA") or os.environ.get("XDG_CACHE_HOME") or "~/.cache"
     roots = [Path(named, place)] if named else [PACKAGE / "__pycache__", Path(users, PACKAGE.name, place)]
     for root in (Path(os.path.expanduser(each)) for each in roots):
-        folder = root / f"kernels-{_source_hash()}"
+        folder = root / f"kernels-{sources}"
         with suppress(OSError):
             folder.mkdir(parents=True, exist_ok=True)
             if _is_own(folder) and os.access(folder, os.W_OK):

@@ -31,7 +31,7 @@ from rps_exudyn.simulate.cases.frames import frame_of, frames_in
 from rps_exudyn.simulate.cases.task import Answer, Task
 from rps_exudyn.simulate.cases.time_limit import GRACE
 
-START_LIMIT = 900.0  # [s] until a process must be ready, all its kernels compiled
+START_LIMIT = 900.0  # [s] until a process must be ready, all its machine code made
 FAILED_STARTS = 8  # in a row, after which no more are made ...
 FIRST_PAUSE, LONGEST_PAUSE = 0.25, 10.0  # [s] ... with pauses between them that double
 ATTEMPTS = 2  # at a task whose process dies: it may have been killed from outside
@@ -149,7 +149,7 @@ class Processes:
     def _hand_out(self, waiting: "_Waiting") -> None:
         """Keep every process busy, and start one more if there is work for it.
 
-        The first one starts before the others, until the kernels are compiled, so that this is done once.
+        The first one starts before the others, until machine code is made, so that this is done once.
         """
         for worker in self._running:
             if worker.ready and len(worker.tasks) <= self._batch // 2 and waiting:

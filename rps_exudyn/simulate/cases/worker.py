@@ -1,7 +1,7 @@
 """The process that does tasks: `python -m rps_exudyn.simulate.cases.worker`, started by `processes`.
 
 It reads pickled objects from standard input, a call to warm up and then tasks with their time limits, and
-writes others to standard output: "ready", what is compiled (`Step`), and of each task "begun", how far its
+writes others to standard output: "ready", what code is made (`Making`), and of each task "begun", how far its
 run is (`Progress`) and an `Answer`.
 
 The call to warm up is made before the worker calls itself ready, so that compiling and loading kernels is on
@@ -56,14 +56,12 @@ def main() -> None:
 
 def _private_output() -> Callable[[Any], None]:
     """Return the channel for answers; what libraries print goes to standard error instead."""
-    channel, lock = os.fdopen(os.dup(1), "wb"), threading.Lock()
+    channel = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
 
     def say(content: Any) -> None:
-        frame = frame_of(content)
-        with lock:  # kernels are counted by a thread
-            channel.write(frame)
-            channel.flush()
+        channel.write(frame_of(content))
+        channel.flush()
 
     return say
 
