@@ -3,7 +3,7 @@
 import signal
 import sys
 
-from rps_exudyn.base.interrupts import arm, disarm
+from rps_exudyn.base.interrupts import INTERRUPTED, arm, disarm
 
 
 def main() -> int:
@@ -14,10 +14,11 @@ def main() -> int:
         from rps_exudyn.cli.main import main as command
 
         status = command()
-        disarm()
+        if disarm() and status != INTERRUPTED:
+            raise KeyboardInterrupt("interrupted at the end, when all was done.")
     except KeyboardInterrupt as interrupt:
         print(f"rps-exudyn: {str(interrupt) or 'interrupted; nothing was written.'}", file=sys.stderr)
-        status = 130
+        status = INTERRUPTED
     return status
 
 

@@ -2,7 +2,8 @@
 
 Python drops what is raised in a finalizer and in a callback of a weak reference, of the garbage collector or
 of ctypes: it is raised again. Extension modules print what is raised while they are imported, and raise
-ImportError: until imports are over, it waits.
+ImportError: until imports are over, it waits. Some clear it where they look for an attribute: the command
+ends regularly then, and states at its end that it was interrupted.
 """
 
 import _thread
@@ -13,8 +14,9 @@ from time import sleep
 from types import FrameType
 
 LATER = 0.01  # [s] between attempts
+INTERRUPTED = 130  # status of a command that Ctrl-C ends, as shells have it
 
-_postponed = False
+_pressed = False
 
 
 def arm() -> None:
@@ -23,25 +25,20 @@ def arm() -> None:
     sys.unraisablehook = _raise_again
 
 
-def disarm() -> None:
-    """Ignore Ctrl-C from now on: all is done.
-
-    Raises:
-        KeyboardInterrupt: one that was to be raised again.
-    """
+def disarm() -> bool:
+    """Ignore Ctrl-C from now on: all is done. Return whether Ctrl-C was pressed before."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if _postponed:
-        raise KeyboardInterrupt("interrupted at the end, when all was done.")
+    return _pressed
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    global _postponed
+    global _pressed
+    _pressed = True
     while frame is not None:
         if frame.f_code.co_filename.startswith("<frozen importlib"):
             _postpone()
             return
         frame = frame.f_back
-    _postponed = False
     raise KeyboardInterrupt
 
 
@@ -53,8 +50,6 @@ def _raise_again(dropped: "sys.UnraisableHookArgs") -> None:
 
 
 def _postpone() -> None:
-    global _postponed
-    _postponed = True
     _thread.start_new_thread(_ring, ())  # a `threading.Thread` takes locks that the main thread may hold
 
 
