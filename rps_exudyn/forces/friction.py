@@ -131,7 +131,9 @@ def law_of(
         count: of patches.
     """
     facts = part.facts
-    stiffness, share = _elements(patches.elements, friction * usual_load, part.bristle_travel)
+    # without a state there are no elements: records of many gears then are sums over single parameters
+    limit = friction * usual_load if facts.has_state else 0.0
+    stiffness, share = _elements(patches.elements, limit, part.bristle_travel)
     return record(
         LAW,
         kind=KINDS[part.friction_law],
