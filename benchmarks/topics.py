@@ -14,7 +14,7 @@ MODULES = {
     "scene_needs": "scene_needs",                      "stick_slip": "stick_slip",
     "accuracy_speed": "accuracy_speed.measured_points", "law_and_scaling": "accuracy_speed.law_and_scaling",
     "overview": "accuracy_speed.overview",             "climb": "accuracy_speed.climb",
-    "stability_maps": "stability.maps",
+    "levels": "accuracy_speed.level_points",           "stability_maps": "stability.maps",
     "explicit_limits": "stability.explicit_limits",    "implicit_limits": "stability.implicit_limits",
     "coverage": "stability.coverage",                  "ordinary_gears": "stability.ordinary_gears",
     "wide_gears": "stability.wide_gears",              "corpus": "stability.corpus",

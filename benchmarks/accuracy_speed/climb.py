@@ -8,19 +8,17 @@ where its error is larger than asked for by more than the doubt. A run that is s
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from math import isfinite
 from pathlib import Path
 from time import process_time
 from typing import Any
 
 from benchmarks.stability.plan_worker import Child, described, go_on
-from benchmarks.stability.references import references
+from benchmarks.stability.references import best_reference, size_in
 from benchmarks.topic import Topic, load_rows, markdown
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.scenes import SCENE_NAMES, scene_named
-from rps_exudyn.scenes.sizes import size_of, sizes
 from rps_exudyn.simulate.by_accuracy import Wanted, climb
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.solvers.temperature_and_wear import tested_gear
@@ -68,14 +66,12 @@ def outcome_of(number: int, done: Callable[[dict[str, Any]], None] = lambda foun
         if reached and figure in result.summary:
             results[wanted] = result
     tested = replace(plan, gear=tested_gear(plan.gear))
-    made = references(tested, [figure]) if results else ()
-    right = [(how, *values[figure]) for how, values in made if figure in values]
-    right = [each for each in right if isfinite(each[1]) and isfinite(each[2])]
-    if not right:
+    right = best_reference(tested, figure) if results else None
+    if right is None:
         return found
-    how, value, doubt = min(right, key=lambda each: each[2])
+    how, value, doubt = right
     for wanted, result in results.items():
-        size = size_of(figure, result.summary[figure], sizes(dict(result.signals), result.summary))
+        size = size_in(result, figure)
         found |= {f"error_{wanted:g}": 100 * abs(result.summary[figure] - value) / size}
         found |= {f"doubt_{wanted:g}": 100 * doubt / size}
     return found | {"reference": how}

@@ -9,7 +9,9 @@ from math import isfinite
 
 import numpy as np
 
+from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.sizes import size_of, sizes
 from verification.behind_column import settled_figures
 from verification.plan_reference import expected, finer_metrics
 from verification.refined_steps import NotFoundError
@@ -34,6 +36,20 @@ def references(plan: ScenePlan, printed: Collection[str]) -> Iterator[tuple[str,
         yield "finer runs", finer_metrics(plan)
     except NotFoundError as error:
         yield str(error), {}
+
+
+def best_reference(plan: ScenePlan, name: str) -> tuple[str, float, float] | None:
+    """Return what the surest reference of a metric is, its right value and how far that can be doubted; None
+    if there is none."""
+    every = [(how, *values[name]) for how, values in references(plan, [name]) if name in values]
+    known = [each for each in every if isfinite(each[1]) and isfinite(each[2])]
+    return min(known, key=lambda each: each[2], default=None)
+
+
+def size_in(result: Result, name: str) -> float:
+    """Return the size of a metric in a run, of which its error is a share."""
+    of_run = sizes(dict(result.signals), result.summary)
+    return float(size_of(name, result.summary[name], of_run))
 
 
 def by_equations(plan: ScenePlan, printed: Collection[str]) -> tuple[str, Values]:

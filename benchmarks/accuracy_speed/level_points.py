@@ -1,0 +1,151 @@
+"""Error bars along the ladder: printed and true error of presets and levels, over the cost of the whole run.
+
+The default gear runs in every scene as a user runs it, by `rps.run` with all that belongs to it. The true
+error is that of the scene's main metric against a reference made without the ladder (`stability.references`).
+"""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+import rps_exudyn as rps
+from benchmarks.accuracy_speed.chart import STYLES, in_decades
+from benchmarks.accuracy_speed.measurement import PRESET_FAMILIES
+from benchmarks.measure import least_time
+from benchmarks.stability.references import best_reference, size_in
+from benchmarks.topic import Columns, Topic, digits, load_data, save_data, table_of
+from rps_exudyn.pages.charts import style
+from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.scenes import SCENE_NAMES, scene_named
+from verification.stability import ScenePlan
+
+LEVELS = (0, 1, 2, 3)
+REPEATS, SLOW = 5, 1.0  # of a run; one that takes longer [s] is not repeated
+MOST_SECONDS = 20.0  # of CPU time of a run, after which no finer level is run
+DATA, PICTURE = "levels.json", "levels.png"
+COLUMNS = 3  # panels side by side
+LEAST = 1e-5  # error that is drawn at the edge [%]
+
+
+def run(folder: Path, scenes: Sequence[str] = SCENE_NAMES, levels: Sequence[int] = LEVELS) -> None:
+    """Run every preset that these scenes allow on these levels, and draw them."""
+    rows = [row for scene in scenes for row in points_of(scene, levels)]
+    save_data(folder / DATA, {"points": rows})
+    style.save(levels_figure(rows), folder / PICTURE)
+
+
+def points_of(scene: str, levels: Sequence[int]) -> list[dict[str, Any]]:
+    """Return all points of a scene whose reference is known."""
+    gear, figure = SteeringGear(), scene_named(scene).figure
+    model = Fidelity.preset("flank" if scene_named(scene).needs_inertia else "quasi-static")
+    right = best_reference(ScenePlan(scene, gear, model), figure)
+    if right is None:
+        return []
+    how, value, doubt = right
+    points = []
+    for preset in PRESETS:
+        for level in levels if preset != "closed-form" else (None,):
+            point = measured(scene, gear, preset, level)
+            if point is None:
+                break
+            result, size = point.pop("result"), point.pop("size")
+            point |= {"error": 100 * abs(result.summary[figure] - value) / size}
+            point |= {"bar": 100 * result.errors[figure] / size, "doubt": 100 * doubt / size, "by": how}
+            print(point, flush=True)
+            points.append(point)
+            if point["seconds"] > MOST_SECONDS:
+                break
+    return points
+
+
+def measured(scene: str, gear: SteeringGear, preset: str, level: int | None) -> dict[str, Any] | None:
+    """Return a whole run and the least CPU time that it takes [s]; None of one that does not end well."""
+    work = partial(rps.run, scene, gear, fidelity=preset, **({} if level is None else {"level": level}))
+    try:
+        seconds, result = least_time(work, 1)
+    except rps.InputError:  # a model that the scene does not have
+        return None
+    figure = scene_named(scene).figure
+    if result.status is not Status.OK or figure not in result.errors:
+        return None
+    if seconds < SLOW:
+        seconds = least_time(work, REPEATS)[0]
+    size = size_in(result, figure)
+    return {
+        "scene": scene,
+        "preset": preset,
+        "level": level,
+        "seconds": seconds,
+        "result": result,
+        "size": size,
+    }
+
+
+def levels_figure(rows: Sequence[Mapping[str, Any]]) -> Figure:
+    """Draw a panel for each scene: true errors filled, printed ones open, those of one run joined."""
+    scenes = list(dict.fromkeys(row["scene"] for row in rows))
+    lines = -(-len(scenes) // COLUMNS)
+    figure = Figure(figsize=(10, 2.6 * lines + 0.9), layout="constrained")
+    panels = figure.subplots(lines, COLUMNS, squeeze=False).ravel()
+    for axes, scene in zip(panels, scenes, strict=False):
+        _draw_scene(axes, [row for row in rows if row["scene"] == scene])
+        axes.set_title(scene, loc="left", fontsize=10)
+    for axes in panels[len(scenes) :]:
+        axes.set_visible(False)
+    figure.supxlabel("error of the scene's main metric [%]", fontsize=10)
+    figure.supylabel("CPU time of the whole run [s]", fontsize=10)
+    looks = {preset: STYLES[family] for preset, family in PRESET_FAMILIES.items()}
+    handles = [Line2D([], [], color=c, marker=m, label=preset) for preset, (c, m) in looks.items()]
+    handles += [Line2D([], [], color="black", marker="o", linestyle="", label="true error")]
+    handles += [
+        Line2D([], [], color="black", marker="o", fillstyle="none", linestyle="", label="printed error")
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=6, frameon=False, fontsize=9)
+    return figure
+
+
+def _draw_scene(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
+    in_decades(axes)
+    for row in rows:
+        colour, marker = STYLES[PRESET_FAMILIES[row["preset"]]]
+        true, printed = max(row["error"], row["doubt"], LEAST), max(row["bar"], LEAST)
+        axes.plot([true, printed], [row["seconds"]] * 2, "-", color=colour, linewidth=0.8, alpha=0.6)
+        axes.plot(true, row["seconds"], marker, color=colour, markersize=6)
+        axes.plot(printed, row["seconds"], marker, color=colour, fillstyle="none", markersize=6)
+
+
+def levels_table(folder: Path) -> str:
+    """Cost and both errors of the presets at level 1; of all levels, how many lie within their bars."""
+    rows = load_data(folder / DATA)["points"]
+    columns: Columns = {
+        "scene": "{scene}",
+        "preset": "{preset}",
+        "whole run": lambda row: f"{digits(1e3 * row['seconds'])} ms",
+        "printed error": lambda row: f"{digits(row['bar'])} %",
+        "true error": lambda row: f"{digits(max(row['error'], row['doubt']))} %",
+        "levels within their bars": lambda row: _within(rows, row),
+    }
+    return table_of([row for row in rows if row["level"] in (1, None)], columns)
+
+
+def _within(rows: Sequence[Mapping[str, Any]], of: Mapping[str, Any]) -> str:
+    alike = [row for row in rows if (row["scene"], row["preset"]) == (of["scene"], of["preset"])]
+    within = sum(row["error"] <= row["bar"] + row["doubt"] for row in alike if isfinite(row["bar"]))
+    return f"{within} of {len(alike)}"
+
+
+TOPIC = Topic(
+    "10 min",
+    "accuracy_speed",
+    run,
+    {"scenes": ("free-pinion-torque",), "levels": (0, 1)},
+    {"levels": levels_table},
+)
