@@ -23,7 +23,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
-from rps_exudyn.solvers.gear_model import GEAR, LAWS
+from rps_exudyn.solvers.gear_model import GEAR
 from rps_exudyn.solvers.settling import static_approach
 from rps_exudyn.tooth_contact.mean_depth import mean_depth, rack_approach
 from rps_exudyn.tooth_contact.sampled_contact import pooled
@@ -88,7 +88,7 @@ def faceted_forces(gear: SteeringGear, fidelity: Fidelity, surface: Surface | No
     pool, smooth["mesh"] = np.concatenate([forces.pool, numbers]), gears["mesh"]
     smooth["mesh"]["spheres"]["friction"] = 0.0
     offset = GearPair.of(gear).axis_offset
-    approach = static_approach(gear.yoke.preload, LAWS["spheres", False], smooth, pool, offset)
+    approach = static_approach(gear.yoke.preload, forces.law, smooth, pool, offset)
     gears["seat"]["rest_gap"] = approach + seat_under(gear).depth
     return replace(forces, gears=gears, pool=pool, approach=approach, ideal=smooth, spheres=on_facets)
 

@@ -9,15 +9,7 @@ from collections.abc import Mapping
 
 from rps_exudyn.base.compiled import entry, inline
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.gear_model import (
-    LAW,
-    LAWS,
-    begin,
-    begin_on_bent_rack,
-    finish,
-    finish_on_bent_rack,
-    rates_of,
-)
+from rps_exudyn.solvers.gear_model import LAW, LAWS, begin, finish, rates_of
 from rps_exudyn.tooth_contact.laws import on_flanks, pose_of
 from verification.area_contact import area_contact
 
@@ -47,22 +39,11 @@ def area_law(q, v, mesh, work, factor_q, factor_v, out, tangent):  # type: ignor
 def area_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with this law."""
     gear, work = gears[g], works[0]
-    by_rate = begin(q, v, gear, work, factor_q, factor_v)
+    by_rate = begin(q, v, gear, pool, work, factor_q, factor_v)
     at = work.place, rates_of(gear.mesh.flank.law, work), gear.mesh, work.contact
     by_sliding = by_rate if gear.mesh.flank.law.has_state else factor_v
     area_law(*at, factor_q, by_sliding, work.out, work.near)
-    finish(q, v, gear, work, factor_q, factor_v, by_rate, total, tangent)
+    finish(q, v, gear, pool, work, factor_q, factor_v, by_rate, total, tangent)
 
 
-@entry(*LAW)
-def area_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """The same whose rack bends or is not straight."""
-    gear, work = gears[g], works[0]
-    by_rate = begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v)
-    at = work.place, rates_of(gear.mesh.flank.law, work), gear.mesh, work.contact
-    by_sliding = by_rate if gear.mesh.flank.law.has_state else factor_v
-    area_law(*at, factor_q, by_sliding, work.out, work.near)
-    finish_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v, by_rate, total, tangent)
-
-
-LAWS["area", False], LAWS["area", True] = area_gear, area_gear_on_bent_rack
+LAWS["area"] = area_gear

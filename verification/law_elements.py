@@ -135,14 +135,14 @@ def elements_contact(angle, rate, position, rotation, velocity, spin, data, pool
 def elements_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with this law."""
     gear, work = gears[g], works[0]
-    by_rate = begin(q, v, gear, work, factor_q, factor_v)
+    by_rate = begin(q, v, gear, pool, work, factor_q, factor_v)
     place, rates, mesh = work.place, rates_of(gear.mesh.flank.law, work), gear.mesh
     by_sliding = by_rate if mesh.flank.law.has_state else factor_v
     turn, pose = pose_of(place, rates, mesh.flank.rack_reference, work.contact.pose), work.contact.pose
     at = place[0], rates[0], pose[3], pose[0:3], rates[1:4], pose[4]
     elements_contact(*at, mesh, pool, work.contact, factor_q, by_sliding)
     on_flanks(place, turn, mesh.flank, work.contact, factor_q, by_sliding, work.out, work.near)
-    finish(q, v, gear, work, factor_q, factor_v, by_rate, total, tangent)
+    finish(q, v, gear, pool, work, factor_q, factor_v, by_rate, total, tangent)
 
 
 class LineYields(NamedTuple):

@@ -24,7 +24,7 @@ from rps_exudyn.scenes.yoke_impact import shaken
 from rps_exudyn.solvers.balance import SIZE, Balance
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
-from rps_exudyn.solvers.gear_model import COLUMNS, LAWS
+from rps_exudyn.solvers.gear_model import COLUMNS
 
 ELEMENTS = 52
 X, ROLL, PLUNGER, Y_PLANE = 0, 1, 2, 3  # where coordinates begin; those of the plane z follow the plane y
@@ -70,9 +70,10 @@ class NodalBar:
         bush = float(forces.gear.fit.station)
         stations = {"mesh": -x, "seat": -x, "yoke_spring": -x, "yokenut": -x, "bush": bush - x}
         parts = [part for part in forces.parts if part.name != "bearing"]
-        straight = next(LAWS[name, False] for (name, _), law in LAWS.items() if law is forces.law)
+        straight = forces.statics.gears.copy()
+        straight["is_bent"] = 0
         bar = cls(
-            forces.statics.with_(law=straight, modes=0),
+            forces.statics.with_(gears=straight, modes=0),
             gear.test.start_angle,
             [],
             beams[0].nodes,

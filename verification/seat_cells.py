@@ -12,21 +12,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from rps_exudyn.base.compiled import entry, inline, kernel
+from rps_exudyn.base.compiled import entry, kernel
 from rps_exudyn.forces.friction import COULOMB, coulomb
 from rps_exudyn.forces.rigid_motion import cross, dot, minus, on_angles, plus, scaled, spin_of, turn_of
 from rps_exudyn.solvers.bent_rack import add_to_bar, bar_sections, fill_pose
 from rps_exudyn.solvers.gear_forces import GearForces
-from rps_exudyn.solvers.gear_model import (
-    COLUMNS,
-    LAW,
-    LAWS,
-    line_gear,
-    line_gear_on_bent_rack,
-    teeth_gear,
-    teeth_gear_on_bent_rack,
-)
-from verification.law_area import area_gear, area_gear_on_bent_rack
+from rps_exudyn.solvers.gear_model import COLUMNS, LAW, gear_law
+from verification.law_area import area_gear
 
 ARC_CELLS, LENGTH_CELLS = 160, 16
 SEAT_SIZE = 12  # outputs of the seat
@@ -41,7 +33,7 @@ def by_cells(forces: GearForces) -> GearForces:
     """
     if forces.gear.seat.law.kind != COULOMB:
         raise ValueError("cells need Coulomb's friction of the yoke")
-    return replace(forces, law=_BY_CELLS[next(name for name, law in LAWS.items() if law is forces.law)])
+    return replace(forces, law=area_by_cells if forces.law is area_gear else gear_by_cells)
 
 
 @kernel
@@ -91,86 +83,36 @@ def seat_by_cells(q, v, seat, out):  # type: ignore[no-untyped-def]
     out[6] = -out[1]
 
 
-@inline
-def _exchanged(gear, work, more):  # type: ignore[no-untyped-def]
-    """Fill what the cells exert on rack and plunger more than the seat (7,); its outputs are theirs."""
-    own = np.empty(SEAT_SIZE)
+@kernel
+def exchange_seat(q, gear, pool, work, total):  # type: ignore[no-untyped-def]
+    """Put the cells in the place of the seat of a gear, whose forces are known."""
+    own, more = np.empty(SEAT_SIZE), np.empty(7)
     seat_by_cells(work.place[1:8], work.rate[1:8], gear.seat, own)
     for i in range(7):
         more[i] = own[i] - work.out[_SEAT + i]
     for i in range(SEAT_SIZE):
         work.out[_SEAT + i] = own[i]
-
-
-@kernel
-def exchange_seat(gear, work, total):  # type: ignore[no-untyped-def]
-    """Put the cells in the place of the seat of a gear, whose forces are known."""
-    more = np.empty(7)
-    _exchanged(gear, work, more)
-    for i in range(7):
-        total[1 + i] += more[i]
-
-
-@kernel
-def exchange_seat_on_bent_rack(q, gear, pool, work, total):  # type: ignore[no-untyped-def]
-    """The same where the rack bends or is not straight."""
-    more, bar = np.empty(7), gear.bar
-    pose, sections = np.empty((3, 6)), np.empty((4, bar.modes + 2))
-    _exchanged(gear, work, more)
-    bar_sections(-q[1], bar, pool, sections)
-    fill_pose(q, work.slip, sections, -1.0, bar, pose)
-    add_to_bar(total, more, pose, sections, -1.0, bar)
+    if gear.is_bent:
+        bar = gear.bar
+        pose, sections = np.empty((3, 6)), np.empty((4, bar.modes + 2))
+        bar_sections(-q[1], bar, pool, sections)
+        fill_pose(q, work.slip, sections, -1.0, bar, pose)
+        add_to_bar(total, more, pose, sections, -1.0, bar)
+    else:
+        for i in range(6):
+            total[1 + i] += more[i]
     total[7] += more[6]
 
 
-# --- laws, as those of `gear_model` --------------------------------------------------------------------
 @entry(*LAW)
-def line_by_cells(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """A gear with the contact law "line"."""
-    line_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
-    exchange_seat(gears[g], works[0], total)
-
-
-@entry(*LAW)
-def line_by_cells_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """The same whose rack bends or is not straight."""
-    line_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
-    exchange_seat_on_bent_rack(q, gears[g], pool, works[0], total)
-
-
-@entry(*LAW)
-def teeth_by_cells(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """A gear with the contact law "teeth"."""
-    teeth_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
-    exchange_seat(gears[g], works[0], total)
-
-
-@entry(*LAW)
-def teeth_by_cells_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """The same whose rack bends or is not straight."""
-    teeth_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
-    exchange_seat_on_bent_rack(q, gears[g], pool, works[0], total)
+def gear_by_cells(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """A gear with the contact laws of the package."""
+    gear_law(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
+    exchange_seat(q, gears[g], pool, works[0], total)
 
 
 @entry(*LAW)
 def area_by_cells(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with the contact law "area"."""
     area_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
-    exchange_seat(gears[g], works[0], total)
-
-
-@entry(*LAW)
-def area_by_cells_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """The same whose rack bends or is not straight."""
-    area_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
-    exchange_seat_on_bent_rack(q, gears[g], pool, works[0], total)
-
-
-_BY_CELLS = {
-    ("line", False): line_by_cells,
-    ("line", True): line_by_cells_on_bent_rack,
-    ("teeth", False): teeth_by_cells,
-    ("teeth", True): teeth_by_cells_on_bent_rack,
-    ("area", False): area_by_cells,
-    ("area", True): area_by_cells_on_bent_rack,
-}
+    exchange_seat(q, gears[g], pool, works[0], total)

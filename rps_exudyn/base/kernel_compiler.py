@@ -203,11 +203,7 @@ def llvm_code(entries: Sequence[Entry]) -> str:
 
 
 SHIPPED = (
-    *(
-        f"solvers.gear_model.{contact}_gear{rack}"
-        for contact in ("line", "teeth", "sphere")
-        for rack in ("", "_on_bent_rack")
-    ),
+    "solvers.gear_model.gear_law",
     "solvers.gear_model.fill_outputs",
     "solvers.settling.find_approach",
     "solvers.follower.follow",

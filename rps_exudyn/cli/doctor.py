@@ -53,9 +53,9 @@ def _machine() -> Iterator[tuple[str, str, bool]]:
 def _code() -> Iterator[tuple[str, str, bool]]:
     """Where the force laws' machine code comes from, and where it is kept."""
     from rps_exudyn.base import kernel_code
-    from rps_exudyn.solvers.gear_model import LAWS
+    from rps_exudyn.solvers.gear_model import gear_law
 
-    reason = kernel_code.misfit(LAWS["line", False])
+    reason = kernel_code.misfit(gear_law)
     yield "force laws", f"compiled here by numba: {reason}" if reason else "as shipped with the package", True
     folder, files = kernel_code.object_folder(), kernel_code.object_files()
     if folder:

@@ -446,6 +446,7 @@ def follow(  # type: ignore[no-untyped-def]
     q, v, here, before = rows[8], rows[9], rows[10], rows[11]
     system, pivots = placed(square, 0, (m, m)), placed_numbers(square, n * n, m)
     own_tangent, tangent = placed(square, n * n + n, (own, own)), placed(square, 2 * n * n + n, (n, n))
+    filled = own_total, own_tangent, total, tangent
     found = placed(square, 3 * n * n + n, (time.size, n))
     for g in range(gears.shape[0]):
         for k in range(first):
@@ -466,30 +467,12 @@ def follow(  # type: ignore[no-untyped-def]
                 if has_bristles:
                     begin_step(memory, kept[g, k - 1, 1], time[k])
             put(q, here)
+            at, beside = (law, q, v, gears, g, pool, works), (applied[k], column, hand[k], masses, before)
             norm, size, fraction, is_found, wanted = np.inf, np.inf, 1.0, False, True
             least = 0.0
             for _ in range(MAX_STEPS):
                 fill_rates(q, known[g, k], known_rates[g, k], base, per_time, free, u, w, v)
-                evaluate(
-                    law,
-                    q,
-                    v,
-                    gears,
-                    g,
-                    pool,
-                    works,
-                    wanted,
-                    per_time,
-                    applied[k],
-                    column,
-                    hand[k],
-                    masses,
-                    before,
-                    own_total,
-                    own_tangent,
-                    total,
-                    tangent,
-                )
+                evaluate(*at, wanted, per_time, *beside, *filled)
                 evaluations += 1
                 tangents += wanted
                 residual = largest_residual(total, free, lengths)
@@ -551,26 +534,7 @@ def follow(  # type: ignore[no-untyped-def]
                 least, since = np.inf, 0
                 for _ in range(MAX_CREEPS):
                     fill_rates(q, known[g, k], known_rates[g, k], base, per_time, free, u, w, v)
-                    evaluate(
-                        law,
-                        q,
-                        v,
-                        gears,
-                        g,
-                        pool,
-                        works,
-                        True,
-                        per_time,
-                        applied[k],
-                        column,
-                        hand[k],
-                        masses,
-                        before,
-                        own_total,
-                        own_tangent,
-                        total,
-                        tangent,
-                    )
+                    evaluate(*at, True, per_time, *beside, *filled)
                     evaluations, tangents = evaluations + 1, tangents + 1
                     residual = largest_residual(total, free, lengths)
                     if accepted and norm < np.inf:  # else it went back there

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from rps_exudyn.base.compiled import Entry
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces import external_load, pinion_support, sliding_fit, yoke
 from rps_exudyn.forces.bearing import bearing_record
@@ -30,7 +31,7 @@ from rps_exudyn.solvers.settling import static_approach
 from rps_exudyn.solvers.sphere_groups import by_touching_angle, standing_out
 from rps_exudyn.tooth_contact.elastic_teeth import room_of_teeth
 from rps_exudyn.tooth_contact.flank_data import pack
-from rps_exudyn.tooth_contact.laws import DEEPEST
+from rps_exudyn.tooth_contact.laws import DEEPEST, KINDS
 from rps_exudyn.tooth_contact.sampled_contact import SampledContactData, pooled
 from rps_exudyn.tooth_contact.spheres import contact_data
 from rps_exudyn.tooth_contact.teeth_data import teeth_data
@@ -44,7 +45,7 @@ class GearForces:
     """The forces of a gear.
 
     Attributes:
-        law: kernel of `gear_model` for the law of the teeth's contact.
+        law: of `gear_model`.
         gears: record of the gear, its bush as modelled, in an array (1,).
         pool: numbers that the record points to.
         condensed: record of the fit in a bush whose static stiffness is condensed into it.
@@ -208,7 +209,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         gears["weight"], gears["has_weight"] = rack_weight(gear), 1
     pool = np.zeros(1) if bar is None else bar.pool
     if bar is not None:
-        gears["bar"] = bar.record
+        gears["bar"], gears["is_bent"] = bar.record, 1
     if mesh.spheres is not None:
         first = len(pool)
         gears["mesh"]["spheres"], numbers = pooled(mesh.spheres, first)
@@ -219,11 +220,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
     if mesh.record[0]["most_lines"]:
         gears["mesh"]["room"] = ideal["mesh"]["room"] = len(pool)
         pool = np.concatenate([pool, np.zeros(room_of_teeth(mesh.record[0]["flank"]))])
-    if (mesh.law, bar is not None) not in LAWS:
-        instead = choice_instead("mesh.law", mesh.law)
-        raise InputError(f"mesh.law is {mesh.law!r}, which only earlier versions have: {instead}.")
-    law = LAWS[mesh.law, bar is not None]
-    approach = static_approach(gear.yoke.preload, LAWS[mesh.law, False], ideal, pool, pair.axis_offset)
+    approach = static_approach(gear.yoke.preload, mesh.law, ideal, pool, pair.axis_offset)
     supported = np.zeros(0)
     if fidelity.pinion == "supported":
         gears["support"], gears["is_supported"] = pinion_support.support_record(gear, patches), 1
@@ -236,7 +233,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
     gears["has_bore"] = bool(gear.yoke.bore_friction or gear.yoke.bore_damping)
     gears["has_bristles"] = patches.needed
     made = GearForces(
-        law=law,
+        law=mesh.law,
         gears=gears,
         pool=pool,
         condensed=condensed,
@@ -258,7 +255,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
 class ModelledMesh:
     """The contact of the teeth as modelled."""
 
-    law: str  # of `gear_model.LAWS`
+    law: Entry  # of `gear_model`
     record: np.ndarray  # `MESH`, without spheres
     valid_to: dict[str, float]
     spheres: SampledContactData | None = None
@@ -311,16 +308,21 @@ def mesh_of(
     """
     made = np.zeros(1, GEAR["mesh"])
     limits = {"mesh_penetration": DEEPEST * gear.pinion.normal_module}
+    law = gear.mesh.contact_law if fidelity.mesh == "flank" else "spheres"
+    if law not in LAWS:
+        instead = choice_instead("mesh.law", law)
+        raise InputError(f"mesh.law is {law!r}, which only earlier versions have: {instead}.")
+    made["kind"] = KINDS.get(law, 0)
     if fidelity.mesh == "flank":
         along, across = fidelity.strip_stations + (gear.mesh.contact_law == "teeth"), fidelity.strip_points
         made["flank"] = pack(gear, zone=zone, along=along, across=across, patches=patches)
         if gear.mesh.contact_law == "teeth":
             made["teeth"] = teeth_data(gear, made["flank"][0])
             made["most_lines"] = most_lines(made["flank"][0])
-        return ModelledMesh(gear.mesh.contact_law, made, limits)
+        return ModelledMesh(LAWS[law], made, limits)
     spheres = spheres_of(gear, fidelity, zone)
     # one deeper than its radius passes through GeneralContact's triangles unnoticed
-    return ModelledMesh("spheres", made, {"mesh_penetration": spheres.radius / 2}, spheres)
+    return ModelledMesh(LAWS[law], made, {"mesh_penetration": spheres.radius / 2}, spheres)
 
 
 def spheres_of(gear: SteeringGear, fidelity: Fidelity, zone: float) -> SampledContactData:

@@ -1,4 +1,4 @@
-"""All forces of a gear with their tangent: one function for each law of the teeth's contact.
+"""All forces of a gear with their tangent: one function, whatever its teeth's contact and its rack.
 
 Coordinates are stacked [pinion (about k), rack (6), plunger]. Behind them stand the modes of a rack that
 bends (`bent_rack`), or the last segment (6) of a bush that is a chain; and last of all those of the supports
@@ -85,7 +85,16 @@ from rps_exudyn.solvers.bent_rack import (
     fill_pose_by_bar,
 )
 from rps_exudyn.tooth_contact import wrench
-from rps_exudyn.tooth_contact.laws import MESH, SCRATCH, line_law, sphere_law, teeth_law
+from rps_exudyn.tooth_contact.laws import (
+    BY_LINE,
+    BY_TEETH,
+    KINDS,
+    MESH,
+    SCRATCH,
+    line_law,
+    sphere_law,
+    teeth_law,
+)
 
 # Parts in the order of their outputs
 PARTS = (
@@ -126,7 +135,8 @@ GEAR = record_type(
         ("fit", FIT),
         ("load", DEAD_FORCE),  # at the rack's end
         ("weight", DEAD_FORCE),  # of the rack
-        ("bar", BAR),
+        ("is_bent", "i8"),  # the rack bends or is not straight ...
+        ("bar", BAR),  # ... and this is its bar
         ("support", SUPPORT),  # of the pinion
         ("is_supported", "i8"),  # else the pinion only turns
         ("has_load", "i8"),
@@ -284,7 +294,7 @@ def leave_pinion(gear, work, factor_q, factor_v, by_rate):  # type: ignore[no-un
 
 
 @kernel
-def begin(q, v, gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+def _begin_straight(q, v, gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
     """The same of a rack that is straight and rigid, as the pinion sees it."""
     by_rate = _begin(q, v, gear, work, factor_q, factor_v)
     if gear.is_supported:
@@ -293,7 +303,7 @@ def begin(q, v, gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+def _begin_bent(q, v, gear, pool, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
     """The same with the pose of a straight rack that touches the bar where mesh and yoke stand, at X = 0."""
     by_rate = _begin(q, v, gear, work, factor_q, factor_v)
     pose, sections = stacked((3, 6)), stacked((4, gear.bar.modes + 2), MOST_SECTIONS)
@@ -307,6 +317,14 @@ def begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v):  # type: ign
     if gear.is_supported:
         go_beside_pinion(q, v, gear, work)
     return by_rate
+
+
+@inline
+def begin(q, v, gear, pool, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+    """Fill what the teeth's contact sees; return the factor of the derivative by the bodies' mean rates."""
+    if gear.is_bent:
+        return _begin_bent(q, v, gear, pool, work, factor_q, factor_v)
+    return _begin_straight(q, v, gear, work, factor_q, factor_v)
 
 
 @kernel
@@ -368,7 +386,7 @@ def _add_loads(q, gear, out):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def finish(q, v, gear, work, factor_q, factor_v, by_rate, total, tangent):  # type: ignore[no-untyped-def]
+def _finish_straight(q, v, gear, work, factor_q, factor_v, by_rate, total, tangent):  # type: ignore[no-untyped-def]
     """Add the forces of all other parts to those of the teeth; of a rack that is straight and rigid."""
     _add_others(gear, work, factor_q, factor_v, by_rate)
     rack, rate, out, memory = q[1:7], rates_of(gear.fit.law, work)[1:7], work.out, work.contact.memory
@@ -450,7 +468,7 @@ def _carried_tangent(q, rate, segment, gear, work, factor_q, factor_v, tangent):
 
 
 @kernel
-def finish_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v, by_rate, total, tangent):  # type: ignore[no-untyped-def]
+def _finish_bent(q, v, gear, pool, work, factor_q, factor_v, by_rate, total, tangent):  # type: ignore[no-untyped-def]
     """The same of a rack that bends or is not straight, see `bent_rack`."""
     _add_others(gear, work, factor_q, factor_v, by_rate)
     bar, out, memory, n = gear.bar, work.out, work.contact.memory, q.size
@@ -513,83 +531,33 @@ def finish_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v, by_rate, tot
             total[1 + i] += out[_WEIGHT + i]
 
 
-# --- laws ------------------------------------------------------------------------------------------
-@entry(*LAW)
-def line_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """A gear with the contact law "line"."""
-    gear, work = gears[g], works[0]
-    by_rate = begin(q, v, gear, work, factor_q, factor_v)
-    at = work.place, rates_of(gear.mesh.flank.law, work), gear.mesh, pool, work.contact
-    by_sliding = by_rate if gear.mesh.flank.law.has_state else factor_v
-    line_law(*at, factor_q, by_sliding, work.out, work.near)
-    finish(q, v, gear, work, factor_q, factor_v, by_rate, total, tangent)
+@inline
+def finish(q, v, gear, pool, work, factor_q, factor_v, by_rate, total, tangent):  # type: ignore[no-untyped-def]
+    """Add the forces of all other parts to those of the teeth."""
+    if gear.is_bent:
+        _finish_bent(q, v, gear, pool, work, factor_q, factor_v, by_rate, total, tangent)
+    else:
+        _finish_straight(q, v, gear, work, factor_q, factor_v, by_rate, total, tangent)
 
 
 @entry(*LAW)
-def line_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """The same whose rack bends or is not straight."""
+def gear_law(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """The forces of a gear, its teeth's contact by `mesh.kind`."""
     gear, work = gears[g], works[0]
-    by_rate = begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v)
+    by_rate = begin(q, v, gear, pool, work, factor_q, factor_v)
     at = work.place, rates_of(gear.mesh.flank.law, work), gear.mesh, pool, work.contact
     by_sliding = by_rate if gear.mesh.flank.law.has_state else factor_v
-    line_law(*at, factor_q, by_sliding, work.out, work.near)
-    finish_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v, by_rate, total, tangent)
+    if gear.mesh.kind == BY_LINE:
+        line_law(*at, factor_q, by_sliding, work.out, work.near)
+    elif gear.mesh.kind == BY_TEETH:
+        teeth_law(*at, factor_q, by_sliding, work.out, work.near)
+    else:
+        sphere_law(*at, factor_q, by_sliding, work.out, work.near)
+    finish(q, v, gear, pool, work, factor_q, factor_v, by_rate, total, tangent)
 
 
-@entry(*LAW)
-def teeth_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """A gear with the contact law "teeth"."""
-    gear, work = gears[g], works[0]
-    by_rate = begin(q, v, gear, work, factor_q, factor_v)
-    at = work.place, rates_of(gear.mesh.flank.law, work), gear.mesh, pool, work.contact
-    by_sliding = by_rate if gear.mesh.flank.law.has_state else factor_v
-    teeth_law(*at, factor_q, by_sliding, work.out, work.near)
-    finish(q, v, gear, work, factor_q, factor_v, by_rate, total, tangent)
-
-
-@entry(*LAW)
-def teeth_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """The same whose rack bends or is not straight."""
-    gear, work = gears[g], works[0]
-    by_rate = begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v)
-    at = work.place, rates_of(gear.mesh.flank.law, work), gear.mesh, pool, work.contact
-    by_sliding = by_rate if gear.mesh.flank.law.has_state else factor_v
-    teeth_law(*at, factor_q, by_sliding, work.out, work.near)
-    finish_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v, by_rate, total, tangent)
-
-
-@entry(*LAW)
-def sphere_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """A gear with teeth that touch by spheres, as in general contact."""
-    gear, work = gears[g], works[0]
-    by_rate = begin(q, v, gear, work, factor_q, factor_v)
-    at = work.place, rates_of(gear.mesh.flank.law, work), gear.mesh, pool, work.contact
-    by_sliding = by_rate if gear.mesh.flank.law.has_state else factor_v
-    sphere_law(*at, factor_q, by_sliding, work.out, work.near)
-    finish(q, v, gear, work, factor_q, factor_v, by_rate, total, tangent)
-
-
-@entry(*LAW)
-def sphere_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """The same whose rack bends or is not straight."""
-    gear, work = gears[g], works[0]
-    by_rate = begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v)
-    at = work.place, rates_of(gear.mesh.flank.law, work), gear.mesh, pool, work.contact
-    by_sliding = by_rate if gear.mesh.flank.law.has_state else factor_v
-    sphere_law(*at, factor_q, by_sliding, work.out, work.near)
-    finish_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v, by_rate, total, tangent)
-
-
-LAWS = {
-    ("line", False): line_gear,
-    ("line", True): line_gear_on_bent_rack,
-    ("teeth", False): teeth_gear,
-    ("teeth", True): teeth_gear_on_bent_rack,
-    ("spheres", False): sphere_gear,
-    ("spheres", True): sphere_gear_on_bent_rack,
-}
-"""Law of the teeth's contact, whether the rack bends or is not straight -> the forces of such a gear.
-Other laws may be added to it from outside."""
+LAWS = dict.fromkeys(KINDS, gear_law)
+"""Law of the teeth's contact -> the forces of a gear with it. Others may be added from outside."""
 
 
 # --- along a motion --------------------------------------------------------------------------------

@@ -23,8 +23,14 @@ from rps_exudyn.tooth_contact.strip_limits import BREAKS, LIMITS
 from rps_exudyn.tooth_contact.teeth_data import TEETH
 from rps_exudyn.tooth_contact.wrench import WRENCH_SIZE, on_coordinates
 
+KINDS = {"line": 0, "teeth": 1, "spheres": 2}
+"""Law of the teeth's contact -> its number in the record `MESH`."""
+
+BY_LINE, BY_TEETH = KINDS["line"], KINDS["teeth"]
+
 MESH = record_type(
     [
+        ("kind", "i8"),  # of the law
         ("flank", FLANK),
         ("teeth", TEETH),
         ("most_lines", "i8"),  # that law "teeth" has room for ...
