@@ -182,7 +182,7 @@ PitchErrors = Annotated[str, Listed(("m",), largest=1e-4, text=accuracy_class)]
 Stiffnesses = Annotated[str, Listed(("N/m", "N/m", "N/m", "N*m/rad"), counts=(6, 36))]
 
 
-def parameter(default: Any, meaning: str, source: Source, **limits: Any) -> Any:
+def parameter(default: Any, meaning: str, source: Source = "estimate", **limits: Any) -> Any:
     """Declare one parameter: its default (text with unit, or SI), its meaning, the source of its value."""
     return Field(default, description=meaning, json_schema_extra={"source": source}, **limits)
 

@@ -10,23 +10,17 @@ Each part can be chosen alone, for instance `Fidelity.preset("flank").replace({"
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from functools import cache
+from functools import cache, partial
 from typing import Any, Literal, Self
 
 from pydantic import computed_field, model_validator
 
 from rps_exudyn.base.errors import InputError, check_kind
-from rps_exudyn.parameters.declaration import (
-    DEG,
-    Angle,
-    Declared,
-    Number,
-    Table,
-    parameter,
-)
+from rps_exudyn.parameters.declaration import DEG, Angle, Declared, Number, Table, parameter
 from rps_exudyn.parameters.friction_law import MOST_ELEMENTS
 from rps_exudyn.parameters.wrong_values import WrongValue
 
+choice = partial(parameter, source="choice")
 LEAST_SWING_STEPS = 5  # fewer do not see an impact
 PresetName = Literal["full", "flank", "quasi-static", "closed-form"]
 
@@ -42,75 +36,57 @@ class Fidelity(Table):
         'equilibrium'
     """
 
-    based_on: PresetName = parameter(
-        "flank", "preset whose choices these are except for changed ones", "choice"
+    based_on: PresetName = choice("flank", "preset whose choices these are except for changed ones")
+    mesh: Literal["general-contact", "flank"] = choice("flank", "contact model of the teeth")
+    bush: Literal["chain", "condensed", "rigid"] = choice(
+        "condensed", "bush model: chain of segments, condensed stiffness, or rigid"
     )
-    mesh: Literal["general-contact", "flank"] = parameter("flank", "contact model of the teeth", "choice")
-    bush: Literal["chain", "condensed", "rigid"] = parameter(
-        "condensed", "bush model: chain of segments, condensed stiffness, or rigid", "choice"
-    )
-    rack: Literal["by-scene", "free", "guided", "flexible"] = parameter(
+    rack: Literal["by-scene", "free", "guided", "flexible"] = choice(
         "by-scene",
         "rack model: free (rigid), guided (rigid, X and Y only), flexible (bends), by-scene (flexible "
-        "where the "
-        "scene needs it, else free)",
-        "choice",
+        "where the scene needs it, else free)",
     )
-    pinion: Literal["by-scene", "rigid", "supported"] = parameter(
+    pinion: Literal["by-scene", "rigid", "supported"] = choice(
         "by-scene",
         "pinion support: rigid (it only turns), supported (on two bearings), by-scene (supported where the "
         "scene needs it)",
-        "choice",
     )
-    solver: Literal["generalized-alpha", "equilibrium", "closed-form"] = parameter(
+    solver: Literal["generalized-alpha", "equilibrium", "closed-form"] = choice(
         "generalized-alpha",
         "solver: dynamics (generalized-alpha), equilibrium at each instant, or formulas (closed-form)",
-        "choice",
     )
-    step_angle: Angle = parameter(
+    step_angle: Angle = choice(
         "1 deg",
         "largest pinion rotation per time step or equilibrium; a record has at least four steps",
-        "choice",
         ge=0.001 * DEG,  # the rack's travel takes a million of them
         le=40 * DEG,
     )
-    swing_steps: int = parameter(
+    swing_steps: int = choice(
         0,
         "yoke-impact and rattle: time steps per vibration of the plunger between seat and yokenut, the "
         "fastest motion; 0: the scene's default",
-        "choice",
         ge=0,
         le=1000,
     )
-    tolerance: Number = parameter(
+    tolerance: Number = choice(
         1e-4,
         "time steps: unbalanced force over the yoke's preload at which Newton's method stops",
-        "choice",
         gt=0,
         le=0.01,
     )
-    strip_stations: int = parameter(
-        8,
-        "flank: Gauss points along each segment of a line of contact; law teeth adds one",
-        "choice",
-        ge=1,
-        le=32,
+    strip_stations: int = choice(
+        8, "flank: Gauss points along each segment of a line of contact; law teeth adds one", ge=1, le=32
     )
-    strip_points: int = parameter(2, "flank: Gauss points across the strip of contact", "choice", ge=1, le=32)
-    profile_samples: int = parameter(
-        27, "general contact: spheres along the profile of a flank", "choice", ge=2, le=2000
-    )
-    axial_samples: int = parameter(
-        18, "general contact: rows of spheres along the face width", "choice", ge=2, le=2000
-    )
-    zone_ratio: Number = parameter(
-        0.001, "width of the friction zone over the smallest sliding speed of the teeth", "choice", gt=0, le=1
+    strip_points: int = choice(2, "flank: Gauss points across the strip of contact", ge=1, le=32)
+    profile_samples: int = choice(27, "general contact: spheres along the profile of a flank", ge=2, le=2000)
+    axial_samples: int = choice(18, "general contact: rows of spheres along the face width", ge=2, le=2000)
+    zone_ratio: Number = choice(
+        0.001, "width of the friction zone over the smallest sliding speed of the teeth", gt=0, le=1
     )
 
-    friction_elements: int = parameter(
+    friction_elements: int = choice(
         1,
         "bristle: elasto-plastic elements of each part; more elements give a smoother first loading",
-        "choice",
         ge=1,
         le=MOST_ELEMENTS,
     )
