@@ -19,7 +19,7 @@ import numpy as np
 from rps_exudyn.analysis.passes import Signals, common_angles, interpolated, longest_pass
 from rps_exudyn.analysis.torque import mean
 from rps_exudyn.results.provenance import FIELDS
-from rps_exudyn.results.quantities import SIGNALS, is_work
+from rps_exudyn.results.quantities import SIGNALS, WORKS
 from rps_exudyn.results.result import Result
 
 Pair = tuple[Any, Any]
@@ -158,7 +158,7 @@ def _over(angle: np.ndarray, signals: Signals, name: str) -> np.ndarray:
     """A signal at given pinion angles; what counts from the start of recording counts from theirs."""
     sense = 1 if signals["pinion_angle"][-1] > signals["pinion_angle"][0] else -1
     values = interpolated(signals, name, angle, sense)
-    return values - values[0 if sense > 0 else -1] if name == "time" or is_work(name) else values
+    return values - values[0 if sense > 0 else -1] if name == "time" or name in WORKS else values
 
 
 # --- A result compared number by number with its repetition

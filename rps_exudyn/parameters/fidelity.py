@@ -18,6 +18,7 @@ from pydantic import computed_field, model_validator
 from rps_exudyn.base.errors import InputError, check_kind
 from rps_exudyn.parameters.declaration import DEG, Angle, Declared, Number, Table, parameter
 from rps_exudyn.parameters.friction_law import MOST_ELEMENTS
+from rps_exudyn.parameters.retired import PARAMETERS
 from rps_exudyn.parameters.wrong_values import WrongValue
 
 choice = partial(parameter, source="choice")
@@ -122,15 +123,25 @@ class Fidelity(Table):
             return {choice: value for choice, value in tables.items() if (choice, value) != ("yoke", "body")}
         preset = str(tables["name"]).partition(" ")[0]
         known = {"based_on": preset} if preset in PRESETS else {}
-        dropped = "name", "yoke", "generators", "torque_tolerance"
-        return known | {choice: value for choice, value in tables.items() if choice not in dropped}
+        gone = {"name", *(path.removeprefix("fidelity.") for path in PARAMETERS)}
+        return known | {choice: value for choice, value in tables.items() if choice not in gone}
 
     def __repr__(self) -> str:
         return f"<Fidelity: {self.name}>"
 
     def conflicts(self) -> Iterator[WrongValue]:
         """Yield choices that are each fine alone, but not together."""
-        return _conflicts(self)
+        if 0 < self.swing_steps < LEAST_SWING_STEPS:
+            yield WrongValue(
+                ("swing_steps",),
+                f"fidelity.swing_steps is {self.swing_steps}; it must be 0, for the scene's own, or at least "
+                f"{LEAST_SWING_STEPS}.",
+            )
+        for (other, needing), part, possible, reason in _LIMITS:
+            value = getattr(self, part)
+            if getattr(self, other) == needing and value not in possible.split():
+                sentence = f"fidelity.{part} is {value}, but fidelity.{other} is {needing}, {reason}."
+                yield WrongValue((other, part), sentence)
 
     @property
     def bends_teeth(self) -> bool:
@@ -201,64 +212,30 @@ def _choices() -> tuple[Declared, ...]:
     return tuple(Fidelity.declared())
 
 
-def _conflicts(chosen: Fidelity) -> Iterator[WrongValue]:
-    if 0 < chosen.swing_steps < LEAST_SWING_STEPS:
-        yield WrongValue(
-            ("swing_steps",),
-            f"fidelity.swing_steps is {chosen.swing_steps}; it must be 0, for the scene's own, or at least "
-            f"{LEAST_SWING_STEPS}.",
-        )
-    if chosen.rack == "guided" and chosen.bush != "condensed":
-        yield WrongValue(
-            ("rack", "bush"),
-            f"fidelity.bush is {chosen.bush}, but fidelity.rack is guided, which has only the drag of the "
-            f"bush: leave it condensed.",
-        )
-    if chosen.rack == "flexible" and chosen.bush == "chain":
-        yield WrongValue(
-            ("rack", "bush"),
-            f"fidelity.bush is {chosen.bush}, but fidelity.rack is flexible, whose bush is condensed to its "
-            "exact stiffness: leave it condensed.",
-        )
-    if chosen.rack == "flexible" and chosen.mesh == "general-contact":
-        yield WrongValue(
-            ("rack", "mesh"),
-            "fidelity.mesh is general-contact, but fidelity.rack is flexible, which has only rigid "
-            "bodies: choose fidelity.mesh = flank.",
-        )
-    if chosen.pinion == "supported" and chosen.mesh == "general-contact":
-        yield WrongValue(
-            ("pinion", "mesh"),
-            "fidelity.mesh is general-contact, but fidelity.pinion is supported, which general contact "
-            "does not offer: choose fidelity.mesh = flank.",
-        )
-    for choice, solver, understood, reason in _SOLVER_LIMITS:
-        value = getattr(chosen, choice)
-        if chosen.solver == solver and value not in understood:
-            yield WrongValue(
-                ("solver", choice),
-                f"fidelity.{choice} is {value}, but fidelity.solver is {solver}, {reason}.",
-            )
-
-
-# What a solver cannot do: choice, solver, what it understands, and why
-_SOLVER_LIMITS = (
-    ("mesh", "closed-form", ("flank",), "whose formulas are those of flank contact"),
+_LIMITS = (
+    (("rack", "guided"), "bush", "condensed", "which has only the drag of the bush: leave it condensed"),
     (
-        "bush",
-        "closed-form",
-        ("condensed",),
+        ("rack", "flexible"), "bush", "condensed rigid",
+        "whose bush is condensed to its exact stiffness: leave it condensed",
+    ),
+    (("rack", "flexible"), "mesh", "flank", "which has only rigid bodies: choose fidelity.mesh = flank"),
+    (
+        ("pinion", "supported"), "mesh", "flank",
+        "which general contact does not offer: choose fidelity.mesh = flank",
+    ),
+    (("solver", "closed-form"), "mesh", "flank", "whose formulas are those of flank contact"),
+    (
+        ("solver", "closed-form"), "bush", "condensed",
         "whose formulas contain only the bush's drag: leave it condensed",
     ),
-    ("pinion", "closed-form", ("by-scene", "rigid"), "whose formulas let the pinion only turn"),
-    ("rack", "closed-form", ("by-scene", "free", "guided"), "whose formulas contain no bending"),
+    (("solver", "closed-form"), "pinion", "by-scene rigid", "whose formulas let the pinion only turn"),
+    (("solver", "closed-form"), "rack", "by-scene free guided", "whose formulas contain no bending"),
     (
-        "bush",
-        "equilibrium",
-        ("condensed", "rigid"),
+        ("solver", "equilibrium"), "bush", "condensed rigid",
         "which needs no segments; condensed has the exact static stiffness of the chain",
     ),
-)
+)  # fmt: skip
+"""A choice, another part, the choices of that one that go with it, and why others do not."""
 
 PRESETS: dict[str, dict[str, Any]] = {
     "full": {"mesh": "general-contact", "bush": "chain"},

@@ -44,8 +44,8 @@ from rps_exudyn.parameters.declaration import (
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import FrictionLaw, LoadedFrictionLaw
 from rps_exudyn.parameters.retired import read_choice
-from rps_exudyn.parameters.rig import Test, conflicts_of_test
-from rps_exudyn.parameters.wrong_values import WrongValue
+from rps_exudyn.parameters.rig import Test
+from rps_exudyn.parameters.wrong_values import WrongValue, conflict
 
 LARGEST_FLOAT = 0.1  # of the face width: beyond, the float takes the teeth off each other's face
 STEEPEST_LEAD = 0.01  # lead error over face width [rad]: the flanks' normals are those of the design to 1e-4
@@ -417,8 +417,90 @@ class SteeringGear(Table):
         return not derived.is_involved(path) and super()._stands_alone(path)
 
     def conflicts(self) -> Iterator[WrongValue]:
-        """Yield parameters that do not fit each other."""
-        return _conflicts(self)
+        """Yield parameters that are each fine alone, but not together."""
+        bush, rack, yoke, pinion, bearing = self.bush, self.rack, self.yoke, self.pinion, self.bearing
+        if not bearing.lower_position < 0 < bearing.upper_position:
+            yield conflict(
+                f"bearing.upper_position is {mm(bearing.upper_position)} and bearing.lower_position "
+                f"{mm(bearing.lower_position)}; the bearings must stand on both sides of the mesh, the upper "
+                "one above 0 mm and the lower one below."
+            )
+        if pinion.axial_float > LARGEST_FLOAT * pinion.face_width:
+            yield conflict(
+                f"pinion.axial_float is {mm(pinion.axial_float)}; the mesh allows at most "
+                f"{mm(LARGEST_FLOAT * pinion.face_width)}, a tenth of pinion.face_width."
+            )
+        if pinion.shaft_length < pinion.face_width:
+            yield conflict(
+                f"pinion.shaft_length is {mm(pinion.shaft_length)}; it carries the whole gear and must be at "
+                f"least as long as pinion.face_width = {mm(pinion.face_width)}."
+            )
+        if abs(pinion.lead_error) > STEEPEST_LEAD * pinion.face_width:
+            yield conflict(
+                f"pinion.lead_error is {mm(pinion.lead_error)}; over pinion.face_width = "
+                f"{mm(pinion.face_width)} it must be at most {mm(STEEPEST_LEAD * pinion.face_width)} "
+                "either way."
+            )
+        given = len(numbers_in(pinion.pitch_errors)) if accuracy_class(pinion.pitch_errors) is None else 0
+        if given and given != pinion.teeth:
+            yield conflict(
+                f"pinion.pitch_errors has {given} numbers; it must have {pinion.teeth}, one for each of "
+                "pinion.teeth."
+            )
+        if bush.inner_diameter >= bush.outer_diameter:
+            yield conflict(
+                f"bush.inner_diameter is {mm(bush.inner_diameter)}; it must be smaller than "
+                f"bush.outer_diameter = {mm(bush.outer_diameter)}."
+            )
+        if bush.clearance and bush.interference:
+            yield conflict(
+                f"bush.clearance is {mm(bush.clearance)} and bush.interference {mm(bush.interference)}; the "
+                "bar has room in the bush or is pressed by it: one of them must be 0 mm."
+            )
+        if rack.bar_diameter >= bush.inner_diameter:
+            yield conflict(
+                f"rack.bar_diameter is {mm(rack.bar_diameter)}; the bar must pass through "
+                f"bush.inner_diameter = {mm(bush.inner_diameter)}."
+            )
+        tip_height = rack.reference_height + self.basic_rack.addendum * pinion.normal_module
+        if tip_height >= rack.bar_diameter / 2:
+            yield conflict(
+                f"rack.reference_height is {mm(rack.reference_height)}; with the addendum the teeth reach "
+                f"{mm(tip_height)} above the bar's axis, which must be less than its radius "
+                f"{mm(rack.bar_diameter / 2)}.",
+                "rack.bar_diameter",
+                "basic_rack.addendum",
+                "pinion.normal_module",
+            )
+        if yoke.plunger_diameter <= rack.bar_diameter * 0.8:
+            yield conflict(
+                f"yoke.plunger_diameter is {mm(yoke.plunger_diameter)}; a seat for the bar needs more than "
+                f"{mm(rack.bar_diameter * 0.8)}.",
+                "rack.bar_diameter",
+            )
+        if yoke.seat_form == "gothic" and not yoke.seat_clearance:
+            yield conflict(
+                "yoke.seat_form is gothic and yoke.seat_clearance 0 mm; the arcs of a gothic arch are wider "
+                "than the bar, by more than 0 mm."
+            )
+        if yoke.seat_form == "gothic" and yoke.seat_angle <= 45 * DEG:
+            yield conflict(
+                f"yoke.seat_angle is {yoke.seat_angle / DEG:.4g} deg; a gothic seat touches at 45 deg and "
+                "must reach beyond.",
+                "yoke.seat_form",
+            )
+        if rack.travel >= rack.length:
+            yield conflict(
+                f"rack.travel is {mm(rack.travel)}; it must be shorter than rack.length = {mm(rack.length)}."
+            )
+        elif bush.distance > (farthest := rack.length - bush.length - rack.travel / 2):
+            yield conflict(
+                f"bush.distance is {mm(bush.distance)}; it must be at most {mm(farthest)}, or the rack "
+                "leaves the bush within half its travel.",
+                "bush.length",
+                "rack.travel",
+                "rack.length",
+            )
 
     def __repr__(self) -> str:
         pinion, changes = self.pinion, self.changes_shown()
@@ -442,99 +524,6 @@ def check_gear(gear: object) -> None:
     """
     example = 'a SteeringGear, for instance SteeringGear().replace({"yoke.preload": "400 N"})'
     check_kind("gear", gear, SteeringGear, example)
-
-
-def _conflicts(gear: SteeringGear) -> Iterator[WrongValue]:
-    """Parameters that are each fine alone, but not together."""
-    yield from conflicts_of_test(gear.test)
-    bush, rack, yoke, pinion, bearing = gear.bush, gear.rack, gear.yoke, gear.pinion, gear.bearing
-    if not bearing.lower_position < 0 < bearing.upper_position:
-        yield WrongValue(
-            ("bearing.upper_position", "bearing.lower_position"),
-            f"bearing.upper_position is {mm(bearing.upper_position)} and bearing.lower_position "
-            f"{mm(bearing.lower_position)}; the bearings must stand on both sides of the mesh, the upper one "
-            "above 0 mm and the lower one below.",
-        )
-    if pinion.axial_float > LARGEST_FLOAT * pinion.face_width:
-        yield WrongValue(
-            ("pinion.axial_float", "pinion.face_width"),
-            f"pinion.axial_float is {mm(pinion.axial_float)}; the mesh allows at most "
-            f"{mm(LARGEST_FLOAT * pinion.face_width)}, a tenth of pinion.face_width.",
-        )
-    if pinion.shaft_length < pinion.face_width:
-        yield WrongValue(
-            ("pinion.shaft_length", "pinion.face_width"),
-            f"pinion.shaft_length is {mm(pinion.shaft_length)}; it carries the whole gear and must be at "
-            f"least as long as pinion.face_width = {mm(pinion.face_width)}.",
-        )
-    if abs(pinion.lead_error) > STEEPEST_LEAD * pinion.face_width:
-        yield WrongValue(
-            ("pinion.lead_error", "pinion.face_width"),
-            f"pinion.lead_error is {mm(pinion.lead_error)}; over pinion.face_width = {mm(pinion.face_width)} "
-            f"it must be at most {mm(STEEPEST_LEAD * pinion.face_width)} either way.",
-        )
-    given = len(numbers_in(pinion.pitch_errors)) if accuracy_class(pinion.pitch_errors) is None else 0
-    if given and given != pinion.teeth:
-        yield WrongValue(
-            ("pinion.pitch_errors", "pinion.teeth"),
-            f"pinion.pitch_errors has {given} numbers; it must have {pinion.teeth}, one for each of "
-            "pinion.teeth.",
-        )
-    if bush.inner_diameter >= bush.outer_diameter:
-        yield WrongValue(
-            ("bush.inner_diameter", "bush.outer_diameter"),
-            f"bush.inner_diameter is {mm(bush.inner_diameter)}; it must be smaller than "
-            f"bush.outer_diameter = {mm(bush.outer_diameter)}.",
-        )
-    if bush.clearance and bush.interference:
-        yield WrongValue(
-            ("bush.clearance", "bush.interference"),
-            f"bush.clearance is {mm(bush.clearance)} and bush.interference {mm(bush.interference)}; the bar "
-            "has room in the bush or is pressed by it: one of them must be 0 mm.",
-        )
-    if rack.bar_diameter >= bush.inner_diameter:
-        yield WrongValue(
-            ("rack.bar_diameter", "bush.inner_diameter"),
-            f"rack.bar_diameter is {mm(rack.bar_diameter)}; the bar must pass through "
-            f"bush.inner_diameter = {mm(bush.inner_diameter)}.",
-        )
-    tip_height = rack.reference_height + gear.basic_rack.addendum * gear.pinion.normal_module
-    if tip_height >= rack.bar_diameter / 2:
-        yield WrongValue(
-            ("rack.reference_height", "rack.bar_diameter", "basic_rack.addendum", "pinion.normal_module"),
-            f"rack.reference_height is {mm(rack.reference_height)}; with the addendum the teeth reach "
-            f"{mm(tip_height)} above the bar's axis, which must be less than its radius "
-            f"{mm(rack.bar_diameter / 2)}.",
-        )
-    if yoke.plunger_diameter <= rack.bar_diameter * 0.8:
-        yield WrongValue(
-            ("yoke.plunger_diameter", "rack.bar_diameter"),
-            f"yoke.plunger_diameter is {mm(yoke.plunger_diameter)}; a seat for the bar needs more than "
-            f"{mm(rack.bar_diameter * 0.8)}.",
-        )
-    if yoke.seat_form == "gothic" and not yoke.seat_clearance:
-        yield WrongValue(
-            ("yoke.seat_form", "yoke.seat_clearance"),
-            "yoke.seat_form is gothic and yoke.seat_clearance 0 mm; the arcs of a gothic arch are wider than "
-            "the bar, by more than 0 mm.",
-        )
-    if yoke.seat_form == "gothic" and yoke.seat_angle <= 45 * DEG:
-        yield WrongValue(
-            ("yoke.seat_form", "yoke.seat_angle"),
-            f"yoke.seat_angle is {yoke.seat_angle / DEG:.4g} deg; a gothic seat touches at 45 deg and must "
-            "reach beyond.",
-        )
-    if rack.travel >= rack.length:
-        yield WrongValue(
-            ("rack.travel", "rack.length"),
-            f"rack.travel is {mm(rack.travel)}; it must be shorter than rack.length = {mm(rack.length)}.",
-        )
-    elif bush.distance > (farthest := rack.length - bush.length - rack.travel / 2):
-        yield WrongValue(
-            ("bush.distance", "bush.length", "rack.travel", "rack.length"),
-            f"bush.distance is {mm(bush.distance)}; it must be at most {mm(farthest)}, or the rack "
-            "leaves the bush within half its travel.",
-        )
 
 
 class Setup(SteeringGear):

@@ -18,7 +18,7 @@ from rps_exudyn.parameters.declaration import (
     Torque,
     parameter,
 )
-from rps_exudyn.parameters.wrong_values import WrongValue
+from rps_exudyn.parameters.wrong_values import WrongValue, conflict
 
 
 class Test(Table):
@@ -101,12 +101,8 @@ class Test(Table):
         "49 N", "input-shaft-play: force along the input shaft, in both directions", gt=0
     )
 
-
-def conflicts_of_test(test: Test) -> Iterator[WrongValue]:
-    """Yield parameters of the test that are each fine alone, but not together."""
-    if test.band_low >= test.band_high:
-        yield WrongValue(
-            ("test.band_low", "test.band_high"),
-            f"test.band_low is {test.band_low:g} Hz; it must be below test.band_high = "
-            f"{test.band_high:g} Hz.",
-        )
+    def conflicts(self) -> Iterator[WrongValue]:
+        """Yield parameters that are each fine alone, but not together."""
+        if self.band_low >= self.band_high:
+            low, high = f"{self.band_low:g} Hz", f"{self.band_high:g} Hz"
+            yield conflict(f"test.band_low is {low}; it must be below test.band_high = {high}.")

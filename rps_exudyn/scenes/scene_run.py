@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from rps_exudyn.results.outcome import Code, Outcome, Remark, Status, each_once, joined_text
-from rps_exudyn.results.quantities import is_work
+from rps_exudyn.results.quantities import WORKS
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.settling import TOLERANCE
 
@@ -94,7 +94,7 @@ def one_after_another(records: Sequence[Signals]) -> Signals:
 
 
 def _continued(name: str, before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    stood = before[..., -1:] if name == "time" or is_work(name) else 0.0
+    stood = before[..., -1:] if name == "time" or name in WORKS else 0.0
     return np.concatenate([before, stood + after], axis=-1)
 
 
