@@ -61,9 +61,9 @@ def problems_of(
         for number, item in enumerate(items):
             if len(found) >= MOST_NAMED:
                 return [*found, WrongValue((), f"{len(items) - number} more values are wrong.")]
-            conflict = item.get("ctx", {}).get("error")
-            is_conflict = isinstance(conflict, ConflictError)
-            problems = conflict.problems if is_conflict else [_problem(table, item, given, settings)]
+            problems = [_problem(table, item, given, settings)]
+            if isinstance(meant := item.get("ctx", {}).get("error"), ConflictError):
+                problems = meant.problems
             found += [problem for problem in problems if not problem.concerns(_paths(wrong))]
         new = [item["loc"] for item in items if item["loc"] not in wrong]
         wrong += new

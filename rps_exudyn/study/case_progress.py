@@ -12,10 +12,10 @@ import numpy as np
 from rps_exudyn.base.files import append
 from rps_exudyn.base.progress import duration
 from rps_exudyn.base.screen import open_screen
+from rps_exudyn.results.block import CaseRow
 from rps_exudyn.results.outcome import Status, alike
 from rps_exudyn.study.cases import setup_of
 from rps_exudyn.study.definition import Case, Description, Study
-from rps_exudyn.study.store import CaseRow
 from rps_exudyn.study.table import show_value
 
 

@@ -15,6 +15,7 @@ from pathlib import Path
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of, replacing
+from rps_exudyn.results.block import CaseRow
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.simulate.cases.task import Executor
@@ -22,7 +23,7 @@ from rps_exudyn.study.case_progress import Group, bar, case_line, groups, log_li
 from rps_exudyn.study.cases import describe
 from rps_exudyn.study.definition import Case, Description, Study
 from rps_exudyn.study.handover import Handover
-from rps_exudyn.study.store import CaseRow, Store
+from rps_exudyn.study.store import Store
 
 
 @dataclass(frozen=True)

@@ -10,16 +10,14 @@ read are listed in `Store.skipped`, and their cases count as not done.
 
 import os
 import socket
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import as_path, check_writable, number_existing, replacing
-from rps_exudyn.results.block import CaseRecord, summaries
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.block import CaseRecord, CaseRow, summaries
 from rps_exudyn.results.result import Result, read_result
 from rps_exudyn.study.case_blocks import Blocks
 from rps_exudyn.study.definition import Case, Description
@@ -27,27 +25,6 @@ from rps_exudyn.study.definition import Case, Description
 # What a runner that was stopped at its start may leave, and one that was killed
 BEGUN = {".lock", "cases", "blocks", "study.toml"}
 HALF_WRITTEN = "cases/.*.h5", "blocks/.*.h5", ".study.*.json", ".study.*.toml"
-
-
-@dataclass(frozen=True)
-class CaseRow:
-    """A finished case without its signals: its outcome, and its numbers (SI)."""
-
-    hash: str
-    status: Status
-    message: str
-    cpu_s: float  # CPU time [s]
-    wall_s: float  # elapsed time [s]
-    summary: Mapping[str, float]  # with errors, see `quantities.COLUMNS`
-    codes: tuple[str, ...] = ()  # of the message, see `outcome.Code`
-
-    @classmethod
-    def of(cls, record: CaseRecord) -> "CaseRow":
-        """The row of a record."""
-        about, summary = record.attributes, dict(record.tables["summary"])
-        message = " ".join(about["message"].split())
-        times = about["cpu_s"], about["wall_s"]
-        return cls(record.hash, Status(about["status"]), message, *times, summary, record.codes)
 
 
 class Store:
@@ -183,7 +160,7 @@ class Store:
         found: dict[str, CaseRow] = {}
         for path in self.blocks.paths:
             try:
-                found |= {case.hash: CaseRow(*case) for case in summaries(path)}
+                found |= {case.hash: case for case in summaries(path)}
             except InputError as error:
                 self.skipped.append((path, " ".join(error.problems)))
         return found
