@@ -4,9 +4,12 @@ They are not run again.
 """
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationInfo, ValidatorFunctionWrapHandler
+
+if TYPE_CHECKING:
+    from rps_exudyn.parameters.gear import SteeringGear
 
 CHOICES: dict[str, dict[str, str]] = {
     "fidelity.mesh": {
@@ -90,6 +93,16 @@ def of_this_version(
         and isinstance(table.get("bristle_travel"), float)
     }
     return gear | changed, "; ".join(filter(None, (message, TRAVEL_REMARK if changed else "")))
+
+
+def has_lines(law: str) -> bool:
+    """Return whether a contact law has loads per length of line: `area` has pressures alone."""
+    return law != "area"
+
+
+def with_lines(gear: "SteeringGear") -> "SteeringGear":
+    """Return a gear by law line where its own contact law has no lines."""
+    return gear if has_lines(gear.mesh.contact_law) else gear.replace({"mesh.law": "line"})
 
 
 def contact_law_of(mesh: str, law: str) -> str | None:

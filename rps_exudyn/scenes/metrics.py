@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.analysis.passes import number_of, passes
+from rps_exudyn.analysis.passes import passes
 from rps_exudyn.analysis.rack_motion import describe_rack
 from rps_exudyn.analysis.torque import describe_directions, describe_on_centre, describe_torque
 from rps_exudyn.analysis.work_balance import describe_losses, energy_residual
@@ -44,11 +44,11 @@ def figures_of_rack(signals: Signals, rack_gain: float | np.ndarray) -> dict[str
     return {"rack_gain": gain(passes(signals)[0].signals), **describe_rack(signals, rack_gain)}
 
 
-def gain(signals: Signals) -> float:
+def gain(signals: Signals) -> Any:
     """Return the displacement of the rack per revolution of the pinion over a record in one direction [m]."""
     angle, place = signals["pinion_angle"], signals["rack_displacement"]
     turned = angle[..., -1] - angle[..., 0]
-    return number_of((place[..., -1] - place[..., 0]) / turned * 2 * np.pi)
+    return (place[..., -1] - place[..., 0]) / turned * 2 * np.pi
 
 
 def balance(signals: Signals) -> dict[str, float]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from rps_exudyn.analysis.passes import plain
 from rps_exudyn.results.outcome import Code, Outcome, Remark, Status, each_once, joined_text
 from rps_exudyn.results.quantities import WORKS
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
@@ -58,7 +59,7 @@ class SceneRun:
 
     def described(self, figures: Callable[[Signals], dict[str, float]]) -> "SceneRun":
         """Return the run with the summary that `figures` reads from its signals, if there are any."""
-        return replace(self, summary=figures(self.signals), metrics=figures) if self.signals else self
+        return replace(self, summary=plain(figures(self.signals)), metrics=figures) if self.signals else self
 
 
 def joined(runs: Sequence[SceneRun]) -> SceneRun:

@@ -4,15 +4,16 @@ import numpy as np
 import pytest
 
 from rps_exudyn.analysis.efficiency import LoadTest, describe_load_test, free_torque_of, measured_load_test
-from rps_exudyn.analysis.harmonics import order_amplitude, order_spectrum
+from rps_exudyn.analysis.harmonics import order_amplitude
 from rps_exudyn.analysis.hysteresis import describe_reversal, loop_area
 from rps_exudyn.analysis.impacts import describe_impacts, find_impacts
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.analysis.rack_motion import describe_rack
 from rps_exudyn.analysis.torque import describe_directions, describe_on_centre, describe_torque
-from rps_exudyn.analysis.work_balance import describe_losses, energy_residual, loss_torques
+from rps_exudyn.analysis.work_balance import describe_losses, energy_residual
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.rounding import rounded_range
+from verification.orders import loss_torques, order_spectrum
 
 TURN = 2 * np.pi
 
