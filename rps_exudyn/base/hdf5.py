@@ -1,8 +1,9 @@
 """HDF5 files of this package, read after a check of their checksum, type and format version."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -27,6 +28,24 @@ def file_image(fill: Callable[[h5py.File], None]) -> bytes:
         fill(file)
         file.flush()
         return bytes(file.id.get_file_image())
+
+
+def put(
+    group: h5py.Group,
+    name: str,
+    values: Any,
+    attributes: Mapping[str, str],
+    scales: Iterable[Any] = (),
+    **how: Any,
+) -> h5py.Dataset:
+    """Write a dataset: numbers, or texts of the kind "U"; its dimensions have these scales."""
+    if isinstance(values, np.ndarray) and values.dtype.kind == "U":
+        values, how = values.astype(object), {"dtype": h5py.string_dtype()}
+    dataset = group.create_dataset(name, data=values, **how)
+    dataset.attrs.update(attributes)
+    for dimension, scale in zip(dataset.dims, scales, strict=False):
+        dimension.attach_scale(scale)
+    return dataset
 
 
 @contextmanager

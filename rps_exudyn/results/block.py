@@ -17,7 +17,7 @@ import h5py
 import numpy as np
 
 from rps_exudyn.base.files import printable, read_json_tables, with_checksum
-from rps_exudyn.base.hdf5 import file_image, named_damage, opened
+from rps_exudyn.base.hdf5 import file_image, named_damage, opened, put
 from rps_exudyn.results.outcome import Status, codes_of
 from rps_exudyn.results.quantities import COLUMNS, GROUPS, SUMMARY, Quantity
 from rps_exudyn.results.result import TABLES, TEXTS, Result, attributes_of, result_of
@@ -149,16 +149,13 @@ def _fill(file: h5py.File, records: Sequence[CaseRecord], axes: AxisColumns) -> 
 
 def _put(file: h5py.File, name: str, values: np.ndarray, quantity: Quantity | None = None) -> None:
     """A dataset over the cases, or cases and samples; of these dimensions the scales have the names."""
-    filters: dict[str, Any] = FILTERS | {"chunks": values.shape} if values.size else {}
-    if values.dtype.kind == "U":
-        values, filters = values.astype(object), {"dtype": h5py.string_dtype()}
-    dataset = file.create_dataset(name, data=values, **filters)
-    dataset.attrs.update(quantity.attributes if quantity else {})
+    filters = FILTERS | {"chunks": values.shape} if values.size else {}
+    attributes = quantity.attributes if quantity else {}
     if name in ("case", "sample"):
-        dataset.make_scale(name)
+        put(file, name, values, attributes, **filters).make_scale(name)
     else:
-        for dimension, scale in zip(dataset.dims, ("case", "sample"), strict=False):
-            dimension.attach_scale(file[scale])
+        scales = [file[scale] for scale in ("case", "sample")[: values.ndim]]
+        put(file, name, values, attributes, scales, **filters)
 
 
 def _put_table(file: h5py.File, group: str, rows: Sequence[Mapping[str, float]]) -> None:

@@ -19,7 +19,7 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError, check_kind
 from rps_exudyn.base.files import printable, read_json_tables, replacing, with_checksum
-from rps_exudyn.base.hdf5 import file_image, opened
+from rps_exudyn.base.hdf5 import file_image, opened, put
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.retired import STORED, of_this_version
@@ -64,8 +64,7 @@ class MeasuredTorque:
         group = file.create_group(MEASURED_GROUP)
         group.attrs["name"] = self.name
         for name in MEASURED_SIGNALS:
-            dataset = group.create_dataset(name, data=np.asarray(self.signals[name], dtype=float))
-            dataset.attrs.update(SIGNALS[name].attributes)
+            put(group, name, np.asarray(self.signals[name], dtype=float), SIGNALS[name].attributes)
 
     @classmethod
     def read(cls, file: h5py.File) -> "MeasuredTorque | None":
@@ -289,7 +288,7 @@ def _write(result: Result, file: h5py.File) -> None:
     for group in GROUPS:
         file.create_group(group)
     for name, values in result.signals.items():
-        _put(file, "signals", name, np.asarray(values, dtype=float))
+        put(file["signals"], name, np.asarray(values, dtype=float), SIGNALS[name].attributes)
     if result.signals:
         time = file["signals/time"]
         time.make_scale("time")
@@ -297,7 +296,8 @@ def _write(result: Result, file: h5py.File) -> None:
             dataset.dims[0].attach_scale(time)
     for group in TABLES:
         for name, value in getattr(result, group).items():
-            _put(file, group, name, value if group == "counters" else float(value))
+            number = value if group == "counters" else float(value)
+            put(file[group], name, number, GROUPS[group][name].attributes)
     for name in result.errors.keys() & result.summary.keys():
         file["summary"][name].attrs["error"] = float(result.errors[name])
     if result.measured is not None:
@@ -321,11 +321,6 @@ def attributes_of(result: Result) -> dict[str, Any]:
         "wall_s": float(result.wall_s),
         **result.provenance,
     }
-
-
-def _put(file: h5py.File, group: str, name: str, value: Any) -> None:
-    dataset = file[group].create_dataset(name, data=value)
-    dataset.attrs.update(GROUPS[group][name].attributes)
 
 
 def _plain(value: Any) -> Any:

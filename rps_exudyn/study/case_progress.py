@@ -85,26 +85,20 @@ STORING = 0.002  # [s] per case: file, index, log
 STARTING = 4.0  # [s] of the processes, kernels compiled
 
 
-@dataclass(frozen=True)
-class Duration:
-    """Elapsed time that the missing cases will take together."""
-
-    seconds: float
-    source: str  # what it is based on, in words
-
-
-def estimate(study: Study, missing: Sequence[Case], measured: Sequence[float], jobs: int) -> Duration:
-    """Return the elapsed time of the missing cases with `jobs` processes; `measured` lists the times that
-    finished cases took [s]."""
+def estimate(
+    study: Study, missing: Sequence[Case], measured: Sequence[float], jobs: int
+) -> tuple[float, str]:
+    """Return the elapsed time of the missing cases with `jobs` processes [s], and what it is based on, in
+    words; `measured` lists the times that finished cases took [s]."""
     if not missing:
-        return Duration(0.0, "nothing is missing")
+        return 0.0, "nothing is missing"
     if measured:
         each = float(np.mean(measured))
         source = f"from the {len(measured)} finished cases, {each:.3g} s each"
     else:
         each = float(np.mean([_cost(study, case) for case in missing[:: max(1, len(missing) // 100)]]))
         source = f"from costs measured on one small machine, {each:.3g} s each; rough"
-    return Duration(STARTING + len(missing) * (each + STORING) / min(jobs, len(missing)), source)
+    return STARTING + len(missing) * (each + STORING) / min(jobs, len(missing)), source
 
 
 def _cost(study: Study, case: Case) -> float:

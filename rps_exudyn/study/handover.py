@@ -93,7 +93,7 @@ class Handover(Iterator[Task]):
     """Yields tasks, also after it has ended, where an answer brought new ones.
 
     Attributes:
-        single_run_reason: see `Dispatch`.
+        dispatch: how the cases are done.
         through_batch: number of cases that were answered in groups; all others were done singly.
         in_loop: number of those that were computed together.
     """
@@ -106,10 +106,8 @@ class Handover(Iterator[Task]):
         self._again: deque[Case] = deque()  # one by one
         self._apart: set[str] = set()  # hashes of cases that are simulated without learning from others
         self._left = deque(missing)
-        dispatch = dispatch_of(study, description)
-        self._grouped, self._ranges = dispatch.grouped, dispatch.ranges
-        self.single_run_reason = dispatch.single_run_reason
-        together = self._ranges is not None
+        self.dispatch = dispatch_of(study, description)
+        together = self.dispatch.ranges is not None
         self._smallest = SMALLEST_TOGETHER if together else SMALLEST
         self._least = self._smallest if together else 1  # fewer would be simulated one by one
         self._shares = (SHARES_TOGETHER if together else SHARES) * executor.workers
@@ -122,7 +120,7 @@ class Handover(Iterator[Task]):
             return self._task([self._again.popleft()])
         if not self._left:
             raise StopIteration
-        size = min(self._size, len(self._left)) if self._grouped else 1
+        size = min(self._size, len(self._left)) if self.dispatch.grouped else 1
         return self._task([self._left.popleft() for _ in range(size)])
 
     @property
@@ -133,10 +131,9 @@ class Handover(Iterator[Task]):
         return max(self._least, min(most, int(self._seconds / self._cost)))
 
     def _task(self, cases: list[Case]) -> Task:
-        settings = {case.hash: settings_of(self._study.axes, case.values) for case in cases}
-        ranges = None if cases[0].hash in self._apart else self._ranges
-        about = self._description
-        study = self._study
+        study, about = self._study, self._description
+        settings = {case.hash: settings_of(study.axes, case.values) for case in cases}
+        ranges = None if cases[0].hash in self._apart else self.dispatch.ranges
         goal = None if study.wanted is None else (study.wanted, study.time_limit)
         group = CaseGroup(about.scene, study.base, settings, about.signals, ranges, goal)
         task = Task(group.records, group.warm_up)
@@ -158,7 +155,7 @@ class Handover(Iterator[Task]):
             self.in_loop += sum(record.found_together for record in records)
             return list(zip(cases, records, strict=True))
         first, *others = cases
-        together = self._ranges is not None and first.hash not in self._apart
+        together = self.dispatch.ranges is not None and first.hash not in self._apart
         if others or (together and answer.failed_by_itself):
             self._again.extend(cases)
             self._apart.update([] if others else [first.hash])

@@ -13,7 +13,6 @@ import socket
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TextIO
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import as_path, check_writable, number_existing, replacing
@@ -187,7 +186,11 @@ class Store:
         Raises:
             InputError: another runner is at work on the folder.
         """
-        with self._lock_file() as file:
+        try:
+            lock = (self.path / ".lock").open("a+", encoding="utf-8")
+        except OSError as error:
+            raise InputError(f"{self.path} cannot be written: {error.strerror or error}.") from None
+        with lock as file:
             if _try_lock(file.fileno()):
                 file.truncate(0)
                 file.write(f"process {os.getpid()} on {socket.gethostname()}")
@@ -202,12 +205,6 @@ class Store:
                     f"{self.path} is in use by {file.read() or 'another runner'}; "
                     "wait for it, or choose another folder by --out."
                 )
-
-    def _lock_file(self) -> TextIO:
-        try:
-            return (self.path / ".lock").open("a+", encoding="utf-8")
-        except OSError as error:
-            raise InputError(f"{self.path} cannot be written: {error.strerror or error}.") from None
 
 
 def _try_lock(descriptor: int) -> bool:
@@ -231,9 +228,9 @@ def _try_lock(descriptor: int) -> bool:
 
 def _check_folder(folder: Path, description: Description) -> None:
     """Check that the folder is new, is empty or belongs to this study."""
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder} cannot be a study's folder: it is a file.")
     if not folder.is_dir():
+        if folder.exists():
+            raise InputError(f"{folder} cannot be a study's folder: it is a file.")
         return
     if not (folder / "study.json").exists():
         if all(item.name in BEGUN or any(map(item.match, HALF_WRITTEN)) for item in folder.iterdir()):
