@@ -79,7 +79,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
     partial = _beside(target)
     try:
         yield partial
-        _flush_to_disk(partial)
+        with partial.open("r+b") as written:
+            os.fsync(written.fileno())
         partial.replace(target)
     except OSError as error:
         raise InputError(f"{path} cannot be written: {error.strerror or error}.") from error
@@ -166,14 +167,6 @@ def _resolved(path: str | Path) -> Path:
 def _beside(target: Path) -> Path:
     """A hidden name in the same folder with the same suffix, by which writers choose their format."""
     return target.with_name(f".{target.stem}.{os.getpid()}{target.suffix}")
-
-
-def _flush_to_disk(path: Path) -> None:
-    descriptor = os.open(path, os.O_RDWR)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
 
 
 # --- Tables written as JSON in files of others: read to a depth that all their readers can bear

@@ -34,15 +34,16 @@ def put(
     group: h5py.Group,
     name: str,
     values: Any,
-    attributes: Mapping[str, str],
+    about: Mapping[str, str],
     scales: Iterable[Any] = (),
     **how: Any,
 ) -> h5py.Dataset:
-    """Write a dataset: numbers, or texts of the kind "U"; its dimensions have these scales."""
+    """Write a dataset, numbers or texts of the kind "U", with the attributes `about` and scales of its
+    dimensions."""
     if isinstance(values, np.ndarray) and values.dtype.kind == "U":
         values, how = values.astype(object), {"dtype": h5py.string_dtype()}
     dataset = group.create_dataset(name, data=values, **how)
-    dataset.attrs.update(attributes)
+    dataset.attrs.update(about)
     for dimension, scale in zip(dataset.dims, scales, strict=False):
         dimension.attach_scale(scale)
     return dataset

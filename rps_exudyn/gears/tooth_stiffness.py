@@ -74,28 +74,12 @@ def mesh_stiffness_transverse(single: float, contact_ratio: float) -> float:
     return single * (0.75 * contact_ratio + 0.25)
 
 
-def rack_stiffness(
-    teeth: int, helix: float, pressure_angle: float, profile_shift: float, dedendum: float
-) -> float:
-    """Return c' of a pinion with its rack [N/m^2].
-
-    Args:
-        teeth: of the pinion.
-        helix: its helix angle beta_p at the reference cylinder [rad].
-        pressure_angle: normal pressure angle alpha_n [rad].
-        profile_shift: its profile shift coefficient.
-        dedendum: h_fP / m_n of the basic rack.
-    """
-    z_n = virtual_teeth(teeth, helix, asin(sin(helix) * cos(pressure_angle)))
-    shift = min(max(profile_shift, LEAST_SHIFT), LARGEST_SHIFT)
-    rack_factor = basic_rack_factor(dedendum, pressure_angle)
-    return single_stiffness(theoretical_stiffness(z_n, inf, shift), rack_factor, helix)
-
-
 def stiffness_of_pair(pair: "GearPair") -> float:
     """Return c' of the pinion with its rack [N/m^2]."""
-    dedendum = pair.rack_dedendum / pair.module
-    return rack_stiffness(pair.teeth, pair.beta_p, pair.alpha_n, pair.profile_shift, dedendum)
+    z_n = virtual_teeth(pair.teeth, pair.beta_p, asin(sin(pair.beta_p) * cos(pair.alpha_n)))
+    shift = min(max(pair.profile_shift, LEAST_SHIFT), LARGEST_SHIFT)
+    rack_factor = basic_rack_factor(pair.rack_dedendum / pair.module, pair.alpha_n)
+    return single_stiffness(theoretical_stiffness(z_n, inf, shift), rack_factor, pair.beta_p)
 
 
 def mesh_stiffness_of_pair(pair: "GearPair") -> float:
