@@ -33,7 +33,7 @@ from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError, check_kind
 from rps_exudyn.base.files import DEEPEST, check_depth, content_of
 from rps_exudyn.parameters.distribution import Distribution, is_distribution
-from rps_exudyn.parameters.retired import STORED, choice_instead
+from rps_exudyn.parameters.retired import context_of
 from rps_exudyn.parameters.wrong_values import ConflictError, WrongValue, nearest, problems_of
 
 DEG = math.pi / 180  # for limits of angles
@@ -273,24 +273,25 @@ class Table(BaseModel):
             InputError: an unknown path, or a value that is not allowed.
         """
         check_settings(settings)
-        context = None if any(choice_instead(*each) for each in settings.items()) else STORED
+        context = context_of(settings)
         if settings and all(self._stands_alone(path) for path in settings):
             with suppress(ValidationError):  # the whole is validated then, and its error stated
                 return type(self).model_validate(self._with(settings), context=context)
         return self.from_tables(self.model_dump(), settings, where, context)
 
     def _stands_alone(self, path: str) -> bool:
-        """Return whether a path leads into a nested table, and nothing follows from its parameter."""
+        """Return whether a path may be that of a parameter from which nothing follows."""
         table, _, name = path.partition(".")
-        return bool(name) and isinstance(getattr(self, table, None), Table)
+        return bool(name) == isinstance(getattr(self, table, None), Table)
 
     def _with(self, settings: Mapping[str, object]) -> dict[str, Any]:
         """The tables, those that settings change taken apart."""
-        changing = {path.partition(".")[0] for path in settings}
-        tables = {name: getattr(self, name) for name in type(self).model_fields}
-        return _merged(
-            {name: _parts(table) if name in changing else table for name, table in tables.items()}, settings
-        )
+        tables = _parts(self)
+        for path in settings:
+            name, _, parameter = path.partition(".")
+            if parameter and isinstance(tables.get(name), Table):
+                tables[name] = _parts(tables[name])
+        return _merged(tables, settings)
 
     def changes(self) -> dict[str, Any]:
         """Return path -> value of all parameters that differ from their defaults."""
@@ -348,9 +349,14 @@ def check_settings(settings: object) -> None:
     check_kind("a change", settings, Mapping, 'path -> value, such as {"yoke.preload": "400 N"}')
     assert isinstance(settings, Mapping)
     for path in settings:
-        check_kind("a parameter's path", path, str, "text, such as yoke.preload")
-        if path != (plain := path.strip(" \t'\"")):
-            raise InputError(f"{units.shown(path)} is no parameter; write {plain}, without quotes.")
+        if not isinstance(path, str) or path != path.strip(BLANKS):
+            check_kind("a parameter's path", path, str, "text, such as yoke.preload")
+            raise InputError(
+                f"{units.shown(path)} is no parameter; write {path.strip(BLANKS)}, without quotes."
+            )
+
+
+BLANKS = " \t'\""
 
 
 @cache

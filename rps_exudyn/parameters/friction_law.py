@@ -6,7 +6,7 @@ its formula in `forces.friction`: other files ask for the facts.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.declaration import Length, Number, SlidingSpeed, Table, Time, parameter
@@ -111,3 +111,32 @@ class LoadedFrictionLaw(FrictionLaw):
     def varies_with_load(self) -> bool:
         """Whether it is not proportional to the normal force."""
         return self.facts.falls and self.load_exponent != 1.0
+
+
+# --- files of earlier versions
+
+SAME_REVERSAL = 0.687
+"""Travel of one bristle's first loading over that of the law of earlier versions (LuGre) which turns about
+over the same slip: ln 9 / 3.2, from -80 to 80 % of the friction; of four elements 0.514."""
+TRAVEL_REMARK = (
+    f"the file is of an earlier version: bristle_travel is {SAME_REVERSAL} times its value there, which "
+    "keeps the angle of a reversal"
+)
+
+
+def of_this_version(
+    gear: dict[str, Any], fidelity: Mapping[str, Any], message: str
+) -> tuple[dict[str, Any], str]:
+    """Return the tables of a gear that a file holds beside those of its model, and the file's message, with
+    what replaces a travel of bristles whose meaning has changed since."""
+    if "friction_elements" in fidelity:
+        return gear, message
+    with_state = [name for name, facts in LAWS.items() if facts.has_state]
+    changed = {
+        part: {**table, "bristle_travel": SAME_REVERSAL * table["bristle_travel"]}
+        for part, table in gear.items()
+        if isinstance(table, dict)
+        and table.get("friction_law") in with_state
+        and isinstance(table.get("bristle_travel"), float)
+    }
+    return gear | changed, "; ".join(filter(None, (message, TRAVEL_REMARK if changed else "")))

@@ -46,6 +46,12 @@ STORED = {"stored": True}
 """Context in which retired choices are read."""
 
 
+def context_of(settings: Mapping[str, object]) -> dict[str, bool] | None:
+    """Return the context in which a gear that may be stored is changed: its own retired choices are read, and
+    none of the settings'."""
+    return None if any(choice_instead(*each) for each in settings.items()) else STORED
+
+
 def read_choice(value: Any, read: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
     """Validate a choice of which earlier versions had more; those are read in the context `STORED`."""
     stored = info.context == STORED and choice_instead(str(info.field_name), value)
@@ -68,31 +74,6 @@ def _ends_in(known: str, path: str) -> bool:
 
 
 # --- what stored results mean
-
-SAME_REVERSAL = 0.687
-"""Travel of one bristle's first loading over that of the law of earlier versions (LuGre) which turns about
-over the same slip: ln 9 / 3.2, from -80 to 80 % of the friction; of four elements 0.514."""
-TRAVEL_REMARK = (
-    f"the file is of an earlier version: bristle_travel is {SAME_REVERSAL} times its value there, which "
-    "keeps the angle of a reversal"
-)
-
-
-def of_this_version(
-    gear: dict[str, Any], fidelity: Mapping[str, Any], message: str
-) -> tuple[dict[str, Any], str]:
-    """Return the tables of a gear that a file holds beside those of its model, and the file's message, with
-    what replaces a travel of bristles whose meaning has changed since."""
-    if "friction_elements" in fidelity:
-        return gear, message
-    changed = {
-        part: {**table, "bristle_travel": SAME_REVERSAL * table["bristle_travel"]}
-        for part, table in gear.items()
-        if isinstance(table, dict)
-        and table.get("friction_law") == "bristle"
-        and isinstance(table.get("bristle_travel"), float)
-    }
-    return gear | changed, "; ".join(filter(None, (message, TRAVEL_REMARK if changed else "")))
 
 
 def has_lines(law: str) -> bool:

@@ -21,8 +21,9 @@ from rps_exudyn.base.errors import InputError, check_kind
 from rps_exudyn.base.files import printable, read_json_tables, replacing, with_checksum
 from rps_exudyn.base.hdf5 import file_image, opened, put
 from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.friction_law import of_this_version
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.parameters.retired import STORED, of_this_version
+from rps_exudyn.parameters.retired import STORED
 from rps_exudyn.results import provenance as origin
 from rps_exudyn.results.outcome import Status, codes_of
 from rps_exudyn.results.quantities import GROUPS, SIGNALS, SUMMARY
