@@ -65,8 +65,13 @@ def opened(path: str | Path, filetype: str, what: str, version: tuple[int, int])
         InputError: no such file, no HDF5, damaged, of another type, or of another format version.
     """
     content = content_of(path)
-    _check_intact(content, path)
-    with named_damage(path), _image(content, path) as file:
+    if not (intact := fits_checksum(content)) and content[CHECKSUM_SIZE:].startswith(HDF5_BEGIN):
+        raise InputError(f"{path} is damaged, or was changed by another program: its checksum does not fit.")
+    try:
+        image = h5py.File(h5py.h5f.open_file_image(content if intact else b""))
+    except (OSError, ValueError, RuntimeError):
+        raise InputError(f"{path} is no HDF5 file, or it is damaged.") from None
+    with named_damage(path), image as file:
         if file.attrs.get("filetype") != filetype:
             raise InputError(f"{path} is an HDF5 file, but not a {what} of rps-exudyn.")
         check_version(np.ravel(file.attrs.get("version", ())), path, version)
@@ -111,21 +116,6 @@ def _check_self_contained(file: h5py.File, size: int, name: str | Path) -> None:
         refused = f"it declares {declared:.2g} bytes of data in {size:.2g}"
     if refused is not None:
         raise InputError(f"{name} is refused: {refused}.")
-
-
-def _check_intact(content: bytes, name: str | Path) -> None:
-    if fits_checksum(content):
-        return
-    if not content[CHECKSUM_SIZE:].startswith(HDF5_BEGIN):
-        raise InputError(f"{name} is no HDF5 file, or it is damaged.")
-    raise InputError(f"{name} is damaged, or was changed by another program: its checksum does not fit.")
-
-
-def _image(content: bytes, name: str | Path) -> h5py.File:
-    try:
-        return h5py.File(h5py.h5f.open_file_image(content))
-    except (OSError, ValueError, RuntimeError):
-        raise InputError(f"{name} is no HDF5 file, or it is damaged.") from None
 
 
 def check_version(version: Iterable[object], path: str | Path, known: tuple[int, int]) -> None:

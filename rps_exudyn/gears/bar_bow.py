@@ -51,7 +51,6 @@ class BarBow:
 
     @property
     def straight(self) -> bool:
-        """Return whether there is no bow."""
         return not self.offset.any()
 
     def at(self, station: float) -> np.ndarray:

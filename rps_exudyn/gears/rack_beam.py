@@ -166,7 +166,6 @@ class RackBeam:
 
     @classmethod
     def of(cls, gear: SteeringGear) -> "RackBeam":
-        """The beam of a gear's rack."""
         bar = RackBar.of(gear)
         plain, toothed = plain_section(bar), toothed_section(bar)
         reach = (bar.teeth_each_way + 0.5) * bar.pair.rack_pitch
@@ -230,7 +229,6 @@ class RackModes:
 
     @property
     def count(self) -> int:
-        """Number of modes."""
         return len(self.frequencies)
 
     def at(self, station: float) -> np.ndarray:

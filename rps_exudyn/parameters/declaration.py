@@ -295,15 +295,14 @@ class Table(BaseModel):
 
     def changes(self) -> dict[str, Any]:
         """Return path -> value of all parameters that differ from their defaults."""
-        usual = type(self)()
-        values = {item.path: self.value_at(item.path) for item in self.declared()}
+        usual, declared = type(self)(), all_declared(type(self))
+        values = {path: self.value_at(path) for path in declared}
         return {path: value for path, value in values.items() if value != usual.value_at(path)}
 
     def changes_shown(self) -> list[str]:
         """Return the same for a reader: "yoke.preload 400 N"."""
-        changes = self.changes()
-        shown = {item.path: item.show for item in self.declared()}
-        return [f"{path} {shown[path](value)}" for path, value in changes.items()]
+        declared = all_declared(type(self))
+        return [f"{path} {declared[path].show(value)}" for path, value in self.changes().items()]
 
     def value_at(self, path: str) -> Any:
         """Return the value of the parameter at a dotted path."""
@@ -331,7 +330,7 @@ class Table(BaseModel):
             InputError: there is no such parameter or table.
         """
         check_settings({path: None})
-        declared = _all_declared(cls)
+        declared = all_declared(cls)
         if path in declared:
             return [declared[path]]
         found = [item for name, item in declared.items() if f"{name}.".startswith(f"{path}." if path else "")]
@@ -360,7 +359,7 @@ BLANKS = " \t'\""
 
 
 @cache
-def _all_declared(table: type[Table]) -> Mapping[str, "Declared"]:
+def all_declared(table: type[Table]) -> Mapping[str, "Declared"]:
     """Path -> parameter; a table asks for one of them many times."""
     return {item.path: item for item in table.declared()}
 
@@ -375,12 +374,10 @@ class Declared:
 
     @property
     def meaning(self) -> str:
-        """Meaning of the parameter."""
         return self.field.description or ""
 
     @property
     def source(self) -> Source:
-        """Source of its default."""
         extra = self.field.json_schema_extra
         assert isinstance(extra, dict)
         return extra["source"]  # type: ignore[return-value]

@@ -16,7 +16,7 @@ from typing import Any, Literal, Self
 from pydantic import computed_field, model_validator
 
 from rps_exudyn.base.errors import InputError, check_kind
-from rps_exudyn.parameters.declaration import DEG, Angle, Declared, Number, Table, parameter
+from rps_exudyn.parameters.declaration import DEG, Angle, Declared, Number, Table, all_declared, parameter
 from rps_exudyn.parameters.friction_law import MOST_ELEMENTS
 from rps_exudyn.parameters.retired import PARAMETERS
 from rps_exudyn.parameters.wrong_values import WrongValue
@@ -96,12 +96,13 @@ class Fidelity(Table):
     @property
     def name(self) -> str:
         """The preset and what was changed in it: "full with bush condensed"."""
-        return self._named(_choices())
+        return self._named(all_declared(Fidelity).values())
 
     @property
     def model(self) -> str:
         """The preset and the parts that are others in it, without its numbers: "full with bush condensed"."""
-        return self._named(item for item in _choices() if isinstance(getattr(self, item.path), str))
+        choices = all_declared(Fidelity).values()
+        return self._named(item for item in choices if isinstance(getattr(self, item.path), str))
 
     def _named(self, choices: Iterable[Declared]) -> str:
         usual = _preset_values(self.based_on)
@@ -204,12 +205,7 @@ def preset_table(name: str) -> dict[str, Any]:
 @cache
 def _preset_values(name: str) -> dict[str, Any]:
     preset = Fidelity.preset(name)
-    return {item.path: getattr(preset, item.path) for item in _choices()}
-
-
-@cache
-def _choices() -> tuple[Declared, ...]:
-    return tuple(Fidelity.declared())
+    return {path: getattr(preset, path) for path in all_declared(Fidelity)}
 
 
 _LIMITS = (

@@ -544,11 +544,8 @@ class Setup(SteeringGear):
 def gear_file(gear: SteeringGear) -> str:
     """The text of the file: only what differs from the default gear is written."""
     tables: dict[str, list[str]] = {}
-    for item in gear.declared():
-        table, _, name = item.path.rpartition(".")
-        value: Any = gear.value_at(item.path)
-        if value == SteeringGear().value_at(item.path):
-            continue
+    for path, value in gear.changes().items():
+        item, (table, _, name) = gear.declared_at(path)[0], path.rpartition(".")
         tables.setdefault(table, []).append(f"{name} = {_toml(value, item)}  # {item.meaning}")
     heads = (f"[{table}]\n" + "\n".join(lines) for table, lines in tables.items())
     body = "\n\n".join(heads) or "# every parameter is that of the default gear"

@@ -64,7 +64,6 @@ class CaseRecord:
 
     @classmethod
     def of(cls, case_hash: str, result: Result) -> "CaseRecord":
-        """The record of a result."""
         attributes = {
             name: value for name, value in attributes_of(result).items() if name in (*TEXTS, *TIMES)
         }
@@ -109,7 +108,6 @@ class CaseRow:
 
     @classmethod
     def of(cls, record: CaseRecord) -> "CaseRow":
-        """The row of a record."""
         about, summary = record.attributes, dict(record.tables["summary"])
         message = " ".join(about["message"].split())
         times = about["cpu_s"], about["wall_s"]
@@ -218,7 +216,6 @@ class Block:
             return cls(path, places, columns)
 
     def text(self, name: str, row: int) -> str:
-        """A text of a case."""
         return printable(self.columns["attributes"][name][row][:-1].decode())
 
     def table(self, group: str, row: int) -> dict[str, float]:

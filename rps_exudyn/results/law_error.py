@@ -45,7 +45,6 @@ class LawError:
 
     @property
     def sentence(self) -> str:
-        """The error as a sentence."""
         return as_sentence(self.clause)
 
     @property

@@ -28,7 +28,6 @@ def provenance() -> dict[str, str]:
 
 @cache
 def package_version() -> str:
-    """Return the version installed."""
     return version("rps-exudyn")
 
 

@@ -48,7 +48,6 @@ class _Cases:
         self._latest = 0.0
 
     def count(self, statuses: Sequence[Status]) -> None:
-        """Count cases that have ended."""
         self._latest = monotonic()
         if not self._done:
             self._first, self._counted_first = self._latest, len(statuses)

@@ -50,9 +50,17 @@ class Dispatch:
 
 def dispatch_of(study: Study, description: Description) -> Dispatch:
     """Return how the cases of a design are done, however many of them are missing."""
-    if not in_groups(study, description):
-        return Dispatch(False)
     gear, fidelity, scene = study.base.steering_gear, study.base.fidelity, description.scene
+    paths = [path for axis in study.axes for path in (*axis.paths, *axis.along)]
+    if not (  # many cases of one model, each of them steady and cheap
+        study.wanted is None
+        and len(description.hashes) >= FEWEST
+        and scene_named(scene).steady
+        and fidelity.solver in ("equilibrium", "closed-form")
+        and fidelity.mesh != "general-contact"
+        and not any(path.startswith(FIDELITY) for path in paths)
+    ):
+        return Dispatch(False)
     if reason := unsupported_reason(scene, gear, fidelity, {}):
         return Dispatch(True, single_run_reason=reason)
     settings = [settings_of(study.axes, case.values) for case in description.cases]
@@ -73,20 +81,6 @@ def _allowed(gear: SteeringGear, fidelity: Fidelity, path: str, values: np.ndarr
     while some and not can_exist(gear, fidelity, {path: some[-1]}):
         some.pop()
     return list(some)
-
-
-def in_groups(study: Study, description: Description) -> bool:
-    """Return whether cases go in groups: many of one model, each of them steady and cheap."""
-    paths = [path for axis in study.axes for path in (*axis.paths, *axis.along)]
-    model = study.base.fidelity
-    return (
-        study.wanted is None
-        and len(description.hashes) >= FEWEST
-        and scene_named(description.scene).steady
-        and model.solver in ("equilibrium", "closed-form")
-        and model.mesh != "general-contact"
-        and not any(path.startswith(FIDELITY) for path in paths)
-    )
 
 
 class Handover(Iterator[Task]):

@@ -46,7 +46,6 @@ class StudyWork:
 
     @property
     def description(self) -> Description:
-        """The description of the study with all its cases."""
         return self.store.description
 
     def measured(self) -> list[float]:

@@ -99,7 +99,7 @@ class Store:
         """
         path = self.path_of(case.hash)
         if not path.exists() and (home := self.blocks.home_of(case.hash)) is not None:
-            path, result = home, self.blocks.result(case.hash)
+            path, result = home, self.blocks.block_of(case.hash).result(case.hash)
         else:
             result = read_result(path)
         self._check_content(path, case, result)
