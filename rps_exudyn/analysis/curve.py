@@ -1,6 +1,6 @@
 """A signal over time, as a scene records it."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -15,9 +15,9 @@ class Curve:
     values: np.ndarray
 
     @property
-    def pieces(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    def pieces(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """Time and values of each piece."""
-        return ((self.time[part], self.values[part]) for part in pieces_of(self.time))
+        return [(self.time[part], self.values[part]) for part in pieces_of(self.time)]
 
     def over(self, grids: Sequence[np.ndarray]) -> np.ndarray:
         """Values at given times [s] on straight lines, a grid for each piece, one after the other."""
@@ -26,10 +26,10 @@ class Curve:
         )
 
 
-def pieces_of(time: np.ndarray) -> Iterator[slice]:
-    """Yield the instants of each piece of a record, over which time (n,) rises: of each maneuver."""
+def pieces_of(time: np.ndarray) -> list[slice]:
+    """Return the instants of each piece of a record, over which time (n,) rises: of each maneuver."""
     begins = np.concatenate([[0], np.flatnonzero(np.diff(time) <= 0) + 1, [time.size]])
-    return (slice(i, j) for i, j in pairwise(begins.tolist()))
+    return [slice(i, j) for i, j in pairwise(begins.tolist())]
 
 
 def durations(time: np.ndarray) -> np.ndarray:

@@ -72,8 +72,11 @@ def describe_impacts(signals: Signals) -> dict[str, float]:
 
 def split_at_repeats(signals: Signals) -> list[Signals]:
     """Split a record of joined maneuvers where an instant stands twice."""
-    pieces = [each for each in pieces_of(signals["time"]) if each.stop - each.start > 1]
-    return [{name: values[piece] for name, values in signals.items()} for piece in pieces]
+    return [
+        {name: values[piece] for name, values in signals.items()}
+        for piece in pieces_of(signals["time"])
+        if piece.stop - piece.start > 1
+    ]
 
 
 def describe_rattle(
