@@ -31,12 +31,8 @@ class FlankPattern:
 
 
 def contact_pattern(gear: SteeringGear, signals: Signals) -> tuple[FlankPattern, FlankPattern]:
-    """Both sides' patterns, the drive flanks' (side -1) first.
-
-    Args:
-        gear: the gear that was simulated.
-        signals: pinion_angle and the rack's motions; every instant is evaluated, so give only those needed
-            (`one_pitch`).
+    """Both sides' patterns, the drive flanks' (side -1) first, of every instant of a record with the rack's
+    motions: give only those needed (`one_pitch`).
 
     Raises:
         InputError: the record lacks the rack's motions.

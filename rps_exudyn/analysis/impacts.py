@@ -25,13 +25,8 @@ class Impact:
 
 
 def find_impacts(time: np.ndarray, force: np.ndarray, displacement: np.ndarray) -> list[Impact]:
-    """All impacts in the order of time.
-
-    Args:
-        time: [s], shape (n,), rising.
-        force: contact force, 0 without contact [N], shape (n,).
-        displacement: of the plunger towards the yokenut [m], shape (n,).
-    """
+    """All impacts in the order of time: of a contact force, 0 without contact [N], and the plunger's
+    displacement towards the yokenut [m] over a rising time [s], all of shape (n,)."""
     touching = np.concatenate([[True], force > 0, [False]]).astype(int)  # closed at first: no impact
     begins = np.flatnonzero(np.diff(touching) > 0)
     ends = np.flatnonzero(np.diff(touching) < 0)

@@ -56,13 +56,8 @@ WINDOW = np.deg2rad(100)  # either side of the centre, where none is given
 
 
 def describe_on_centre(signals: Signals, teeth: int, window: float = WINDOW) -> dict[str, float]:
-    """The summary's figures within the window and outside, where the record covers a tooth pitch there.
-
-    Args:
-        signals: pinion_angle [rad] and pinion_torque [N m].
-        teeth: of the pinion.
-        window: either side of the centre [rad].
-    """
+    """The summary's figures within the window either side of the centre [rad] and outside, where the record
+    covers a pitch of the pinion's teeth there."""
     pitch, runs = 2 * np.pi / teeth, passes(signals)
     figures: dict[str, Any] = {}
     for name, ranges in (("on", [(-window, window)]), ("off", [(-np.inf, -window), (window, np.inf)])):

@@ -24,11 +24,8 @@ GOOD_CREST = 0.2  # usual least width of a hardened tooth's crest, in modules
 
 
 def check_gear(gear: SteeringGear, force: bool = False) -> list[Violation]:
-    """Refuse a gear that cannot exist or cannot run; return the limits that it does not keep and need not.
-
-    Args:
-        gear: the gear.
-        force: build undercut gears all the same.
+    """Refuse a gear that cannot exist or cannot run, but for undercut ones with `force`; return the limits
+    that it does not keep and need not.
 
     Raises:
         InputError: one sentence per limit: quantity, value, limit, nearest admissible parameter value.

@@ -109,11 +109,9 @@ def from_manifold(solid: manifold3d.Manifold) -> tuple[np.ndarray, np.ndarray]:
 
 
 def prism(outline: np.ndarray, start: np.ndarray, end: np.ndarray) -> manifold3d.Manifold:
-    """Make the body that an outline sweeps.
+    """Make the body that an outline sweeps: a plane polygon, counter-clockwise, shape (n, 2) [m].
 
-    Args:
-        outline: polygon in the plane, counter-clockwise, shape (n, 2) [m].
-        start, end: affine maps (3, 3) of (1, x, y) -> point of the first and of the last outline [m].
+    `start` and `end` are affine maps (3, 3) of (1, x, y) -> point of the first and of the last outline [m].
     """
     n = len(outline)
     flat = np.concatenate([np.ones((n, 1)), outline], axis=1)
