@@ -70,7 +70,4 @@ def unrolled(gear: SteeringGear, points: tuple[int, int] = POINTS) -> tuple[np.n
     flank = Flank(pair, 0, -1)
     q_0, q_a, half = flank.form_tangent_length, flank.tip_tangent_length, pair.face_width / 2
     n, m = points
-    return (
-        q_0 + (q_a - q_0) * (np.arange(n) + 0.5) / n,
-        -half + 2 * half * (np.arange(m) + 0.5) / m,
-    )
+    return (q_0 + (q_a - q_0) * (np.arange(n) + 0.5) / n, -half + 2 * half * (np.arange(m) + 0.5) / m)

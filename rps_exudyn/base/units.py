@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _UNIT = r"(?:[^\W\d_]+|[%°])(?:(?:\^|\*\*)[+-]?\d{1,2}|[²³])?"  # mm, %, m^3, s**-1, m³
 _QUANTITY = re.compile(
     r"\s*(?P<number>[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
-    rf"\s*(?P<unit>(?:1\s*/\s*|/\s*)?{_UNIT}(?:(?:\s*[*/.·]\s*|\s+){_UNIT}){{0,7}})\s*",
+    rf"\s*(?P<unit>(?:1\s*/\s*|/\s*)?{_UNIT}(?:(?:\s*[*/.·]\s*|\s+){_UNIT}){{0,7}})\s*"
 )
 
 # SI unit -> an example, and other units with their factors, of most texts: loading pint and its registry

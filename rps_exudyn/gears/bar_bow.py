@@ -62,9 +62,7 @@ class BarBow:
 def _half_wave(x: np.ndarray, length: float) -> np.ndarray:
     """Offset from the middle, gradient and curvature over the height of the bow, shape (3, n)."""
     phase = np.pi / length
-    return np.stack(
-        [np.cos(phase * x) - 1, -phase * np.sin(phase * x), -(phase**2) * np.cos(phase * x)],
-    )
+    return np.stack([np.cos(phase * x) - 1, -phase * np.sin(phase * x), -(phase**2) * np.cos(phase * x)])
 
 
 def _arc(x: np.ndarray, length: float) -> np.ndarray:

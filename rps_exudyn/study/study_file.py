@@ -103,11 +103,7 @@ class _StudyKeys(Keys):
         )
 
     def axes(
-        self,
-        content: Mapping[str, Any],
-        design: str,
-        gear: Mapping[str, Any],
-        settings: Mapping[str, Any],
+        self, content: Mapping[str, Any], design: str, gear: Mapping[str, Any], settings: Mapping[str, Any]
     ) -> tuple[tuple[Axis, ...], Mapping[str, float]]:
         """The axes of the file's own tables; an uncertain design adds one for each uncertain parameter, and
         what these share."""
@@ -172,8 +168,7 @@ class _StudyKeys(Keys):
         folder = self.file.resolve().parent
         if given.is_absolute() or not (folder / given).resolve().is_relative_to(folder):
             self.wrong(
-                "gear",
-                f"is {shown(content['gear'])}; it must lie in the study file's folder or below it.",
+                "gear", f"is {shown(content['gear'])}; it must lie in the study file's folder or below it."
             )
             return {}
         with self.gathering():
