@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.analysis.passes import Signals, both_directions, longest_pass, whole_periods
+from rps_exudyn.analysis.passes import Signals, both_directions, longest_pass, passes, whole_periods
 from rps_exudyn.analysis.torque import mean
 from rps_exudyn.results.outcome import Code, Remark
 
@@ -129,7 +129,7 @@ def measured_load_test(signals: Signals, load: Any, gain: Any, free_torque: Any,
     Raises:
         ValueError: the record lacks one direction, or shares no angles.
     """
-    if (both := both_directions(signals)) is None:
+    if (both := both_directions(passes(signals))) is None:
         raise ValueError("a load test needs a record of raising and of lowering at common pinion angles")
     *ways, common = both
     angle = whole_periods(common, pitch)

@@ -41,11 +41,14 @@ class Pass:
 
 
 def passes(signals: Signals) -> list[Pass]:
-    """All passes in the order of time; instants of standing still or jerking back belong to none.
+    """All passes in the order of time, [] without an angle; instants of standing still or jerking back belong
+    to none.
 
     A record joined from several, each of which begins at the time at which the one before ended, is divided
     there too.
     """
+    if "pinion_angle" not in signals:
+        return []
     steps = np.diff(signals["pinion_angle"])
     if steps.size and ("time" not in signals or (np.diff(signals["time"]) > 0).all()):
         for direction in (1, -1):
@@ -135,13 +138,12 @@ def _passes_of_one(signals: Signals) -> list[Pass]:
 
 def longest_pass(signals: Signals, direction: int) -> Pass | None:
     """The pass towards +X (`direction` +1) or -X that covers most angles; None if there is none."""
-    return _longest(passes(signals), direction) if "pinion_angle" in signals else None
+    return _longest(passes(signals), direction)
 
 
-def both_directions(signals: Signals) -> tuple[Pass, Pass, np.ndarray] | None:
+def both_directions(runs: Sequence[Pass]) -> tuple[Pass, Pass, np.ndarray] | None:
     """The longest passes towards +X and -X, and their common angles [rad]; None if there are none."""
-    turned = passes(signals) if "pinion_angle" in signals else []
-    forward, backward = _longest(turned, +1), _longest(turned, -1)
+    forward, backward = _longest(runs, +1), _longest(runs, -1)
     if not (forward and backward):
         return None
     angle = common_angles(forward.angle, backward.angle)

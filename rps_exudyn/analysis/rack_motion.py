@@ -1,9 +1,11 @@
 """Motion of the rack besides its travel: transmission error, lift, roll, yaw; and the yoke's force on it."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from rps_exudyn.analysis.harmonics import order_amplitude
-from rps_exudyn.analysis.passes import Signals, passes
+from rps_exudyn.analysis.passes import Pass, Signals
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.rigid_motion import fill_rotation
 from rps_exudyn.gears.gear_pair import GearPair
@@ -22,14 +24,15 @@ def transmission_error(signals: Signals, gain: float | np.ndarray) -> np.ndarray
     return np.asarray(error - error.mean(axis=-1, keepdims=True) if error.size else error)
 
 
-def describe_rack(signals: Signals, gain: float | np.ndarray) -> dict[str, float]:
-    """The summary's figures of the motions that were recorded; `gain` is rack travel per radian [m].
+def describe_rack(signals: Signals, runs: Sequence[Pass], gain: float | np.ndarray) -> dict[str, float]:
+    """The summary's figures of the motions of a record with these passes; `gain` is rack travel per radian
+    [m].
 
     The transmission error is the larger of those in the two directions: the difference between directions is
     lost motion, see `hysteresis`.
     """
     figures = {}
-    ways = [each.signals for each in passes(signals)]
+    ways = [each.signals for each in runs]
     if errors := [transmission_error(way, gain) for way in ways]:
         ranges = [np.ptp(error, axis=-1) for error in errors]
         figures["transmission_error_peak_to_peak"] = np.max(ranges, axis=0)

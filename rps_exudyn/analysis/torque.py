@@ -3,12 +3,13 @@
 A record in both directions is first divided into `passes`.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from rps_exudyn.analysis.harmonics import LEAST_PER_PERIOD, order_amplitude
-from rps_exudyn.analysis.passes import Pass, Signals, both_directions, passes
+from rps_exudyn.analysis.passes import Pass, both_directions
 
 
 def mean(angle: np.ndarray, values: np.ndarray) -> Any:
@@ -34,9 +35,9 @@ def describe_torque(angle: np.ndarray, torque: np.ndarray, teeth: int) -> dict[s
 # --- Torque towards +X compared with torque towards -X at the same pinion angles
 
 
-def describe_directions(signals: Signals) -> dict[str, float]:
+def describe_directions(runs: Sequence[Pass]) -> dict[str, float]:
     """The summary's figures of both directions, each torque counted against the motion; {} without both."""
-    if (both := both_directions(signals)) is None:
+    if (both := both_directions(runs)) is None:
         return {}
     *ways, angle = both
     forward, backward = (each.direction * mean(angle, each.over(angle, "pinion_torque")) for each in ways)
@@ -55,11 +56,10 @@ def describe_directions(signals: Signals) -> dict[str, float]:
 WINDOW = np.deg2rad(100)  # either side of the centre, where none is given
 
 
-def describe_on_centre(signals: Signals, teeth: int, window: float = WINDOW) -> dict[str, float]:
+def describe_on_centre(runs: Sequence[Pass], teeth: int, window: float = WINDOW) -> dict[str, float]:
     """The summary's figures within the window either side of the centre [rad] and outside, where the record
     covers a pitch of the pinion's teeth there."""
-    pitch, runs = 2 * np.pi / teeth, passes(signals)
-    figures: dict[str, Any] = {}
+    pitch, figures = 2 * np.pi / teeth, dict[str, Any]()
     for name, ranges in (("on", [(-window, window)]), ("off", [(-np.inf, -window), (window, np.inf)])):
         if pieces := [part for each in runs for ends in ranges for part in parts(each, *ends, least=pitch)]:
             figures |= {

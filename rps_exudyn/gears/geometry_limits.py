@@ -78,8 +78,9 @@ NO_HELP = "and changing this parameter does not help"
 def violations(gear: SteeringGear, force: bool = False) -> list[Violation]:
     """All limits of the first stage that fails; with `force` forgivable ones do not end the search."""
     found: list[Violation] = []
+    pair = GearPair.of(gear)
     for stage in (_cutter, _teeth, _mesh, _parts):
-        found += stage(gear, GearPair.of(gear))
+        found += stage(gear, pair)
         if any(not (force and item.forgivable) for item in found):
             break
     return found

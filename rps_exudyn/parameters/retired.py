@@ -75,6 +75,20 @@ def _ends_in(known: str, path: str) -> bool:
 
 # --- what stored results mean
 
+RETIRED_CODES = {
+    "friction-zone": "the friction zone is too wide for the result",
+    "steps-too-coarse": "the steps are too long for the result",
+    "rolling-too-coarse": "the steps are too long for the rack's rolling",
+    "steps-not-confirmed": "the run in shorter steps failed",
+    "strips-not-confirmed": "the run with finer strips failed",
+    "rack-not-settled": "the rack has not settled in roll",
+    "start-matters": "the result depends on where the motion began",
+    "swing-not-settled": "the swing does not become periodic",
+    "few-stations": "metrics are omitted: too few stations on a line of contact",
+    "edges-loaded": "too much work is lost at the tooth edges",
+}
+"""Codes that results of version 1.0 may have -> their meaning."""
+
 
 def has_lines(law: str) -> bool:
     """Return whether a contact law has loads per length of line: `area` has pressures alone."""
