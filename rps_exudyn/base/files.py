@@ -142,19 +142,6 @@ def number_existing(path: Path) -> Path | None:
         raise InputError(f"{path} cannot be kept as {older}: {error.strerror or error}.") from error
 
 
-def append(path: Path, text: str) -> None:
-    """Append to a file in one write, so that several writers cannot mix their lines.
-
-    Raises:
-        OSError: the file cannot be written.
-    """
-    descriptor = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
-    try:
-        os.write(descriptor, text.encode())
-    finally:
-        os.close(descriptor)
-
-
 def _beside(target: Path) -> Path:
     """A hidden name in the same folder with the same suffix, by which writers choose their format."""
     return target.parent / f".{target.stem}.{os.getpid()}{target.suffix}"

@@ -15,11 +15,12 @@ from pathlib import Path
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of, replacing
+from rps_exudyn.base.screen import open_screen
 from rps_exudyn.results.block import CaseRow
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.simulate.cases.task import Executor
-from rps_exudyn.study.case_progress import Group, bar, case_line, groups, log_lines
+from rps_exudyn.study.case_progress import CasesRow, Group, case_line, groups, log_lines
 from rps_exudyn.study.cases import describe
 from rps_exudyn.study.definition import Case, Description, Study
 from rps_exudyn.study.handover import Handover
@@ -84,8 +85,9 @@ def run_study(work: StudyWork, executor: Executor) -> Tally:
         StorageError: a result cannot be written; finished cases are kept.
     """
     study, store = work.study, work.store
-    store.make_folders(study.blocks)
-    with store.locked(), _writing_log(store.path):
+    with _writing(store.path):
+        store.make_folders(study.blocks)
+    with _writing(store.path), store.locked():
         missing = _missing(study, store)  # another runner may have worked until now
         skipped, log = store.skipped, store.path / "study.log"
         content = content_of(study.file)
@@ -96,7 +98,8 @@ def run_study(work: StudyWork, executor: Executor) -> Tally:
         log_lines(log, [f"{len(missing)} of {len(work.description.hashes)} cases to be done"])
         tasks = Handover(study, store.description, missing, executor)
         try:
-            with bar(len(missing)) as count:
+            row = CasesRow(len(missing))
+            with open_screen() as screen, screen.row(row):
                 for task, answer in executor.run(tasks):
                     ended = []
                     for case, record in tasks.records(task, answer):
@@ -104,7 +107,7 @@ def run_study(work: StudyWork, executor: Executor) -> Tally:
                             store.add(record)
                         ended.append((case, CaseRow.of(record)))
                     log_lines(log, [case_line(work.description, *each) for each in ended])
-                    count([row.status for _, row in ended])
+                    row.count([each.status for _, each in ended])
         finally:
             with _storing():
                 store.blocks.flush()
@@ -116,7 +119,7 @@ def run_study(work: StudyWork, executor: Executor) -> Tally:
 
 
 @contextmanager
-def _writing_log(folder: Path) -> Iterator[None]:
+def _writing(folder: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
