@@ -6,15 +6,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rps_exudyn.analysis.harmonics import order_spectrum
 from rps_exudyn.analysis.passes import passes
-from rps_exudyn.analysis.work_balance import describe_losses, loss_torques
+from rps_exudyn.analysis.work_balance import describe_losses
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.pages.charts import style
 from rps_exudyn.pages.charts.curves import AGAINST_MOTION, add_measured
 from rps_exudyn.pages.charts.style import head
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.results.result import MeasuredTorque, Result
+from verification.orders import loss_torques, order_spectrum
 
 DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (3, 1.5)), (0, (1, 1)), (0, (6, 2, 1, 2)), "-")
 """Line styles, so that curves that lie over each other can be distinguished."""

@@ -121,7 +121,8 @@ def _quantities() -> Iterator[str]:
 
 
 def _codes() -> Iterator[str]:
-    from rps_exudyn.results.outcome import RETIRED_CODES, Code
+    from rps_exudyn.parameters.retired import RETIRED_CODES
+    from rps_exudyn.results.outcome import Code
 
     yield from ("| code | meaning |", "|---|---|", *(f"| `{code}` | {code.meaning} |" for code in Code))
     yield from (f"| `{code}` | {meaning} (1.0) |" for code, meaning in RETIRED_CODES.items())

@@ -8,14 +8,53 @@ Errors are in % of the reference's mean size, over the time that both curves cov
 record is interpolated by a cubic spline (`rms`) and by straight lines (`rms_linear`).
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from rps_exudyn.analysis.curve import Curve, both_over_time, rms_difference, size_of
+from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.analysis.harmonics import order_amplitude
+
+EVEN_POINTS = 3601  # of a piece, at which curves are compared
+UNEVEN = 1.5  # of neighbouring steps, from which on a cubic spline may overshoot
+
+
+def smoothly_over(curve: Curve, grids: Sequence[np.ndarray]) -> np.ndarray:
+    """Values of a curve at given times [s], a grid for each piece, by cubic splines; between uneven steps,
+    where these overshoot, by a monotone interpolant."""
+    found = []
+    for (time, values), grid in zip(curve.pieces, grids, strict=True):
+        steps = np.diff(time)
+        if time.size <= 3:
+            found.append(np.interp(grid, time, values))
+        elif (np.maximum(steps[1:], steps[:-1]) <= UNEVEN * np.minimum(steps[1:], steps[:-1])).all():
+            found.append(CubicSpline(time, values)(grid))
+        else:
+            found.append(PchipInterpolator(time, values)(grid))
+    return np.concatenate(found)
+
+
+def size_of(curve: Curve) -> float:
+    """Return the mean magnitude over time, to which errors are related."""
+    area = sum(float(np.trapezoid(np.abs(values), time)) for time, values in curve.pieces)
+    return area / sum(float(time[-1] - time[0]) for time, _ in curve.pieces)
+
+
+def both_over_time(record: Curve, reference: Curve, smooth: bool = True) -> tuple[np.ndarray, np.ndarray]:
+    """Return values of both at even times that both cover, piece by piece."""
+    grids = []
+    for (own, _), (true, _) in zip(record.pieces, reference.pieces, strict=True):
+        grids.append(np.linspace(max(own[0], true[0]), min(own[-1], true[-1]), EVEN_POINTS))
+    values = smoothly_over(record, grids) if smooth else record.over(grids)
+    return values, smoothly_over(reference, grids)
+
+
+def rms_difference(first: np.ndarray, second: np.ndarray, size: float) -> float:
+    """Return the RMS of the difference of values, in % of a size."""
+    return 100 * float(np.sqrt(np.mean((first - second) ** 2))) / size
 
 
 @dataclass(frozen=True, eq=False)

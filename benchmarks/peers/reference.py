@@ -6,7 +6,7 @@ import numpy as np
 
 from benchmarks.peers.scene import GEAR, GUIDED
 from verification.references import Method, as_run, by_strips, moving, over_generators, reference_of, still
-from verification.work_precision import Reference
+from verification.work_precision import Reference, smoothly_over
 
 SCENE = "free-pinion-torque"
 FINE: dict[str, Method] = {
@@ -32,4 +32,4 @@ def reference(methods: Mapping[str, Method] = FINE) -> Reference:
 def at_angles(found: Reference) -> np.ndarray:
     """Return the reference's torque at `ANGLES` [N m], (361,)."""
     time = np.deg2rad(ANGLES) / GEAR.test.speed
-    return found.curve.over([time])
+    return smoothly_over(found.curve, [time])

@@ -3,9 +3,7 @@
 A flank is unrolled: length of roll (the tangent length q, from the base circle) over the face width Z. All
 teeth are superimposed, so that one tooth pitch of the record shows the whole passage of a tooth.
 
-With the laws "teeth" and "line" the pressure is Hertz's on the lines of contact (`load_distribution`),
-interpolated between them; with law "area" it is stiffness * depth of the flank's points, placed by the
-recorded motion.
+The pressure is Hertz's on the lines of contact (`load_distribution`), interpolated between them.
 """
 
 from dataclasses import dataclass
@@ -14,14 +12,12 @@ import numpy as np
 
 from rps_exudyn.analysis.load_distribution import LoadDistribution, load_distribution
 from rps_exudyn.analysis.passes import Signals
-from rps_exudyn.analysis.rack_motion import rack_poses
-from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.retired import with_lines
 
 POINTS = (80, 100)  # along the roll, along the face
-DEEPEST = 0.1e-3  # what stands deeper in a rack flank's plane is at its back or beyond the mesh [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,23 +31,17 @@ class FlankPattern:
 
 
 def contact_pattern(gear: SteeringGear, signals: Signals) -> tuple[FlankPattern, FlankPattern]:
-    """Both sides' patterns, the drive flanks' (side -1) first.
-
-    Args:
-        gear: the gear that was simulated.
-        signals: pinion_angle and the rack's motions; every instant is evaluated, so give only those needed
-            (`one_pitch`).
+    """Both sides' patterns, the drive flanks' (side -1) first, of every instant of a record with the rack's
+    motions: give only those needed (`one_pitch`).
 
     Raises:
         InputError: the record lacks the rack's motions.
     """
     roll, face = unrolled(gear)
-    if gear.mesh.contact_law == "area":
-        maps = [pressures(gear, signals, side, roll, face).max(axis=(0, 1)) for side in (-1, +1)]
-    else:
-        loads = load_distribution(gear, signals)
-        maps = [_between_lines(loads, side, roll, face) for side in (-1, +1)]
-    drive, coast = (FlankPattern(side, roll, face, map_) for side, map_ in zip((-1, +1), maps, strict=True))
+    loads = load_distribution(with_lines(gear), signals)
+    drive, coast = (
+        FlankPattern(side, roll, face, _between_lines(loads, side, roll, face)) for side in (-1, +1)
+    )
     return drive, coast
 
 
@@ -80,40 +70,4 @@ def unrolled(gear: SteeringGear, points: tuple[int, int] = POINTS) -> tuple[np.n
     flank = Flank(pair, 0, -1)
     q_0, q_a, half = flank.form_tangent_length, flank.tip_tangent_length, pair.face_width / 2
     n, m = points
-    return (
-        q_0 + (q_a - q_0) * (np.arange(n) + 0.5) / n,
-        -half + 2 * half * (np.arange(m) + 0.5) / m,
-    )
-
-
-def pressures(
-    gear: SteeringGear, signals: Signals, side: int, roll: np.ndarray, face: np.ndarray
-) -> np.ndarray:
-    """Pressure at each instant on each tooth, shape (instants, teeth, roll, face) [Pa]."""
-    pair, form = GearPair.of(gear), FlankForm.of(gear)
-    centres, _, turns = rack_poses(pair, signals)
-    q, Z = roll[:, None], face[None, :]
-    flanks = [Flank(pair, tooth, side, form) for tooth in range(pair.teeth)]
-    points = np.stack([flank.point(flank.generator(q, Z), Z) for flank in flanks]) + pair.eccentricity
-    return np.stack(
-        [
-            gear.mesh.stiffness * np.maximum(_depth(pair, points, side, *pose), 0.0)
-            for pose in zip(signals["pinion_angle"], centres, turns, strict=True)
-        ]
-    )
-
-
-def _depth(
-    pair: GearPair, points: np.ndarray, side: int, angle: float, place: np.ndarray, turn: np.ndarray
-) -> np.ndarray:
-    """Depth in the rack's flanks [m] of points of the pinion, shape (..., 3) in its frame."""
-    c, s = np.cos(angle), np.sin(angle)
-    about_k = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1.0]])  # the pinion angle counts against k
-    housing = points @ (pair.pinion_frame @ about_k).T + pair.pinion_origin
-    of_rack = (housing - place) @ turn
-    offset = pair.normal_base_pitch / 4 + np.sin(pair.alpha_n) * pair.reference_height
-    height = of_rack @ pair.rack_flank_normal(side) - offset
-    depth = pair.normal_base_pitch * np.round(height / pair.normal_base_pitch) - height
-    y, z = of_rack[..., 1], of_rack[..., 2]
-    on_teeth = (y >= -pair.reference_height - pair.rack_addendum) & (y**2 + z**2 <= pair.bar_radius**2)
-    return np.where(on_teeth & (depth < DEEPEST), depth, 0.0)
+    return (q_0 + (q_a - q_0) * (np.arange(n) + 0.5) / n, -half + 2 * half * (np.arange(m) + 0.5) / m)

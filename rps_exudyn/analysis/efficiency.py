@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.analysis.passes import Signals, both_directions, longest_pass, number_of, whole_periods
+from rps_exudyn.analysis.passes import Signals, both_directions, longest_pass, passes, whole_periods
 from rps_exudyn.analysis.torque import mean
 from rps_exudyn.results.outcome import Code, Remark
 
@@ -129,7 +129,7 @@ def measured_load_test(signals: Signals, load: Any, gain: Any, free_torque: Any,
     Raises:
         ValueError: the record lacks one direction, or shares no angles.
     """
-    if (both := both_directions(signals)) is None:
+    if (both := both_directions(passes(signals))) is None:
         raise ValueError("a load test needs a record of raising and of lowering at common pinion angles")
     *ways, common = both
     angle = whole_periods(common, pitch)
@@ -165,7 +165,7 @@ def describe_load_test(test: LoadTest) -> dict[str, float]:
     of_many = np.ndim(test.torque_forward) > 0
     gross = {f"efficiency_{name}": getattr(test, f"efficiency_{name}") for name in ("forward", "reverse")}
     net = {
-        f"efficiency_{way}_net": number_of(np.where(cancels, np.nan, getattr(test, f"efficiency_{way}_net")))
+        f"efficiency_{way}_net": np.where(cancels, np.nan, getattr(test, f"efficiency_{way}_net"))[()]
         for way, cancels in test.cancels.items()
         if of_many or not cancels
     }

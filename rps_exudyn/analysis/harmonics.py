@@ -5,38 +5,15 @@ integrals and nothing leaks from one order into the next. What was recorded beyo
 discarded.
 """
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from rps_exudyn.analysis.passes import number_of, over_instants
+from rps_exudyn.analysis.passes import over_instants
 
 LEAST_PER_PERIOD = 6  # recorded points that a period needs to be resolved
 EVEN_PER_PERIOD = 128  # even angles in a period, at least
 ROUNDING = 1e-6  # of a period that may be missing: a free pinion turns on by what its rack does
-
-
-@dataclass(frozen=True, eq=False)
-class Spectrum:
-    """Terms of values ~ sum of amplitude cos(order angle + phase), shape (n,); amplitude[0] is the mean."""
-
-    orders: np.ndarray  # 0, 1, .. periods per revolution
-    amplitude: np.ndarray  # in the unit of the values
-    phase: np.ndarray  # at the centre position, in (-pi, pi] [rad]
-
-
-def order_spectrum(angle: np.ndarray, values: np.ndarray, highest: int) -> Spectrum | None:
-    """Orders 0 to `highest`, or as far as the recorded points resolve them; None without a whole revolution.
-
-    Angles [rad] rise or fall, shape (n,).
-    """
-    harmonics = _harmonics(angle, values, 2 * np.pi, highest)
-    if harmonics is None:
-        return None
-    resolved = int(2 * np.pi / np.abs(np.diff(angle)).max() / LEAST_PER_PERIOD * (1 + 1e-9))
-    harmonics = harmonics[: resolved + 1]
-    return Spectrum(np.arange(harmonics.size), np.abs(harmonics), np.angle(harmonics))
 
 
 def order_amplitude(angle: np.ndarray, values: np.ndarray, order: int) -> Any:
@@ -49,13 +26,13 @@ def order_amplitude(angle: np.ndarray, values: np.ndarray, order: int) -> Any:
     if angle.ndim > 1:
         each = [order_amplitude(*pair, order) for pair in zip(angle, values, strict=True)]
         return np.array([np.nan if amplitude is None else amplitude for amplitude in each])
-    harmonics = _harmonics(angle, values, 2 * np.pi / order, 1)
-    return None if harmonics is None else number_of(abs(harmonics[1]))
+    found = harmonics(angle, values, 2 * np.pi / order, 1)
+    return None if found is None else abs(found[1])
 
 
-def _harmonics(angle: np.ndarray, values: np.ndarray, period: float, highest: int) -> np.ndarray | None:
+def harmonics(angle: np.ndarray, values: np.ndarray, period: float, highest: int) -> np.ndarray | None:
     """Complex c_k with values ~ Re sum c_k exp(2 pi i k angle / period), k = 0 .. highest; (highest + 1, ...)
-    of values (..., n)."""
+    of values (..., n); None without a whole period. Angles [rad] rise or fall, shape (n,)."""
     whole = int(abs(angle[-1] - angle[0]) / period * (1 + ROUNDING)) if len(angle) > 1 else 0
     if whole == 0:
         return None

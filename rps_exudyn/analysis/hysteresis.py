@@ -79,7 +79,7 @@ def lost_motion(signals: Signals) -> float | None:
     Elasticity holds the rack back; friction that rolls it to the other side may outweigh that and carry it
     ahead, which makes the lost motion negative.
     """
-    if (both := both_directions(signals)) is None:
+    if (both := both_directions(passes(signals))) is None:
         return None
     *ways, angle = both
     centre, reach = (angle[0] + angle[-1]) / 2, MIDDLE * (angle[-1] - angle[0]) / 2

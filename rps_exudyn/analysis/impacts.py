@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rps_exudyn.analysis.curve import pieces_of
 from rps_exudyn.analysis.passes import Signals
 
 
@@ -24,13 +25,8 @@ class Impact:
 
 
 def find_impacts(time: np.ndarray, force: np.ndarray, displacement: np.ndarray) -> list[Impact]:
-    """All impacts in the order of time.
-
-    Args:
-        time: [s], shape (n,), rising.
-        force: contact force, 0 without contact [N], shape (n,).
-        displacement: of the plunger towards the yokenut [m], shape (n,).
-    """
+    """All impacts in the order of time: of a contact force, 0 without contact [N], and the plunger's
+    displacement towards the yokenut [m] over a rising time [s], all of shape (n,)."""
     touching = np.concatenate([[True], force > 0, [False]]).astype(int)  # closed at first: no impact
     begins = np.flatnonzero(np.diff(touching) > 0)
     ends = np.flatnonzero(np.diff(touching) < 0)
@@ -69,38 +65,33 @@ def describe_impacts(signals: Signals) -> dict[str, float]:
 # uncertainty of the mean, by type A of the GUM (JCGM 100:2008, 4.2.3).
 
 
-@dataclass(frozen=True)
-class FrequencyBand:
-    """A band of frequencies [Hz]."""
-
-    low: float
-    high: float
-
-
 def split_at_repeats(signals: Signals) -> list[Signals]:
     """Split a record of joined maneuvers where an instant stands twice."""
-    time = signals["time"]
-    cuts = np.flatnonzero(np.diff(time) <= 0) + 1
-    pieces = zip([0, *cuts], [*cuts, len(time)], strict=True)
-    return [{name: values[a:b] for name, values in signals.items()} for a, b in pieces if b - a > 1]
+    return [
+        {name: values[piece] for name, values in signals.items()}
+        for piece in pieces_of(signals["time"])
+        if piece.stop - piece.start > 1
+    ]
 
 
 def describe_rattle(
-    signals: Signals, period: float, plunger_mass: float, band: FrequencyBand
+    signals: Signals, period: float, plunger_mass: float, band: tuple[float, float]
 ) -> dict[str, float]:
     """The summary's figures of a record of whole cycles of a force, `period` long [s]; {} without a yokenut.
 
-    The record may consist of several runs, one for each phase at which the force begins.
+    The record may consist of several runs, one for each phase at which the force begins. `band` are the ends
+    of that of the rack's acceleration [Hz].
     """
     if "yokenut_force" not in signals or len(signals["time"]) < 2:
         return {}
     runs = split_at_repeats(signals)
     each = [find_impacts(run["time"], run["yokenut_force"], run["plunger_displacement"]) for run in runs]
     cycles = sum(_duration(run) for run in runs) / period
-    found = [impact for impacts in each for impact in impacts]
+    speeds = np.array([impact.speed for impacts in each for impact in impacts])
     rates = [len(impacts) * period / _duration(run) for impacts, run in zip(each, runs, strict=True)]
     fastest = [max((impact.speed for impact in impacts), default=0.0) for impacts in each]
-    rms = _rms(runs, "yokenut_force")
+    squares = sum(_integral(run, run["yokenut_force"] ** 2) for run in runs)
+    rms = float(np.sqrt(squares / sum(_duration(run) for run in runs)))
     uncertain = {}
     if len(of_cycles := _by_cycle(runs, each, period, plunger_mass / 2)) > 1:
         impulse, square, energy = np.std(of_cycles, axis=0, ddof=1) / np.sqrt(len(of_cycles))
@@ -112,8 +103,8 @@ def describe_rattle(
     return uncertain | {
         "rattle_impulse_per_cycle": sum(_integral(run, run["yokenut_force"]) for run in runs) / cycles,
         "rattle_force_rms": rms,
-        "rattle_speed_rms": _speed_rms(found),
-        "rattle_energy_per_cycle": sum(plunger_mass / 2 * impact.speed**2 for impact in found) / cycles,
+        "rattle_speed_rms": float(np.sqrt(np.mean(speeds**2))) if speeds.size else 0.0,
+        "rattle_energy_per_cycle": sum(plunger_mass / 2 * speed**2 for speed in speeds.tolist()) / cycles,
         "rattle_acceleration_rms": float(np.sqrt(np.mean([_shaking(run, band) ** 2 for run in runs]))),
         "rattle_impacts_per_cycle": float(np.mean(rates)),
         "rattle_impacts_scatter": float(np.std(rates)),
@@ -149,11 +140,6 @@ def first_hit(run: Signals) -> float | None:
     return float(run["time"][hit[0]] - run["time"][0]) if hit.size else None
 
 
-def _speed_rms(found: Sequence[Impact]) -> float:
-    """Root mean square of the plunger's speed before contact over all impacts [m/s]; 0 without any."""
-    return float(np.sqrt(np.mean([impact.speed**2 for impact in found]))) if found else 0.0
-
-
 def _duration(run: Signals) -> float:
     return float(run["time"][-1] - run["time"][0])
 
@@ -162,13 +148,7 @@ def _integral(run: Signals, values: np.ndarray) -> float:
     return float(np.trapezoid(values, run["time"]))
 
 
-def _rms(runs: Sequence[Signals], name: str) -> float:
-    """Root mean square of a signal over the time of all runs."""
-    squares = sum(_integral(run, run[name] ** 2) for run in runs)
-    return float(np.sqrt(squares / sum(_duration(run) for run in runs)))
-
-
-def _shaking(run: Signals, band: FrequencyBand) -> float:
+def _shaking(run: Signals, band: tuple[float, float]) -> float:
     """Root mean square in a band of the rack's acceleration along Y at the pitch point [m/s^2], by Parseval.
 
     The spectrum is that of the displacement times omega^2; a Hann window keeps the ends of the record out.
@@ -180,6 +160,6 @@ def _shaking(run: Signals, band: FrequencyBand) -> float:
     moved = (moved - moved.mean()) * window
     step = even[1] - even[0]
     frequency = np.fft.rfftfreq(len(even), step)
-    inside = (frequency >= band.low) & (frequency <= band.high)
+    inside = (frequency >= band[0]) & (frequency <= band[1])
     spectrum = np.fft.rfft(moved)[inside] * (2 * np.pi * frequency[inside]) ** 2
     return float(np.sqrt(2 * np.sum(np.abs(spectrum) ** 2) / len(even) / np.sum(window**2)))

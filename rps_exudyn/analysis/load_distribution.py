@@ -18,6 +18,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.tooth_stiffness import EFFECTIVE_MODULUS
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.retired import has_lines, with_lines
 from rps_exudyn.tooth_contact.line_loads import LineLoads, line_loads, loads_data
 
 Line = tuple[int, int]  # side (-1 drives the rack towards +X), number of the rack's tooth
@@ -71,9 +72,9 @@ def load_distribution(gear: SteeringGear, signals: Signals) -> LoadDistribution:
     Raises:
         InputError: the record lacks the rack's motions, or the gear's contact law has no load per length.
     """
-    if gear.mesh.contact_law == "area":
+    if not has_lines(law := gear.mesh.contact_law):
         raise InputError(
-            'mesh.law is "area", which has no load per length of line: choose "line" or "teeth".'
+            f'mesh.law is "{law}", which has no load per length of line: choose "line" or "teeth".'
         )
     pair = GearPair.of(gear)
     points, tilts, _ = rack_poses(pair, signals)
@@ -110,14 +111,14 @@ FACE_CELLS = 14  # in which the load along the face is counted
 
 def face_loading(gear: SteeringGear, signals: Signals) -> dict[str, float]:
     """Return how the more loaded flanks bear their load along the face, from the contact forces; {} where the
-    record lacks the rack's motions or carries no load, and by law area, which has no lines.
+    record lacks the rack's motions or carries no load, or where the law has no lines.
 
     face_load_factor       largest over mean load per face width, averaged over the record's time, which has
                            whole tooth pitches: K_H-beta of ISO 6336-1
     load_centre            Z of the mean load, from the middle of the face [m]
     contact_pressure_max   largest Hertzian pressure away from the lines' ends [Pa]
     """
-    if not {*NEEDED, "pinion_angle"} <= {*signals} or gear.mesh.contact_law == "area":
+    if not {*NEEDED, "pinion_angle"} <= {*signals} or not has_lines(gear.mesh.contact_law):
         return {}
     loads, pair = load_distribution(gear, signals), GearPair.of(gear)
     load = loads.load * loads.length * durations(signals["time"])[loads.instant]
@@ -174,9 +175,7 @@ def mesh_stiffness(gear: SteeringGear, signals: Signals) -> np.ndarray:
     """
     pair = GearPair.of(gear)
     points, tilts, turns = rack_poses(pair, signals)
-    data = loads_data(
-        gear if gear.mesh.contact_law != "area" else gear.replace({"mesh.law": "line"}), STATIONS
-    )
+    data = loads_data(with_lines(gear), STATIONS)
     normals = {side: pair.rack_flank_normal(side) for side in (-1, +1)}
     angles = -np.asarray(signals["pinion_angle"])
 

@@ -41,22 +41,20 @@ class Pass:
 
 
 def passes(signals: Signals) -> list[Pass]:
-    """All passes in the order of time; instants of standing still or jerking back belong to none.
+    """All passes in the order of time, [] without an angle; instants of standing still or jerking back belong
+    to none.
 
     A record joined from several, each of which begins at the time at which the one before ended, is divided
     there too.
     """
-    if direction := _only_direction(signals):
-        return [Pass(direction, dict(signals))]
-    return [each for maneuver in _maneuvers(signals) for each in _passes_of_one(maneuver)]
-
-
-def _only_direction(signals: Signals) -> int:
-    """Direction of a whole record that is one pass, as most are; 0 of any other."""
+    if "pinion_angle" not in signals:
+        return []
     steps = np.diff(signals["pinion_angle"])
-    if not steps.size or ("time" in signals and not (np.diff(signals["time"]) > 0).all()):
-        return 0
-    return 1 if (steps > 0).all() else -int((steps < 0).all())
+    if steps.size and ("time" not in signals or (np.diff(signals["time"]) > 0).all()):
+        for direction in (1, -1):
+            if (direction * steps > 0).all():  # one pass, as most records are
+                return [Pass(direction, dict(signals))]
+    return [each for maneuver in _maneuvers(signals) for each in _passes_of_one(maneuver)]
 
 
 def interpolated(signals: Signals, name: str, angle: np.ndarray, direction: int) -> np.ndarray:
@@ -129,26 +127,23 @@ def _jumps_back(angle: np.ndarray) -> list[int]:
 
 
 def _passes_of_one(signals: Signals) -> list[Pass]:
-    ends = turning_points(signals["pinion_angle"])
-    begins = ends[:1] + [_left(signals["pinion_angle"], end) for end in ends[1:-1]]
+    angle = signals["pinion_angle"]
+    ends = turning_points(angle)
+    begins = ends[:1]
+    for turn in ends[1:-1]:  # a pass begins where a turn is left: at rest there, friction still is as before
+        moved = np.flatnonzero(angle[turn:] != angle[turn])
+        begins.append(turn + (int(moved[0]) if moved.size else 1))
     return [_pass(signals, first, last) for first, (_, last) in zip(begins, pairwise(ends), strict=False)]
-
-
-def _left(angle: np.ndarray, turn: int) -> int:
-    """Index after a turn at which it is left: while the angle rests there, friction still is as before."""
-    moved = np.flatnonzero(angle[turn:] != angle[turn])
-    return turn + (int(moved[0]) if moved.size else 1)
 
 
 def longest_pass(signals: Signals, direction: int) -> Pass | None:
     """The pass towards +X (`direction` +1) or -X that covers most angles; None if there is none."""
-    return _longest(passes(signals), direction) if "pinion_angle" in signals else None
+    return _longest(passes(signals), direction)
 
 
-def both_directions(signals: Signals) -> tuple[Pass, Pass, np.ndarray] | None:
+def both_directions(runs: Sequence[Pass]) -> tuple[Pass, Pass, np.ndarray] | None:
     """The longest passes towards +X and -X, and their common angles [rad]; None if there are none."""
-    turned = passes(signals) if "pinion_angle" in signals else []
-    forward, backward = _longest(turned, +1), _longest(turned, -1)
+    forward, backward = _longest(runs, +1), _longest(runs, -1)
     if not (forward and backward):
         return None
     angle = common_angles(forward.angle, backward.angle)
@@ -191,27 +186,18 @@ def _pass(signals: Signals, first: int, last: int) -> Pass:
     farthest = np.maximum.accumulate(direction * angle)
     ahead = np.append(True, direction * angle[1:] > farthest[:-1])
     kept = first + np.flatnonzero(ahead)
-    return Pass(direction, {name: at_instants(values, kept) for name, values in signals.items()})
+    return Pass(direction, {name: np.take(values, kept, axis=-1) for name, values in signals.items()})
 
 
 # --- Signals of many gears over the same instants: values of shape (gears, n) beside those of one gear, (n,)
 #
-# Figures of one gear are numbers; of many they are arrays of shape (gears,), by the same functions.
+# Figures of one gear are numbers; of many they are arrays of shape (gears,), by the same functions. Values by
+# `np.take` lie side by side in memory: their sums are rounded alike for one gear and for many.
 
 
-def number_of(value: Any) -> Any:
-    """Return a plain number for one gear, and the array for many."""
-    return float(value) if np.ndim(value) == 0 else value
-
-
-def spread(values: np.ndarray) -> Any:
-    """Return the peak to peak over the instants of values (..., n)."""
-    return number_of(np.ptp(values, axis=-1))
-
-
-def largest(figures: Sequence[Any]) -> Any:
-    """Return the largest of several figures, of each gear."""
-    return number_of(np.max(figures, axis=0))
+def plain(figures: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the figures of one gear as plain numbers, and the arrays of many."""
+    return {name: float(value) if np.ndim(value) == 0 else value for name, value in figures.items()}
 
 
 def over_instants(at: np.ndarray, instants: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -220,13 +206,8 @@ def over_instants(at: np.ndarray, instants: np.ndarray, values: np.ndarray) -> n
         return np.interp(at, instants, values)
     right = np.clip(np.searchsorted(instants, at), 1, instants.size - 1)
     share = np.clip((at - instants[right - 1]) / (instants[right] - instants[right - 1]), 0.0, 1.0)
-    return np.asarray(at_instants(values, right - 1) * (1 - share) + at_instants(values, right) * share)
-
-
-def at_instants(values: np.ndarray, chosen: np.ndarray) -> np.ndarray:
-    """Return values (..., n) at instants by their numbers, each gear's side by side in memory: sums over them
-    are then rounded alike for one gear and for many."""
-    return np.take(values, chosen, axis=-1)
+    before, after = np.take(values, right - 1, axis=-1), np.take(values, right, axis=-1)
+    return np.asarray(before * (1 - share) + after * share)
 
 
 # --- Where in a record something first holds, for a reader

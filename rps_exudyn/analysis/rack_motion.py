@@ -1,14 +1,18 @@
 """Motion of the rack besides its travel: transmission error, lift, roll, yaw; and the yoke's force on it."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from rps_exudyn.analysis.harmonics import order_amplitude
-from rps_exudyn.analysis.passes import Signals, largest, number_of, passes, spread
+from rps_exudyn.analysis.passes import Pass, Signals
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.rigid_motion import fill_rotation
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.results.quantities import INSTANTS
 
-RANGES = {"rack_lift_range": "rack_y", "rack_roll_range": "rack_roll", "rack_yaw_range": "rack_yaw"}
+RANGES = {name: signal for name, signal in INSTANTS.items() if name.endswith("_range")}
+"""Metric -> the motion of which it is the range."""
 
 
 def transmission_error(signals: Signals, gain: float | np.ndarray) -> np.ndarray:
@@ -20,27 +24,25 @@ def transmission_error(signals: Signals, gain: float | np.ndarray) -> np.ndarray
     return np.asarray(error - error.mean(axis=-1, keepdims=True) if error.size else error)
 
 
-def describe_rack(signals: Signals, gain: float | np.ndarray) -> dict[str, float]:
-    """The summary's figures of the motions that were recorded; `gain` is rack travel per radian [m].
+def describe_rack(signals: Signals, runs: Sequence[Pass], gain: float | np.ndarray) -> dict[str, float]:
+    """The summary's figures of the motions of a record with these passes; `gain` is rack travel per radian
+    [m].
 
     The transmission error is the larger of those in the two directions: the difference between directions is
     lost motion, see `hysteresis`.
     """
-    figures = {name: spread(signals[signal]) for name, signal in RANGES.items() if signal in signals}
-    if "seat_force" in signals:
-        figures["yoke_force_min"] = number_of(signals["seat_force"].min(axis=-1))
-        figures["yoke_force_max"] = number_of(signals["seat_force"].max(axis=-1))
-    return _transmission(signals, gain) | figures
-
-
-def _transmission(signals: Signals, gain: float | np.ndarray) -> dict[str, float]:
-    each_way = [(turned.angle, transmission_error(turned.signals, gain)) for turned in passes(signals)]
-    if not each_way:
-        return {}
-    figures = {"transmission_error_peak_to_peak": largest([spread(error) for _, error in each_way])}
-    first = [order_amplitude(angle, error, 1) for angle, error in each_way]
+    figures = {}
+    ways = [each.signals for each in runs]
+    if errors := [transmission_error(way, gain) for way in ways]:
+        ranges = [np.ptp(error, axis=-1) for error in errors]
+        figures["transmission_error_peak_to_peak"] = np.max(ranges, axis=0)
+    first = [order_amplitude(way["pinion_angle"], error, 1) for way, error in zip(ways, errors, strict=True)]
     if known := [amplitude for amplitude in first if amplitude is not None]:
-        figures["transmission_error_first_order"] = largest(known)
+        figures["transmission_error_first_order"] = np.max(known, axis=0)
+    figures |= {name: np.ptp(signals[each], axis=-1) for name, each in RANGES.items() if each in signals}
+    if "seat_force" in signals:
+        figures["yoke_force_min"] = signals["seat_force"].min(axis=-1)
+        figures["yoke_force_max"] = signals["seat_force"].max(axis=-1)
     return figures
 
 

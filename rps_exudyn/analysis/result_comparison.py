@@ -19,7 +19,7 @@ import numpy as np
 from rps_exudyn.analysis.passes import Signals, common_angles, interpolated, longest_pass
 from rps_exudyn.analysis.torque import mean
 from rps_exudyn.results.provenance import FIELDS
-from rps_exudyn.results.quantities import SIGNALS, is_work
+from rps_exudyn.results.quantities import SIGNALS, WORKS
 from rps_exudyn.results.result import Result
 
 Pair = tuple[Any, Any]
@@ -79,21 +79,16 @@ class ResultComparison:
 
 def compare(first: Result, second: Result) -> ResultComparison:
     """Compare two results of any scenes and fidelities."""
+    settings = _side_by_side(*(dict(_leaves(_settings(each))) for each in (first, second)))
     parts = _comparable_parts(first, second)
     angle = common_angles(*(part.get("pinion_angle", np.zeros(0)) for part in parts))
     common = [name for name in parts[0] if name in parts[1] and name != "pinion_angle"]
     return ResultComparison(
-        settings=_differing(_settings(first), _settings(second)),
+        settings={path: (a, b) for path, (a, b) in settings.items() if a != b},
         scene=(first.scene, second.scene),
         status=(first.status, second.status),
-        summary={
-            name: (first.summary.get(name), second.summary.get(name))
-            for name in dict.fromkeys([*first.summary, *second.summary])
-        },
-        errors={
-            name: (first.errors.get(name), second.errors.get(name))
-            for name in dict.fromkeys([*first.errors, *second.errors])
-        },
+        summary=_side_by_side(first.summary, second.summary),
+        errors=_side_by_side(first.errors, second.errors),
         angle=angle,
         signals={
             name: signal_pair(name, angle, *(_over(angle, part, name) for part in parts))
@@ -107,10 +102,8 @@ def _settings(result: Result) -> dict[str, Any]:
     return {**result.gear.model_dump(), "fidelity": fidelity, "solver": result.solver}
 
 
-def _differing(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Pair]:
-    """Path -> both values of the leaves that differ."""
-    a, b = dict(_leaves(first)), dict(_leaves(second))
-    return {path: (a.get(path), b.get(path)) for path in a | b if a.get(path) != b.get(path)}
+def _side_by_side(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Pair]:
+    return {name: (first.get(name), second.get(name)) for name in dict.fromkeys([*first, *second])}
 
 
 def _leaves(tables: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
@@ -158,7 +151,7 @@ def _over(angle: np.ndarray, signals: Signals, name: str) -> np.ndarray:
     """A signal at given pinion angles; what counts from the start of recording counts from theirs."""
     sense = 1 if signals["pinion_angle"][-1] > signals["pinion_angle"][0] else -1
     values = interpolated(signals, name, angle, sense)
-    return values - values[0 if sense > 0 else -1] if name == "time" or is_work(name) else values
+    return values - values[0 if sense > 0 else -1] if name == "time" or name in WORKS else values
 
 
 # --- A result compared number by number with its repetition
@@ -174,10 +167,11 @@ def differing_numbers(old: Result, new: Result) -> dict[str, tuple[Any, Any]]:
     found: dict[str, tuple[Any, Any]] = {}
     if old.status is not new.status:
         found["status"] = (old.status.value, new.status.value)
-    for name in dict.fromkeys((*old.summary, *new.summary)):
-        pair = (old.summary.get(name), new.summary.get(name))
-        if pair[0] != pair[1] and any(value == value for value in pair):  # nan is nan again
-            found[name] = pair
+    found |= {
+        name: pair
+        for name, pair in _side_by_side(old.summary, new.summary).items()
+        if pair[0] != pair[1] and any(value == value for value in pair)  # nan is nan again
+    }
     for name, values in old.signals.items():
         if name in new.signals and len(values) == len(new.signals[name]):
             differs = np.flatnonzero(~np.isclose(values, new.signals[name], rtol=0, atol=0, equal_nan=True))
@@ -198,19 +192,12 @@ def largest_difference(old: Result, new: Result) -> tuple[str, float]:
 
     Signals of different length are not compared.
     """
-    pairs = {
-        name: (values, new.signals[name])
-        for name, values in old.signals.items()
-        if name in new.signals and len(values) == len(new.signals[name])
-    }
-    pairs |= {
-        name: (np.array([value]), np.array([new.summary[name]]))
-        for name, value in old.summary.items()
-        if name in new.summary
-    }
-    differences = {
-        name: float(np.nanmax(np.abs(first - second), initial=0.0) / np.nanmax(np.abs(first), initial=1e-300))
-        for name, (first, second) in pairs.items()
-    }
-    name = max(differences, key=differences.__getitem__, default="")
-    return (name, differences[name]) if differences.get(name) else ("", 0.0)
+    differences = {"": 0.0}
+    for own, others in ((old.signals, new.signals), (old.summary, new.summary)):
+        for name in (name for name in own if name in others):
+            first, second = np.atleast_1d(own[name]), np.atleast_1d(others[name])
+            if first.size == second.size:
+                change, size = np.abs(first - second), np.nanmax(np.abs(first), initial=1e-300)
+                differences[name] = float(np.nanmax(change, initial=0.0) / size)
+    name = max(differences, key=differences.__getitem__)
+    return name, differences[name]

@@ -3,17 +3,20 @@
 A record in both directions is first divided into `passes`.
 """
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
 from rps_exudyn.analysis.harmonics import LEAST_PER_PERIOD, order_amplitude
-from rps_exudyn.analysis.passes import Pass, Signals, at_instants, both_directions, number_of, passes, spread
+from rps_exudyn.analysis.passes import Pass, both_directions
 
 
-def mean(angle: np.ndarray, values: np.ndarray) -> float:
+def mean(angle: np.ndarray, values: np.ndarray) -> Any:
     """Mean of values (..., n) over the angle (n,) by the trapezoidal rule."""
     if angle[-1] == angle[0]:
-        return number_of(values[..., 0])
-    return number_of(np.trapezoid(values, angle) / (angle[-1] - angle[0]))
+        return values[..., 0]
+    return np.trapezoid(values, angle) / (angle[-1] - angle[0])
 
 
 def describe_torque(angle: np.ndarray, torque: np.ndarray, teeth: int) -> dict[str, float]:
@@ -21,10 +24,7 @@ def describe_torque(angle: np.ndarray, torque: np.ndarray, teeth: int) -> dict[s
 
     Orders are left out where the record is too short for them, or has too few instants in a period.
     """
-    figures: dict[str, float | None] = {
-        "torque_mean": mean(angle, torque),
-        "torque_peak_to_peak": spread(torque),
-    }
+    figures = {"torque_mean": mean(angle, torque), "torque_peak_to_peak": np.ptp(torque, axis=-1)}
     per_pitch = 2 * np.pi / teeth / np.abs(np.diff(angle)).max() * (1 + 1e-9)
     if per_pitch >= LEAST_PER_PERIOD:
         figures["torque_tooth_order"] = order_amplitude(angle, torque, teeth)
@@ -35,9 +35,9 @@ def describe_torque(angle: np.ndarray, torque: np.ndarray, teeth: int) -> dict[s
 # --- Torque towards +X compared with torque towards -X at the same pinion angles
 
 
-def describe_directions(signals: Signals) -> dict[str, float]:
+def describe_directions(runs: Sequence[Pass]) -> dict[str, float]:
     """The summary's figures of both directions, each torque counted against the motion; {} without both."""
-    if (both := both_directions(signals)) is None:
+    if (both := both_directions(runs)) is None:
         return {}
     *ways, angle = both
     forward, backward = (each.direction * mean(angle, each.over(angle, "pinion_torque")) for each in ways)
@@ -56,43 +56,25 @@ def describe_directions(signals: Signals) -> dict[str, float]:
 WINDOW = np.deg2rad(100)  # either side of the centre, where none is given
 
 
-def describe_on_centre(signals: Signals, teeth: int, window: float = WINDOW) -> dict[str, float]:
-    """The summary's figures within the window and outside, where the record covers a tooth pitch there.
-
-    Args:
-        signals: pinion_angle [rad] and pinion_torque [N m].
-        teeth: of the pinion.
-        window: either side of the centre [rad].
-    """
-    pitch, runs = 2 * np.pi / teeth, passes(signals)
-    on = [part for each in runs for part in parts(each, -window, window, least=pitch)]
-    off = [
-        part
-        for each in runs
-        for low, high in ((-np.inf, -window), (window, np.inf))
-        for part in parts(each, low, high, least=pitch)
-    ]
-    figures: dict[str, float] = {}
-    if on:
-        figures |= {f"torque_on_centre{name}": value for name, value in _figures(on).items()}
-    if off:
-        figures |= {f"torque_off_centre{name}": value for name, value in _figures(off).items()}
+def describe_on_centre(runs: Sequence[Pass], teeth: int, window: float = WINDOW) -> dict[str, float]:
+    """The summary's figures within the window either side of the centre [rad] and outside, where the record
+    covers a pitch of the pinion's teeth there."""
+    pitch, figures = 2 * np.pi / teeth, dict[str, Any]()
+    for name, ranges in (("on", [(-window, window)]), ("off", [(-np.inf, -window), (window, np.inf)])):
+        if pieces := [part for each in runs for ends in ranges for part in parts(each, *ends, least=pitch)]:
+            figures |= {
+                f"torque_{name}_centre": np.mean([mean(*piece) for piece in pieces], axis=0),
+                f"torque_{name}_centre_max": np.max([torque.max(axis=-1) for _, torque in pieces], axis=0),
+                f"torque_{name}_centre_variation": np.max([np.ptp(piece[1], axis=-1) for piece in pieces], 0),
+            }
     return figures
-
-
-def _figures(pieces: list[tuple[np.ndarray, np.ndarray]]) -> dict[str, float]:
-    """Mean, largest value and variation of pieces of curves, by the ends of their names."""
-    return {
-        "": number_of(np.mean([mean(*piece) for piece in pieces], axis=0)),
-        "_max": number_of(np.max([torque.max(axis=-1) for _, torque in pieces], axis=0)),
-        "_variation": number_of(np.max([spread(torque) for _, torque in pieces], axis=0)),
-    }
 
 
 def parts(turned: Pass, low: float, high: float, least: float) -> list[tuple[np.ndarray, np.ndarray]]:
     """Angle [rad] and torque against the motion [N m] from `low` to `high`; none over less than `least`."""
-    inside = np.flatnonzero((turned.angle >= low) & (turned.angle <= high))
-    angle = turned.angle[inside]
+    angle = turned.signals["pinion_angle"]
+    inside = np.flatnonzero((angle >= low) & (angle <= high))
+    angle = angle[inside]
     if angle.size < 2 or np.ptp(angle) < least:
         return []
-    return [(angle, turned.direction * at_instants(turned.signals["pinion_torque"], inside))]
+    return [(angle, turned.direction * np.take(turned.signals["pinion_torque"], inside, axis=-1))]

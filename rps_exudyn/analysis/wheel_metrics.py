@@ -4,14 +4,10 @@ The torque is that of the column, without the inertia of the wheel: what a senso
 figure is of the last whole cycle, or the mean over its ways.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from rps_exudyn.analysis.hysteresis import RUNNING, loop_area
-from rps_exudyn.analysis.passes import Pass, longest_pass, passes
-
-Signals = Mapping[str, np.ndarray]
+from rps_exudyn.analysis.passes import Pass, Signals, longest_pass, passes
 
 GRADIENT = 0.5  # of the running torque either side of none, over which the stiffness is taken
 YIELDED = 3.0  # angles in which the torque turns about, up to which a breakaway is looked for
@@ -39,20 +35,23 @@ def describe_feel(signals: Signals) -> dict[str, float]:
         return figures
     figures["on_centre_stiffness"] = float(np.mean([stiffness for stiffness, _ in turned]))
     figures["feel_angle_hysteresis"] = float(np.mean([lost for _, lost in turned]))
-    peaks = [_breakaway(way, lost) for way, (_, lost) in zip(ways, turned, strict=False)]
+    peaks = []
+    for way, (_, lost) in zip(ways, turned, strict=False):  # near the angle in which the torque turned about
+        angle, torque = _against(way)
+        peaks.append(float(torque[angle <= YIELDED * lost].max()))
     figures["breakaway_torque"] = float(np.mean(peaks))
     figures["breakaway_ratio"] = figures["breakaway_torque"] / running
     return figures
 
 
-def _against(way: Pass) -> np.ndarray:
-    """Torque against the motion over a way [N m]."""
-    return way.direction * way.signals["pinion_torque"]
+def _against(way: Pass) -> tuple[np.ndarray, np.ndarray]:
+    """Angle turned over a way [rad], and torque against the motion [N m]."""
+    return np.abs(way.angle - way.angle[0]), way.direction * way.signals["pinion_torque"]
 
 
 def _running(way: Pass) -> float:
     """Mean torque against the motion over the later half of a way's angles [N m]."""
-    turned, torque = np.abs(way.angle - way.angle[0]), _against(way)
+    turned, torque = _against(way)
     later = turned >= turned[-1] / 2
     return float(np.trapezoid(torque[later], turned[later]) / np.ptp(turned[later]))
 
@@ -61,22 +60,14 @@ def _turned_about(way: Pass) -> tuple[float, float] | None:
     """Stiffness at no torque after a turn [N m/rad], and the angle turned until the torque is nearly
     the running one [rad]; None where the record does not show them, as of a way that ends before the torque
     has turned about."""
-    turned, torque, running = np.abs(way.angle - way.angle[0]), _against(way), _running(way)
-    if running <= 0:
-        return None
+    (turned, torque), running = _against(way), _running(way)
     reached = np.flatnonzero(torque >= RUNNING * running)
-    if not reached.size or torque[0] > -GRADIENT * running or reached[0] < 2:
+    if running <= 0 or not reached.size or torque[0] > -GRADIENT * running or reached[0] < 2:
         return None
     rising = np.maximum.accumulate(torque[: reached[0] + 1])
     low, high = np.interp([-GRADIENT * running, GRADIENT * running], rising, turned[: reached[0] + 1])
     lost = float(np.interp(RUNNING * running, rising, turned[: reached[0] + 1]))
     return GRADIENT * 2 * running / float(high - low), lost
-
-
-def _breakaway(way: Pass, lost: float) -> float:
-    """Largest torque near the angle in which the torque turned about [N m]."""
-    turned = np.abs(way.angle - way.angle[0])
-    return float(_against(way)[turned <= YIELDED * lost].max())
 
 
 # --- Figures of a wheel that a torque steers: loop, dead bands and gradient, or where it moves off

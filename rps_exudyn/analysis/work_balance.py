@@ -1,11 +1,9 @@
 """Balance of work: what drive and load put in, what is lost at each place, and what is missing."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-
-from rps_exudyn.analysis.passes import number_of
 
 NO_LOSS = ("work_drive", "work_load")
 """Signals of the work put in: by the drive, and by the forces on the rack's end or the input shaft."""
@@ -39,61 +37,42 @@ def describe_losses(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
     whole = np.asarray(sum(lost.values()))
     if not np.any(whole > 0):
         return {}
-    whole = number_of(np.where(whole > 0, whole, np.nan))
-    return {
-        f"loss_share_{place}": _taken(lost, names) / whole
-        for place, names in PLACES.items()
-        if any(name in lost for name in names)
-    }
+    whole, shares = np.where(whole > 0, whole, np.nan)[()], {}
+    for place, names in PLACES.items():
+        if present := [lost[name] for name in names if name in lost]:
+            taken: Any = sum(present)
+            if np.ndim(taken) and all(name.endswith("_damping") for name in names):
+                # a gear among many that damps nothing: alone it has no such signal
+                taken = np.where(np.equal(taken, 0.0), np.nan, taken)
+            shares[f"loss_share_{place}"] = taken / whole
+    return shares
 
 
-def _taken(lost: Mapping[str, float], names: Sequence[str]) -> Any:
-    """Work lost at a place, by its signals; nan of a gear among many that damps nothing where only damping
-    takes work: alone it has no such signal."""
-    taken: Any = sum(lost.get(name, 0.0) for name in names)
-    if np.ndim(taken) and all(name.endswith("_damping") for name in names):
-        return np.where(np.equal(taken, 0.0), np.nan, taken)
-    return taken
-
-
-def loss_torques(signals: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Place -> work lost there per angle turned, shape (n,) [N m]; for a record in one direction.
-
-    Their sum is the drive's torque except for what is stored and what a load takes or gives.
-    """
-    turned = np.abs(signals["pinion_angle"] - signals["pinion_angle"][0])
-    return {
-        place: sum((np.gradient(signals[name], turned) for name in present), start=np.zeros_like(turned))
-        for place, names in PLACES.items()
-        if (present := [name for name in names if name in signals])
-    }
-
-
-def energy_residual(signals: Mapping[str, np.ndarray]) -> float:
+def energy_residual(signals: Mapping[str, np.ndarray]) -> Any:
     """(work of drive and load - work lost - change of stored energy) / `largest_work`; nan without work."""
     larger = np.asarray(largest_work(signals))
-    return number_of(missing_work(signals) / np.where(larger > 0, larger, np.nan))
+    return (missing_work(signals) / np.where(larger > 0, larger, np.nan))[()]
 
 
-def largest_work(signals: Mapping[str, np.ndarray]) -> float:
+def largest_work(signals: Mapping[str, np.ndarray]) -> Any:
     """The wider range of the drive's and the load's work [J]; 0 without any.
 
     A range, because what a load puts in and takes out again is work too.
     """
     ranges = [np.ptp(signals[name], axis=-1) for name in NO_LOSS if name in signals and signals[name].size]
-    return number_of(np.max(ranges, axis=0)) if ranges else 0.0
+    return np.max(ranges, axis=0) if ranges else 0.0
 
 
-def missing_work(signals: Mapping[str, np.ndarray]) -> float:
+def missing_work(signals: Mapping[str, np.ndarray]) -> Any:
     """Work of drive and load that was neither lost nor stored [J]; 0 in a record without error."""
     given = sum(_change(signals, name) for name in NO_LOSS)
     return given - sum(losses(signals).values()) - _change(signals, "stored_energy")
 
 
-def _change(signals: Mapping[str, np.ndarray], name: str) -> float:
+def _change(signals: Mapping[str, np.ndarray], name: str) -> Any:
     """Change of a signal (..., n) over the whole record; 0 if it was not recorded."""
     values = signals.get(name, np.zeros(0))
-    return number_of(values[..., -1] - values[..., 0]) if values.size else 0.0
+    return values[..., -1] - values[..., 0] if values.size else 0.0
 
 
 def integral_from_start(values: np.ndarray, place: np.ndarray) -> np.ndarray:

@@ -79,7 +79,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
     partial = _beside(target)
     try:
         yield partial
-        _flush_to_disk(partial)
+        with partial.open("r+b") as written:
+            os.fsync(written.fileno())
         partial.replace(target)
     except OSError as error:
         raise InputError(f"{path} cannot be written: {error.strerror or error}.") from error
@@ -106,15 +107,15 @@ def check_writable(path: str | Path, suffixes: Sequence[str] = ()) -> Path:
     suffix = as_path(path).suffix.lower()
     if suffixes and suffix not in suffixes:
         raise InputError(f"{path} cannot be written: its name must end in {' or '.join(suffixes)}.")
-    target = _resolved(path)
-    if target.exists() and not target.is_file():
-        raise InputError(f"{path} cannot be written: it is not a file.")
-    if not target.parent.is_dir():
-        raise InputError(f"{path} cannot be written: there is no folder {target.parent}.")
-    if target.exists() and not os.access(target, os.W_OK):
-        raise InputError(f"{path} cannot be written: the existing file is read-only.")
+    target = Path(path).resolve()
     probe = _beside(target)
     try:
+        if target.exists() and not target.is_file():
+            raise InputError(f"{path} cannot be written: it is not a file.")
+        if not target.parent.is_dir():
+            raise InputError(f"{path} cannot be written: there is no folder {target.parent}.")
+        if target.exists() and not os.access(target, os.W_OK):
+            raise InputError(f"{path} cannot be written: the existing file is read-only.")
         probe.write_bytes(b"\0")
     except OSError as error:
         raise InputError(f"{short(str(path))} cannot be written: {error.strerror or error}.") from None
@@ -141,39 +142,9 @@ def number_existing(path: Path) -> Path | None:
         raise InputError(f"{path} cannot be kept as {older}: {error.strerror or error}.") from error
 
 
-def append(path: Path, text: str) -> None:
-    """Append to a file in one write, so that several writers cannot mix their lines.
-
-    Raises:
-        OSError: the file cannot be written.
-    """
-    descriptor = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
-    try:
-        os.write(descriptor, text.encode())
-    finally:
-        os.close(descriptor)
-
-
-def _resolved(path: str | Path) -> Path:
-    target = Path(path).resolve()
-    try:
-        target.exists()
-    except OSError as error:  # a name too long for a file
-        raise InputError(f"{short(str(path))} cannot be written: {error.strerror or error}.") from None
-    return target
-
-
 def _beside(target: Path) -> Path:
     """A hidden name in the same folder with the same suffix, by which writers choose their format."""
-    return target.with_name(f".{target.stem}.{os.getpid()}{target.suffix}")
-
-
-def _flush_to_disk(path: Path) -> None:
-    descriptor = os.open(path, os.O_RDWR)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
+    return target.parent / f".{target.stem}.{os.getpid()}{target.suffix}"
 
 
 # --- Tables written as JSON in files of others: read to a depth that all their readers can bear

@@ -1,8 +1,9 @@
 """HDF5 files of this package, read after a check of their checksum, type and format version."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -29,6 +30,25 @@ def file_image(fill: Callable[[h5py.File], None]) -> bytes:
         return bytes(file.id.get_file_image())
 
 
+def put(
+    group: h5py.Group,
+    name: str,
+    values: Any,
+    about: Mapping[str, str],
+    scales: Iterable[Any] = (),
+    **how: Any,
+) -> h5py.Dataset:
+    """Write a dataset, numbers or texts of the kind "U", with the attributes `about` and scales of its
+    dimensions."""
+    if isinstance(values, np.ndarray) and values.dtype.kind == "U":
+        values, how = values.astype(object), {"dtype": h5py.string_dtype()}
+    dataset = group.create_dataset(name, data=values, **how)
+    dataset.attrs.update(about)
+    for dimension, scale in zip(dataset.dims, scales, strict=False):
+        dimension.attach_scale(scale)
+    return dataset
+
+
 @contextmanager
 def opened(path: str | Path, filetype: str, what: str, version: tuple[int, int]) -> Iterator[h5py.File]:
     """The file, if it is undamaged, of this type, and its major version is not newer than ours.
@@ -45,8 +65,13 @@ def opened(path: str | Path, filetype: str, what: str, version: tuple[int, int])
         InputError: no such file, no HDF5, damaged, of another type, or of another format version.
     """
     content = content_of(path)
-    _check_intact(content, path)
-    with named_damage(path), _image(content, path) as file:
+    if not (intact := fits_checksum(content)) and content[CHECKSUM_SIZE:].startswith(HDF5_BEGIN):
+        raise InputError(f"{path} is damaged, or was changed by another program: its checksum does not fit.")
+    try:
+        image = h5py.File(h5py.h5f.open_file_image(content if intact else b""))
+    except (OSError, ValueError, RuntimeError):
+        raise InputError(f"{path} is no HDF5 file, or it is damaged.") from None
+    with named_damage(path), image as file:
         if file.attrs.get("filetype") != filetype:
             raise InputError(f"{path} is an HDF5 file, but not a {what} of rps-exudyn.")
         check_version(np.ravel(file.attrs.get("version", ())), path, version)
@@ -91,21 +116,6 @@ def _check_self_contained(file: h5py.File, size: int, name: str | Path) -> None:
         refused = f"it declares {declared:.2g} bytes of data in {size:.2g}"
     if refused is not None:
         raise InputError(f"{name} is refused: {refused}.")
-
-
-def _check_intact(content: bytes, name: str | Path) -> None:
-    if fits_checksum(content):
-        return
-    if not content[CHECKSUM_SIZE:].startswith(HDF5_BEGIN):
-        raise InputError(f"{name} is no HDF5 file, or it is damaged.")
-    raise InputError(f"{name} is damaged, or was changed by another program: its checksum does not fit.")
-
-
-def _image(content: bytes, name: str | Path) -> h5py.File:
-    try:
-        return h5py.File(h5py.h5f.open_file_image(content))
-    except (OSError, ValueError, RuntimeError):
-        raise InputError(f"{name} is no HDF5 file, or it is damaged.") from None
 
 
 def check_version(version: Iterable[object], path: str | Path, known: tuple[int, int]) -> None:

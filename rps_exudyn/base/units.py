@@ -17,36 +17,34 @@ if TYPE_CHECKING:
 _UNIT = r"(?:[^\W\d_]+|[%°])(?:(?:\^|\*\*)[+-]?\d{1,2}|[²³])?"  # mm, %, m^3, s**-1, m³
 _QUANTITY = re.compile(
     r"\s*(?P<number>[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
-    rf"\s*(?P<unit>(?:1\s*/\s*|/\s*)?{_UNIT}(?:(?:\s*[*/.·]\s*|\s+){_UNIT}){{0,7}})\s*",
+    rf"\s*(?P<unit>(?:1\s*/\s*|/\s*)?{_UNIT}(?:(?:\s*[*/.·]\s*|\s+){_UNIT}){{0,7}})\s*"
 )
 
-# SI unit -> unit -> factor, of most texts: loading pint and its registry takes as long as a fast model's run
-_COMMON: dict[str, dict[str, float]] = {
-    "": {"": 1.0, "%": 0.01},
-    "m": {"m": 1.0, "cm": 0.01, "mm": 1e-3, "um": 1e-6, "µm": 1e-6},
-    "m/s": {"m/s": 1.0, "mm/s": 1e-3},
-    "m/s^2": {"m/s^2": 1.0},
-    "rad": {"rad": 1.0, "mrad": 1e-3, "deg": pi / 180},
-    "rad/s": {"rad/s": 1.0, "rpm": 2 * pi / 60},
-    "s": {"s": 1.0, "ms": 1e-3},
-    "Hz": {"Hz": 1.0, "kHz": 1e3},
-    "kg": {"kg": 1.0, "g": 1e-3},
-    "kg/m^3": {"kg/m^3": 1.0},
-    "N": {"N": 1.0, "kN": 1e3},
-    "N*s": {"N*s": 1.0},
-    "N*m": {"N*m": 1.0, "N*mm": 1e-3},
-    "J": {"J": 1.0},
-    "N/m": {"N/m": 1.0, "N/mm": 1e3},
-    "N/m^2": {"N/m^2": 1.0, "N/mm/um": 1e9},
-    "N/m^3": {"N/m^3": 1.0},
-    "kg*m^2": {"kg*m^2": 1.0},
-    "N*m/rad": {"N*m/rad": 1.0, "N*m/deg": 180 / pi},
-    "N*m*s/rad": {"N*m*s/rad": 1.0},
-    "Pa": {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9},
-    "N*s/m": {"N*s/m": 1.0},
-    "m^2/N": {"m^2/N": 1.0, "mm^3/N/m": 1e-9},
-    "K": {"K": 1.0, "degC": 1.0},
-    "1/K": {"1/K": 1.0},
+# SI unit -> an example, and other units with their factors, of most texts: loading pint and its registry
+# takes as long as a fast model's run
+_COMMON: dict[str, tuple[str, dict[str, float]]] = {
+    "": ("", {"%": 0.01}),
+    "m": ("1.83 mm", {"cm": 0.01, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}),
+    "m/s": ("", {"mm/s": 1e-3}),
+    "m/s^2": ("9.81 m/s^2", {}),
+    "rad": ("25 deg", {"mrad": 1e-3, "deg": pi / 180}),
+    "rad/s": ("15 rpm", {"rpm": 2 * pi / 60}),
+    "s": ("10 ms", {"ms": 1e-3}),
+    "Hz": ("20 Hz", {"kHz": 1e3}),
+    "kg": ("60 g", {"g": 1e-3}),
+    "N": ("300 N", {"kN": 1e3}),
+    "N*m": ("30 N*mm", {"N*mm": 1e-3}),
+    "N/m": ("50 N/mm", {"N/mm": 1e3}),
+    "N/m^2": ("", {"N/mm/um": 1e9}),
+    "N/m^3": ("2e13 N/m^3", {}),
+    "kg*m^2": ("0.04 kg*m^2", {}),
+    "N*m/rad": ("120 N*m/rad", {"N*m/deg": 180 / pi}),
+    "N*m*s/rad": ("0.02 N*m*s/rad", {}),
+    "Pa": ("2.6 GPa", {"MPa": 1e6, "GPa": 1e9}),
+    "N*s/m": ("500 N*s/m", {}),
+    "m^2/N": ("1e-6 mm^3/N/m", {"mm^3/N/m": 1e-9}),
+    "K": ("-30 degC", {"degC": 1.0}),
+    "1/K": ("23e-6 1/K", {}),
 }
 ZERO_OF = {"degC": 273.15}
 """Unit -> its zero in the SI unit; of all others it is 0."""
@@ -61,8 +59,12 @@ def _registry() -> "pint.UnitRegistry":
 
 def factor(unit: str, si_unit: str) -> float:
     """The number of `si_unit` in one `unit`, for instance 0.001 for ("mm", "m")."""
-    common = _COMMON.get(si_unit, {}).get(unit)
-    return _factor_by_pint(unit, si_unit) if common is None else common
+    return _common_factor(unit, si_unit) or _factor_by_pint(unit, si_unit)
+
+
+def _common_factor(unit: str, si_unit: str) -> float | None:
+    """The factor of a common unit, without pint; None of others."""
+    return 1.0 if unit == si_unit else _COMMON.get(si_unit, ("", {}))[1].get(unit)
 
 
 @cache
@@ -99,8 +101,8 @@ def to_si(value: object, si_unit: str) -> float:
         if parts is None:
             raise ValueError("not a number and its unit")
         unit = re.sub(r"[.·]", "*", parts["unit"]).replace("°", "deg")
-        unit_written = re.sub(r"\s*([*/])\s*|\s+", _operator, unit)
-        if common := _COMMON.get(si_unit, {}).get(unit_written):
+        unit_written = re.sub(r"\s*([*/])\s*|\s+", lambda found: found[1] or "*", unit)  # blanks multiply
+        if common := _common_factor(unit_written, si_unit):
             number, zero = float(parts["number"]) * common, ZERO_OF.get(unit_written)
             return number if zero is None else round(number + zero, 9)
         quantity = _registry().Quantity(float(parts["number"]), f"1{unit}" if unit[0] == "/" else unit)
@@ -112,11 +114,6 @@ def to_si(value: object, si_unit: str) -> float:
             f"is {short(repr(value))}, which is no quantity in {si_unit or 'plain numbers'}; "
             f"write for instance {_example(si_unit)}"
         ) from error
-
-
-def _operator(match: re.Match[str]) -> str:
-    """Write an operator between units without blanks; blanks alone multiply."""
-    return match[1] or "*"
 
 
 def show(value: float, si_unit: str, display: str) -> str:
@@ -181,28 +178,8 @@ def _misleading(unit: str, si_unit: str) -> bool:
 
 
 def _example(si_unit: str) -> str:
-    examples = {
-        "m": '"1.83 mm"',
-        "rad": '"25 deg"',
-        "N": '"300 N"',
-        "N/m": '"50 N/mm"',
-        "N*m": '"30 N*mm"',
-        "rad/s": '"15 rpm"',
-        "Hz": '"20 Hz"',
-        "kg": '"60 g"',
-        "s": '"10 ms"',
-        "Pa": '"2.6 GPa"',
-        "N/m^3": '"2e13 N/m^3"',
-        "m/s^2": '"9.81 m/s^2"',
-        "kg*m^2": '"0.04 kg*m^2"',
-        "N*m/rad": '"120 N*m/rad"',
-        "N*m*s/rad": '"0.02 N*m*s/rad"',
-        "N*s/m": '"500 N*s/m"',
-        "K": '"-30 degC"',
-        "1/K": '"23e-6 1/K"',
-        "m^2/N": '"1e-6 mm^3/N/m"',
-    }
-    return examples.get(si_unit, "0.1")
+    example, _ = _COMMON.get(si_unit, ("", {}))
+    return f'"{example}"' if example else "0.1"
 
 
 # --- How engineers write quantities, brought to one spelling: "0,5 Nm" -> "0.5 N*m", "12 μm" -> "12 µm"

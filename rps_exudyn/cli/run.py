@@ -166,10 +166,10 @@ def run(
 
 def as_turned(gear: "SteeringGear", scene: str, measured: "MeasuredTorque") -> "SteeringGear":
     """The gear whose test turns there and back, as a measured free torque does; said on standard error."""
-    from rps_exudyn.analysis.passes import both_directions
+    from rps_exudyn.analysis.passes import both_directions, passes
     from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE
 
-    if scene != FREE.name or both_directions(measured.signals) is None:
+    if scene != FREE.name or both_directions(passes(measured.signals)) is None:
         return gear
     note(f"{measured.name} has both directions: the run turns there and back (--set test.path=one-way: not).")
     return gear.replace({"test.path": "there-and-back"})

@@ -141,14 +141,14 @@ def _list_cases(request: Request, json: bool) -> int:
     from rps_exudyn.study.table import show_value
 
     work, jobs = request.work(), request.processes
-    time = estimate(work.study, work.missing, work.measured(), jobs)
+    seconds, source = estimate(work.study, work.missing, work.measured(), jobs)
     with shown_progress():
         dispatch = dispatch_of(work.study, work.description)
     missing = {case.hash for case in work.missing}
     cases = work.description.cases
     if json:
         rows = [{"hash": case.hash, "values": case.values, "missing": case.hash in missing} for case in cases]
-        content = {"cases": rows, "missing": len(missing), "jobs": jobs, "seconds": time.seconds}
+        content = {"cases": rows, "missing": len(missing), "jobs": jobs, "seconds": seconds}
         content |= {"in_loop": dispatch.ranges is not None, "not_in_loop": dispatch.single_run_reason}
         print(json_text.dumps(content, indent=2))
         return DONE
@@ -157,8 +157,8 @@ def _list_cases(request: Request, json: bool) -> int:
         values = (f"{axis.name} = {show_value(axis, case.values[axis.name])}" for axis in work.study.axes)
         print(f"{case.hash}  {state}  {', '.join(values)}")
     print(
-        f"{len(cases)} cases, {len(missing)} of them to be done: about {duration(time.seconds)} "
-        f"with {jobs} {'process' if jobs == 1 else 'processes'} ({time.source})"
+        f"{len(cases)} cases, {len(missing)} of them to be done: about {duration(seconds)} "
+        f"with {jobs} {'process' if jobs == 1 else 'processes'} ({source})"
     )
     if dispatch.ranges is not None:
         print("  most of them computed together, several times as fast")

@@ -11,14 +11,14 @@ and more behind it. A half wave is size cos(pi X / L), an arc of a circle, flat 
 size (1 - 4 X^2 / L^2), with L the length of the toothed part.
 
 The bow is a displacement of the stress-free bar by station. It is the same for a rigid bar and for one that
-bends: the deflections of modes add to it. `coordinates` projects it onto modes, for comparison.
+bends: the deflections of modes add to it.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from rps_exudyn.gears.rack_beam import ELEMENTS, RackBeam, RackModes, hermite
+from rps_exudyn.gears.rack_beam import ELEMENTS, RackBeam, hermite
 from rps_exudyn.parameters.gear import SteeringGear
 
 
@@ -51,7 +51,6 @@ class BarBow:
 
     @property
     def straight(self) -> bool:
-        """Return whether there is no bow."""
         return not self.offset.any()
 
     def at(self, station: float) -> np.ndarray:
@@ -59,27 +58,11 @@ class BarBow:
         offset = hermite(self.nodes, self.offset, self.gradient, station)
         return np.concatenate([offset, hermite(self.nodes, self.gradient, self.curvature, station)])
 
-    def coordinates(self, beam: RackBeam, modes: RackModes) -> np.ndarray:
-        """Modal coordinates of the bow, phi^T M offset, shape (modes,) [m sqrt(kg)].
-
-        Four modes per plane leave some per cent of the bow over.
-        """
-        found = np.zeros(modes.count)
-        for plane in range(len(self.offset)):
-            _, mass = beam.elements(plane).matrices()
-            own = modes.plane == plane
-            shapes = np.stack([modes.shape[own], modes.slope[own]], axis=2).reshape(own.sum(), len(mass))
-            line = np.stack([self.offset[plane], self.gradient[plane]], axis=1).ravel()
-            found[own] = shapes @ mass @ line
-        return found
-
 
 def _half_wave(x: np.ndarray, length: float) -> np.ndarray:
     """Offset from the middle, gradient and curvature over the height of the bow, shape (3, n)."""
     phase = np.pi / length
-    return np.stack(
-        [np.cos(phase * x) - 1, -phase * np.sin(phase * x), -(phase**2) * np.cos(phase * x)],
-    )
+    return np.stack([np.cos(phase * x) - 1, -phase * np.sin(phase * x), -(phase**2) * np.cos(phase * x)])
 
 
 def _arc(x: np.ndarray, length: float) -> np.ndarray:

@@ -23,8 +23,8 @@ from numpy.polynomial.legendre import leggauss
 
 from rps_exudyn.gears.basic_rack import rack_tooth
 from rps_exudyn.gears.rack_bar import RackBar
+from rps_exudyn.gears.tooth_stiffness import POISSON_RATIO
 
-POISSON_RATIO = 0.3  # of steel
 CRACKED, WIDTH, ASKEW = 0.17, 6.2, 1.4  # numbers of the layer's thickness
 SIDEWAYS = 1.4  # what the layer counts in plane X-Z
 GAP_HEIGHT = 0.05  # over the pitch: where a gap's width counts

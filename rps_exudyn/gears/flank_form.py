@@ -5,7 +5,7 @@ action, which is the tangent e_t at the base circle; positive where there is mor
 Pitch and lead error turn the sections of a tooth: they move both of its flanks the same way.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -29,16 +29,8 @@ class FlankForm:
     @classmethod
     def of(cls, gear: SteeringGear) -> "FlankForm":
         """The form of a gear's pinion."""
-        pinion = gear.pinion
-        return cls(
-            pinion.tip_relief,
-            pinion.tip_relief_length,
-            pinion.crowning,
-            pinion.profile_slope,
-            pinion.pitch_error,
-            tuple(pinion_errors(gear).tolist()),
-            pinion.lead_error,
-        )
+        own = {each.name: getattr(gear.pinion, each.name) for each in fields(cls)}
+        return cls(**own | {"pitch_errors": tuple(pinion_errors(gear).tolist())})
 
     def deviation(
         self, q: np.ndarray, Z: np.ndarray | float, ends: tuple[float, float], face_width: float

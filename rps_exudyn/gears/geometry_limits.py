@@ -14,8 +14,14 @@ import numpy as np
 
 from rps_exudyn.base import units
 from rps_exudyn.base.units import factor
-from rps_exudyn.gears import basic_rack
-from rps_exudyn.gears.basic_rack import cutter_tip_centre, half_angle, straight_depth
+from rps_exudyn.gears.basic_rack import (
+    crest_width,
+    cutter_tip_centre,
+    half_angle,
+    straight_depth,
+    tip_radius_for_crest,
+    undercut_limit,
+)
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.trochoid import form_point
@@ -34,25 +40,47 @@ ROUNDING = 1e-9  # a limit met to a nanometre is met [m]
 class Violation:
     """One limit that a gear does not keep."""
 
+    gear: SteeringGear
     what: str  # "The crest is -0.2 mm wide; it must be at least 0.09 mm"
     path: str  # the parameter that should change
-    nearest: float | None  # its nearest admissible value; None if this parameter alone cannot mend it
+    limit: float | None  # its value at the limit; None if this parameter alone cannot mend it
+    sense: int  # in which values beyond the limit are admissible: +1 larger, -1 smaller ones
     forgivable: bool = False  # a gear with it can be built all the same
 
-    def sentence(self, gear: SteeringGear) -> str:
+    @property
+    def nearest(self) -> float | None:
+        """The limit with four decimals of its display unit, rounded into what is admissible; None if there is
+        none that the parameter's own declaration allows."""
+        unit = self.gear.declared_at(self.path)[0].unit
+        assert unit is not None
+        if self.limit is None:
+            return None
+        scale = factor(unit.display, unit.si) if unit.si else 1.0
+        rounding = ROUND_CEILING if self.sense > 0 else ROUND_FLOOR
+        shown = float(Decimal(float(self.limit) / scale).quantize(Decimal("1e-4"), rounding))
+        try:
+            self.gear.replace({self.path: shown * scale})
+        except ValueError:
+            return None
+        return shown * scale
+
+    @property
+    def sentence(self) -> str:
         """The message: what is wrong, the parameter's value, and its nearest admissible value."""
-        parameter = gear.declared_at(self.path)[0]
-        now = f"{self.path} is {parameter.show(gear.value_at(self.path))}"
-        if self.nearest is None:
-            return f"{self.what}; {now}, and changing this parameter does not help."
-        return f"{self.what}; {now}, the nearest admissible value is {parameter.show(self.nearest)}."
+        show, nearest = self.gear.declared_at(self.path)[0].show, self.nearest
+        mend = f"the nearest admissible value is {show(nearest)}" if nearest is not None else NO_HELP
+        return f"{self.what}; {self.path} is {show(self.gear.value_at(self.path))}, {mend}."
+
+
+NO_HELP = "and changing this parameter does not help"
 
 
 def violations(gear: SteeringGear, force: bool = False) -> list[Violation]:
     """All limits of the first stage that fails; with `force` forgivable ones do not end the search."""
     found: list[Violation] = []
+    pair = GearPair.of(gear)
     for stage in (_cutter, _teeth, _mesh, _parts):
-        found += stage(gear, GearPair.of(gear))
+        found += stage(gear, pair)
         if any(not (force and item.forgivable) for item in found):
             break
     return found
@@ -60,124 +88,79 @@ def violations(gear: SteeringGear, force: bool = False) -> list[Violation]:
 
 # --- the stages ----------------------------------------------------------------------------------
 def _cutter(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
-    m = pair.module
-    if basic_rack.cutter_tip_centre(pair)[0] < 0:
-        alpha = pair.alpha_n
+    m, alpha, overlap = pair.module, pair.alpha_n, -2 * cutter_tip_centre(pair)[0]
+    if overlap > 0:
         # pi/4 - (h - rho) tan(alpha) - rho / cos(alpha) = 0, solved for rho
         rho = (np.pi / 4 - pair.rack_dedendum / m * np.tan(alpha)) / (1 / np.cos(alpha) - np.tan(alpha))
-        yield Violation(
-            "The cutter's tip would be pointed: its tip radii overlap by "
-            f"{mm(-2 * basic_rack.cutter_tip_centre(pair)[0])}, and may not",
-            "basic_rack.fillet_radius",
-            _inward(gear, "basic_rack.fillet_radius", rho, -1) if rho >= 0 else None,
-        )
+        what = f"The cutter's tip would be pointed: its tip radii overlap by {mm(overlap)}, and may not"
+        yield Violation(gear, what, "basic_rack.fillet_radius", rho if rho >= 0 else None, -1)
     if rack_tip_interference(pair) > STANDARD_ROUNDING * m:
-        needed = (pair.rack_addendum + pair.fillet_radius * (1 - np.sin(pair.alpha_n))) / m
-        yield Violation(
-            "The cutter does not reach: its straight flank ends "
-            f"{mm(basic_rack.straight_depth(pair))} from the reference line, "
-            f"and the rack's tips, {mm(pair.rack_addendum)} from it, cut into the root",
-            "basic_rack.dedendum",
-            _inward(gear, "basic_rack.dedendum", needed, +1),
+        needed = (pair.rack_addendum + pair.fillet_radius * (1 - np.sin(alpha))) / m
+        what = (
+            f"The cutter does not reach: its straight flank ends {mm(straight_depth(pair))} from the "
+            f"reference line, and the rack's tips, {mm(pair.rack_addendum)} from it, cut into the root"
         )
+        yield Violation(gear, what, "basic_rack.dedendum", needed, +1)
     if pair.root_radius <= 0.1 * m:
-        least = max((pair.rack_dedendum - pair.reference_radius) / m + 0.1, basic_rack.undercut_limit(pair))
-        yield Violation(
-            f"The root radius is {mm(pair.root_radius)}; it must be at least {mm(0.1 * m)}",
-            "pinion.profile_shift",
-            _inward(gear, "pinion.profile_shift", least, +1),
-        )
+        least = max((pair.rack_dedendum - pair.reference_radius) / m + 0.1, undercut_limit(pair))
+        what = f"The root radius is {mm(pair.root_radius)}; it must be at least {mm(0.1 * m)}"
+        yield Violation(gear, what, "pinion.profile_shift", least, +1)
 
 
 def _teeth(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
-    least_shift = basic_rack.undercut_limit(pair)
-    undercut = pair.profile_shift < least_shift - 1e-9
-    if undercut:
-        yield Violation(
+    least_shift = undercut_limit(pair)
+    if pair.profile_shift < least_shift - 1e-9:
+        what = (
             f"The teeth are undercut: the profile shift coefficient is {pair.profile_shift:.4g}; it must be "
-            f"at least {least_shift:.4g}",
-            "pinion.profile_shift",
-            _inward(gear, "pinion.profile_shift", least_shift, +1),
-            forgivable=True,
+            f"at least {least_shift:.4g}"
         )
+        yield Violation(gear, what, "pinion.profile_shift", least_shift, +1, forgivable=True)
     try:
         form = form_point(pair).radius
     except ValueError:
-        yield Violation(
-            "Undercut leaves nothing of the involute",
-            "pinion.profile_shift",
-            _inward(gear, "pinion.profile_shift", least_shift, +1),
-        )
+        what = "Undercut leaves nothing of the involute"
+        yield Violation(gear, what, "pinion.profile_shift", least_shift, +1)
         return
     if pair.tip_radius <= form * (1 + 1e-6):
-        yield Violation(
+        what = (
             f"The tip diameter is {mm(2 * pair.tip_radius)}; it must be above the form diameter "
-            f"{mm(2 * form)}, where the involute begins",
-            "pinion.tip_diameter",
-            _inward(gear, "pinion.tip_diameter", 2 * form * (1 + 2e-6), +1),
+            f"{mm(2 * form)}, where the involute begins"
         )
+        yield Violation(gear, what, "pinion.tip_diameter", 2 * form * (1 + 2e-6), +1)
         return
-    yield from _crest(gear, pair, form)
-
-
-def _crest(gear: SteeringGear, pair: GearPair, form: float) -> Iterator[Violation]:
-    crest, least = basic_rack.crest_width(pair, pair.tip_radius), LEAST_CREST * pair.module
+    crest, least = crest_width(pair, pair.tip_radius), LEAST_CREST * pair.module
     if crest < least:
-        enough = basic_rack.crest_width(pair, form) > least
-        yield Violation(
-            f"The teeth are pointed: the crest is {mm(crest)} wide; it must be at least {mm(least)}",
-            "pinion.tip_diameter",
-            _inward(gear, "pinion.tip_diameter", 2 * basic_rack.tip_radius_for_crest(pair, least), -1)
-            if enough
-            else None,
-        )
+        what = f"The teeth are pointed: the crest is {mm(crest)} wide; it must be at least {mm(least)}"
+        largest = 2 * tip_radius_for_crest(pair, least) if crest_width(pair, form) > least else None
+        yield Violation(gear, what, "pinion.tip_diameter", largest, -1)
     elif 2 * gear.pinion.tip_relief > crest:
-        yield Violation(
-            f"The tip relief takes more than the crest, which is {mm(crest)} wide",
-            "pinion.tip_relief",
-            _inward(gear, "pinion.tip_relief", crest / 2, -1),
-        )
-    rack_crest = np.pi * pair.module / 2 - 2 * pair.rack_addendum * np.tan(pair.alpha_n)
-    if rack_crest < least:
+        what = f"The tip relief takes more than the crest, which is {mm(crest)} wide"
+        yield Violation(gear, what, "pinion.tip_relief", crest / 2, -1)
+    crest = np.pi * pair.module / 2 - 2 * pair.rack_addendum * np.tan(pair.alpha_n)
+    if crest < least:
         addendum = (np.pi / 2 - LEAST_CREST) / (2 * np.tan(pair.alpha_n))
-        yield Violation(
-            f"The rack's teeth are pointed: their crest is {mm(rack_crest)} wide; it must be "
-            f"at least {mm(least)}",
-            "basic_rack.addendum",
-            _inward(gear, "basic_rack.addendum", addendum, -1),
+        what = (
+            f"The rack's teeth are pointed: their crest is {mm(crest)} wide; it must be at least {mm(least)}"
         )
+        yield Violation(gear, what, "basic_rack.addendum", addendum, -1)
 
 
 def _mesh(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
     yield from _contact(gear, pair)
     at_rack, at_pinion = rack_root_clearance(pair), pinion_root_clearance(pair)
     room, cut = min(at_rack, at_pinion), pinion_tip_interference(pair)
-    if at_rack < 0:
-        yield Violation(
-            f"The pinion's tips reach {mm(-at_rack)} into the rack's root",
-            "pinion.tip_diameter",
-            _inward(gear, "pinion.tip_diameter", 2 * _largest_tip_radius(pair), -1),
-        )
-    elif cut > ROUNDING:
-        yield Violation(
-            f"The pinion's tips cut {mm(cut)} into the fillets of the rack's root",
-            "pinion.tip_diameter",
-            _inward(gear, "pinion.tip_diameter", 2 * _largest_tip_radius(pair), -1),
-        )
+    if at_rack < 0 or cut > ROUNDING:
+        what = f"The pinion's tips reach {mm(-at_rack)} into the rack's root"
+        if at_rack >= 0:
+            what = f"The pinion's tips cut {mm(cut)} into the fillets of the rack's root"
+        yield Violation(gear, what, "pinion.tip_diameter", 2 * _largest_tip_radius(pair), -1)
     elif pair.runout > room:
-        yield Violation(
-            f"The runout is {mm(pair.runout)}; it must be at most the smaller root clearance, {mm(room)}",
-            "pinion.runout",
-            _inward(gear, "pinion.runout", room, -1),
-        )
+        what = f"The runout is {mm(pair.runout)}; it must be at most the smaller root clearance, {mm(room)}"
+        yield Violation(gear, what, "pinion.runout", room, -1)
     rack_tips = pair.reference_line_height - pair.rack_addendum
-    shaft = gear.pinion.shaft_diameter / 2
-    if shaft + pair.runout > rack_tips:
-        yield Violation(
-            f"The rack's tips cut into the pinion's shaft: they come to {mm(rack_tips)} from its axis",
-            "pinion.shaft_diameter",
-            _inward(gear, "pinion.shaft_diameter", 2 * (rack_tips - pair.runout), -1),
-        )
+    if gear.pinion.shaft_diameter / 2 + pair.runout > rack_tips:
+        what = f"The rack's tips cut into the pinion's shaft: they come to {mm(rack_tips)} from its axis"
+        yield Violation(gear, what, "pinion.shaft_diameter", 2 * (rack_tips - pair.runout), -1)
 
 
 def _contact(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
@@ -185,56 +168,41 @@ def _contact(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
     transverse = transverse_contact_ratio(pair)
     total = transverse + pair.overlap_ratio
     if qa <= q0:
-        contact = q0 + pair.reference_radius * np.sin(pair.alpha_t)
-        yield Violation(
-            "The teeth do not meet: the pinion's tips end below the rack's",
-            "pinion.tip_diameter",
-            _inward(gear, "pinion.tip_diameter", 2 * float(np.hypot(pair.base_radius, contact)) + 1e-6, +1),
-        )
+        radius = float(np.hypot(pair.base_radius, q0 + pair.reference_radius * np.sin(pair.alpha_t)))
+        what = "The teeth do not meet: the pinion's tips end below the rack's"
+        yield Violation(gear, what, "pinion.tip_diameter", 2 * radius + 1e-6, +1)
     elif total < 1:
-        helix = abs(np.sin(pair.beta_p))
+        helix, hand = abs(np.sin(pair.beta_p)), -1 if pair.beta_p < 0 else 1
         width = (1 - transverse) * np.pi * pair.module / helix if helix > 0 else np.inf
-        wide = width < 10 * pair.tip_radius  # else the helix is what the overlap lacks
-        path = "pinion.face_width" if wide else "pinion.helix_angle"
-        yield Violation(
+        what = (
             f"The teeth lose contact between one pair and the next: the total contact ratio is {total:.4g} "
-            f"(transverse {transverse:.4g}, overlap {pair.overlap_ratio:.4g}); it must be at least 1",
-            path,
-            _inward(gear, path, width, +1) if wide else _least_helix(gear),
+            f"(transverse {transverse:.4g}, overlap {pair.overlap_ratio:.4g}); it must be at least 1"
         )
+        if width < 10 * pair.tip_radius:  # else the helix is what the overlap lacks
+            yield Violation(gear, what, "pinion.face_width", width, +1)
+        else:
+            yield Violation(gear, what, "pinion.helix_angle", _least_helix(gear, hand), hand)
     elif gear.pinion.tip_relief > 0 and gear.pinion.tip_relief_length > qa - q0 + ROUNDING:
-        yield Violation(
-            f"The tip relief reaches beyond the active flank, which is {mm(qa - q0)} of roll long",
-            "pinion.tip_relief_length",
-            _inward(gear, "pinion.tip_relief_length", qa - q0, -1),
-        )
+        what = f"The tip relief reaches beyond the active flank, which is {mm(qa - q0)} of roll long"
+        yield Violation(gear, what, "pinion.tip_relief_length", qa - q0, -1)
 
 
 def _parts(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
     bar, yoke, radius = RackBar.of(gear), gear.yoke, gear.rack.bar_diameter / 2
     missing = bar.x_min - bar.toothed_ends[0]
     if missing > 0:
-        yield Violation(
-            f"The rack's teeth need {mm(missing)} more than the bar offers on the side away from the bush",
-            "rack.length",
-            _inward(gear, "rack.length", gear.rack.length + missing, +1),
-        )
+        what = f"The rack's teeth need {mm(missing)} more than the bar offers on the side away from the bush"
+        yield Violation(gear, what, "rack.length", gear.rack.length + missing, +1)
     seat_half_width, plunger = radius * np.sin(yoke.seat_angle), yoke.plunger_diameter / 2
     corner = float(np.hypot(seat_half_width, yoke.seat_length / 2))
     if corner > plunger:
         room = plunger**2 - seat_half_width**2
-        yield Violation(
-            f"The seat's corners reach {mm(corner)} from the plunger's axis; its radius is {mm(plunger)}",
-            "yoke.seat_length",
-            _inward(gear, "yoke.seat_length", 2 * np.sqrt(room), -1) if room > 0 else None,
-        )
+        what = f"The seat's corners reach {mm(corner)} from the plunger's axis; its radius is {mm(plunger)}"
+        yield Violation(gear, what, "yoke.seat_length", 2 * np.sqrt(room) if room > 0 else None, -1)
     depth = radius * (1 - np.cos(yoke.seat_angle))
     if yoke.plunger_length <= depth:
-        yield Violation(
-            f"The seat is {mm(depth)} deep; the plunger must be longer than that",
-            "yoke.plunger_length",
-            _inward(gear, "yoke.plunger_length", depth + 1e-3, +1),
-        )
+        what = f"The seat is {mm(depth)} deep; the plunger must be longer than that"
+        yield Violation(gear, what, "yoke.plunger_length", depth + 1e-3, +1)
 
 
 # --- nearest values --------------------------------------------------------------------------------
@@ -250,39 +218,20 @@ def _largest_tip_radius(pair: GearPair) -> float:
     return inside
 
 
-def _least_helix(gear: SteeringGear) -> float | None:
-    """Return the smallest helix angle, of the hand it has, with which one pair of teeth takes over from the
-    other [rad]; None if there is none. The overlap rises with it, the transverse contact ratio falls."""
+def _least_helix(gear: SteeringGear, hand: int) -> float | None:
+    """Return the smallest helix angle of a hand with which one pair of teeth takes over from the other [rad];
+    None if there is none. The overlap rises with it, the transverse contact ratio falls."""
     from scipy.optimize import brentq, minimize_scalar  # loads in a third of a second
 
-    path, hand = "pinion.helix_angle", -1 if gear.pinion.helix_angle < 0 else 1
-
     def lacking(angle: float) -> float:
-        pair = GearPair.of(gear.replace({path: hand * float(angle)}))
+        pair = GearPair.of(gear.replace({"pinion.helix_angle": hand * float(angle)}))
         return 1 - transverse_contact_ratio(pair) - pair.overlap_ratio
 
     with suppress(ValueError):  # another parameter does not allow the angle
         most = float(minimize_scalar(lacking, bounds=(0.0, LARGEST_HELIX), method="bounded").x)
         if lacking(most) <= 0:
-            return _inward(gear, path, hand * brentq(lacking, 0.0, most), hand)
+            return float(hand * brentq(lacking, 0.0, most))
     return None
-
-
-def _inward(gear: SteeringGear, path: str, value: float, sense: int) -> float | None:
-    """The value with four decimals of its display unit, rounded up (+1) or down (-1) into what is admissible.
-
-    None if the parameter's own declaration does not allow it.
-    """
-    unit = gear.declared_at(path)[0].unit
-    assert unit is not None
-    scale = factor(unit.display, unit.si) if unit.si else 1.0
-    rounding = ROUND_CEILING if sense > 0 else ROUND_FLOOR
-    shown = float(Decimal(float(value) / scale).quantize(Decimal("1e-4"), rounding))
-    try:
-        gear.replace({path: shown * scale})
-    except ValueError:
-        return None
-    return shown * scale
 
 
 # --- Clearances of pinion and rack away from the flanks, and where they would cut into each other

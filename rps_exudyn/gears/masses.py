@@ -83,7 +83,11 @@ def section(pair: GearPair, form: FlankForm, z: float) -> np.ndarray:
         angle = 2 * np.pi * tooth / pair.teeth - form.twist(pair) * z
         turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
         rising, falling = (_flank(Flank(pair, tooth, side, form), z) for side in (-1, 1))
-        _refuse_crossing(rising, falling)
+        across = rising[:, 0] * falling[:, 1] - rising[:, 1] * falling[:, 0]  # at the same length of roll
+        if not (across > 0).all():
+            raise InputError(
+                "The errors and modifications of the pinion's flanks leave no tooth; reduce them."
+            )
         parts += [root @ turn, rising, crest @ turn, falling[::-1]]
     return np.concatenate(parts) + pair.eccentricity[:2]
 
@@ -92,17 +96,6 @@ def _flank(flank: Flank, z: float) -> np.ndarray:
     """Points of a flank's section at Z, from form to tip circle, shape (n, 2) [m]."""
     q = np.linspace(flank.form_tangent_length, flank.tip_tangent_length, INVOLUTE + 1)
     return flank.point(flank.generator(q, z), z)[:, :2]
-
-
-def _refuse_crossing(rising: np.ndarray, falling: np.ndarray) -> None:
-    """Refuse a tooth that has no width where its flanks have the same length of roll.
-
-    Raises:
-        InputError: it has none, or the flanks are no numbers.
-    """
-    across = rising[:, 0] * falling[:, 1] - rising[:, 1] * falling[:, 0]
-    if not (across > 0).all():
-        raise InputError("The errors and modifications of the pinion's flanks leave no tooth; reduce them.")
 
 
 def _second_moment(polygon: np.ndarray, least: float) -> float:

@@ -71,7 +71,10 @@ def defect(vertices: np.ndarray, faces: np.ndarray, least_height: float = 1e-12)
     n = len(vertices)
     forward, backward = np.sort(start * n + end), np.sort(end * n + start)
     if not np.array_equal(forward, backward) or (np.diff(forward) == 0).any():
-        return _defect_of_edges(forward, backward)
+        doubled = np.unique(forward[1:][np.diff(forward) == 0]).size
+        if doubled:
+            return f"{doubled} edges are used twice in the same sense (inverted normals)"
+        return f"{np.setdiff1d(forward, backward).size} edges are open"
     a, b, c = np.moveaxis(vertices[faces], 1, 0)
     double_area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     longest = np.linalg.norm([b - a, c - b, a - c], axis=2).max(axis=0)
@@ -81,14 +84,6 @@ def defect(vertices: np.ndarray, faces: np.ndarray, least_height: float = 1e-12)
     if np.einsum("ij,ij->i", a, np.cross(b, c)).sum() <= 0:
         return "its faces point inwards"
     return None
-
-
-def _defect_of_edges(forward: np.ndarray, backward: np.ndarray) -> str:
-    """Return what is wrong with edges, each a number for its sense, sorted, beside those of the other."""
-    doubled = np.unique(forward[1:][np.diff(forward) == 0]).size
-    if doubled:
-        return f"{doubled} edges are used twice in the same sense (inverted normals)"
-    return f"{np.setdiff1d(forward, backward).size} edges are open"
 
 
 def to_manifold(vertices: np.ndarray, faces: np.ndarray) -> manifold3d.Manifold:
@@ -114,11 +109,9 @@ def from_manifold(solid: manifold3d.Manifold) -> tuple[np.ndarray, np.ndarray]:
 
 
 def prism(outline: np.ndarray, start: np.ndarray, end: np.ndarray) -> manifold3d.Manifold:
-    """Make the body that an outline sweeps.
+    """Make the body that an outline sweeps: a plane polygon, counter-clockwise, shape (n, 2) [m].
 
-    Args:
-        outline: polygon in the plane, counter-clockwise, shape (n, 2) [m].
-        start, end: affine maps (3, 3) of (1, x, y) -> point of the first and of the last outline [m].
+    `start` and `end` are affine maps (3, 3) of (1, x, y) -> point of the first and of the last outline [m].
     """
     n = len(outline)
     flat = np.concatenate([np.ones((n, 1)), outline], axis=1)

@@ -18,8 +18,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
-from rps_exudyn.gears.bar_section import POISSON_RATIO, BarSection, plain_section, toothed_section
+from rps_exudyn.gears.bar_section import BarSection, plain_section, toothed_section
 from rps_exudyn.gears.rack_bar import RackBar
+from rps_exudyn.gears.tooth_stiffness import POISSON_RATIO
 from rps_exudyn.parameters.gear import SteeringGear
 
 # --- Timoshenko beams of straight elements, one plane: stiffness, mass, modes.
@@ -70,9 +71,8 @@ class ShapeFunctions:
             (6 * s - 2 + P) / L,
         ]
         tables = (deflection, gradient, rotation, curvature)
-        return cls(
-            *(np.stack([row * one for row in table], axis=1) / (1 + P[:, :, None]) for table in tables)
-        )
+        whole = 1 + P[:, :, None]
+        return cls(*(np.stack([row * one for row in table], axis=1) / whole for table in tables))
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +166,6 @@ class RackBeam:
 
     @classmethod
     def of(cls, gear: SteeringGear) -> "RackBeam":
-        """The beam of a gear's rack."""
         bar = RackBar.of(gear)
         plain, toothed = plain_section(bar), toothed_section(bar)
         reach = (bar.teeth_each_way + 0.5) * bar.pair.rack_pitch
@@ -230,7 +229,6 @@ class RackModes:
 
     @property
     def count(self) -> int:
-        """Number of modes."""
         return len(self.frequencies)
 
     def at(self, station: float) -> np.ndarray:

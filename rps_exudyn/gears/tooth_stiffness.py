@@ -39,25 +39,16 @@ def theoretical_stiffness(z_n1: float, z_n2: float, x_1: float = 0.0, x_2: float
     """Return c'_th = 1 / q' of a pair of solid standard teeth in the normal section [N/m^2].
 
     q' = C_1 + C_2 / z_n1 + C_3 / z_n2 + C_4 x_1 + C_5 x_1 / z_n1 + C_6 x_2 + C_7 x_2 / z_n2 + C_8 x_1^2 +
-    C_9 x_2^2; above zero for every gear of three teeth and more within the limits of x_1 + x_2.
-
-    Args:
-        z_n1: virtual number of teeth of the pinion.
-        z_n2: of the wheel; infinite for a rack.
-        x_1: profile shift coefficient of the pinion.
-        x_2: of the wheel.
+    C_9 x_2^2; above zero for every gear of three teeth and more within the limits of x_1 + x_2. z_n are
+    virtual numbers of teeth, of a rack infinite, x profile shift coefficients of pinion (1) and wheel (2).
     """
     terms = (1, 1 / z_n1, 1 / z_n2, x_1, x_1 / z_n1, x_2, x_2 / z_n2, x_1**2, x_2**2)
     return float(PER_MM_UM / sum(c * term for c, term in zip(SERIES, terms, strict=True)))
 
 
 def basic_rack_factor(dedendum: float, pressure_angle: float) -> float:
-    """Return C_B = [1 + 0.5 (1.2 - h_fP / m_n)] [1 - 0.02 (20 - alpha_Pn)].
-
-    Args:
-        dedendum: h_fP / m_n of the basic rack.
-        pressure_angle: its pressure angle alpha_Pn [rad].
-    """
+    """Return C_B = [1 + 0.5 (1.2 - h_fP / m_n)] [1 - 0.02 (20 - alpha_Pn)]: of h_fP / m_n and the pressure
+    angle alpha_Pn [rad] of the basic rack."""
     return float((1 + 0.5 * (1.2 - dedendum)) * (1 - 0.02 * (20 - degrees(pressure_angle))))
 
 
@@ -74,28 +65,12 @@ def mesh_stiffness_transverse(single: float, contact_ratio: float) -> float:
     return single * (0.75 * contact_ratio + 0.25)
 
 
-def rack_stiffness(
-    teeth: int, helix: float, pressure_angle: float, profile_shift: float, dedendum: float
-) -> float:
-    """Return c' of a pinion with its rack [N/m^2].
-
-    Args:
-        teeth: of the pinion.
-        helix: its helix angle beta_p at the reference cylinder [rad].
-        pressure_angle: normal pressure angle alpha_n [rad].
-        profile_shift: its profile shift coefficient.
-        dedendum: h_fP / m_n of the basic rack.
-    """
-    z_n = virtual_teeth(teeth, helix, asin(sin(helix) * cos(pressure_angle)))
-    shift = min(max(profile_shift, LEAST_SHIFT), LARGEST_SHIFT)
-    rack_factor = basic_rack_factor(dedendum, pressure_angle)
-    return single_stiffness(theoretical_stiffness(z_n, inf, shift), rack_factor, helix)
-
-
 def stiffness_of_pair(pair: "GearPair") -> float:
     """Return c' of the pinion with its rack [N/m^2]."""
-    dedendum = pair.rack_dedendum / pair.module
-    return rack_stiffness(pair.teeth, pair.beta_p, pair.alpha_n, pair.profile_shift, dedendum)
+    z_n = virtual_teeth(pair.teeth, pair.beta_p, asin(sin(pair.beta_p) * cos(pair.alpha_n)))
+    shift = min(max(pair.profile_shift, LEAST_SHIFT), LARGEST_SHIFT)
+    rack_factor = basic_rack_factor(pair.rack_dedendum / pair.module, pair.alpha_n)
+    return single_stiffness(theoretical_stiffness(z_n, inf, shift), rack_factor, pair.beta_p)
 
 
 def mesh_stiffness_of_pair(pair: "GearPair") -> float:

@@ -20,10 +20,9 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.basic_rack import involute
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_limits import transverse_contact_ratio
-from rps_exudyn.gears.tooth_stiffness import virtual_teeth
+from rps_exudyn.gears.tooth_stiffness import POISSON_RATIO, YOUNGS_MODULUS, virtual_teeth
 from rps_exudyn.parameters.gear import SteeringGear
 
-YOUNGS_MODULUS, POISSON_RATIO = 206e9, 0.3  # of steel [Pa]
 MANY_TEETH = 1e6  # of a rack: the form factor is that of infinitely many to 1e-5
 STEEPEST_HELIX = np.deg2rad(30)  # up to which Y_beta falls
 
@@ -108,8 +107,8 @@ def pinion_form(pair: GearPair) -> ToothForm:
 
 def rack_form(pair: GearPair) -> ToothForm:
     """Return the rack's tooth, as one of very many teeth."""
-    addendum, dedendum = pair.rack_addendum / pair.module, pair.rack_dedendum / pair.module
-    fillet = pair.fillet_radius / pair.module
+    lengths = (pair.rack_addendum, pair.rack_dedendum, pair.fillet_radius)
+    addendum, dedendum, fillet = (length / pair.module for length in lengths)
     return ToothForm(MANY_TEETH, 0.0, addendum, pair.alpha_n, dedendum, fillet, abs(pair.beta_r))
 
 

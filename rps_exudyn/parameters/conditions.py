@@ -25,37 +25,28 @@ COLDEST, HOTTEST = 233.15, 373.15  # range of the laws over temperature [K]
 class Conditions(Table):
     """Temperature of the whole gear, and the life behind it."""
 
-    temperature: Temperature = parameter(
-        "20 degC", "temperature of the whole gear", "estimate", ge=COLDEST, le=HOTTEST
-    )
+    temperature: Temperature = parameter("20 degC", "temperature of the whole gear", ge=COLDEST, le=HOTTEST)
     steering_cycles: Number = parameter(
-        0.0, "steering cycles behind the gear, each to both sides and back; 0: new", "estimate",
-        ge=0, le=1e8,
-    )  # fmt: skip
-    cycle_angle: Angle = parameter(
-        "90 deg", "amplitude of these cycles at the pinion", "estimate", gt=0, le=1080 * DEG
+        0.0, "steering cycles behind the gear, each to both sides and back; 0: new", ge=0, le=1e8
     )
+    cycle_angle: Angle = parameter("90 deg", "amplitude of these cycles at the pinion", gt=0, le=1080 * DEG)
     spring_set: Number = parameter(
-        0.0, "share of its force that the yoke's spring has lost by setting", "estimate", ge=0, le=0.5
+        0.0, "share of its force that the yoke's spring has lost by setting", ge=0, le=0.5
     )
 
 
 class Housing(Table):
     """The housing of the gear."""
 
-    expansion: Expansion = parameter(
-        "23e-6 1/K", "linear thermal expansion (aluminium)", "estimate", ge=0, le=3e-4
-    )
+    expansion: Expansion = parameter("23e-6 1/K", "linear thermal expansion (aluminium)", ge=0, le=3e-4)
     seat_stiffness: Stiffnesses = parameter(
         "none",
         "stiffness of the pinion's seat at mid mesh along and about e, Y, axis: 6 values, or 36; none: rigid",
-        "estimate",
     )
 
     mount_stiffness: SpringRate = parameter(
         0.0,
         "stiffness of the housing's mounts along the rack, which yield behind a steering column; 0: rigid",
-        "estimate",
         ge=0,
     )
 
@@ -64,9 +55,7 @@ class Grease(Table):
     """Lubricant of bush and plunger seat, as far as its viscosity drags."""
 
     base_oil: Literal["none", "PAO 32", "VG 68", "VG 100", "VG 150"] = parameter(
-        "none", "base oil; none: no viscous drag", "estimate"
+        "none", "base oil; none: no viscous drag"
     )
-    film: Length = parameter("0.05 mm", "thickness of the sheared film", "estimate", gt=0, le=1e-3)
-    thickening: Number = parameter(
-        3.0, "viscous drag of the grease over that of its base oil", "estimate", ge=1, le=10
-    )
+    film: Length = parameter("0.05 mm", "thickness of the sheared film", gt=0, le=1e-3)
+    thickening: Number = parameter(3.0, "viscous drag of the grease over that of its base oil", ge=1, le=10)

@@ -33,7 +33,7 @@ from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError, check_kind
 from rps_exudyn.base.files import DEEPEST, check_depth, content_of
 from rps_exudyn.parameters.distribution import Distribution, is_distribution
-from rps_exudyn.parameters.retired import STORED, choice_instead
+from rps_exudyn.parameters.retired import context_of
 from rps_exudyn.parameters.wrong_values import ConflictError, WrongValue, nearest, problems_of
 
 DEG = math.pi / 180  # for limits of angles
@@ -182,7 +182,7 @@ PitchErrors = Annotated[str, Listed(("m",), largest=1e-4, text=accuracy_class)]
 Stiffnesses = Annotated[str, Listed(("N/m", "N/m", "N/m", "N*m/rad"), counts=(6, 36))]
 
 
-def parameter(default: Any, meaning: str, source: Source, **limits: Any) -> Any:
+def parameter(default: Any, meaning: str, source: Source = "estimate", **limits: Any) -> Any:
     """Declare one parameter: its default (text with unit, or SI), its meaning, the source of its value."""
     return Field(default, description=meaning, json_schema_extra={"source": source}, **limits)
 
@@ -273,36 +273,36 @@ class Table(BaseModel):
             InputError: an unknown path, or a value that is not allowed.
         """
         check_settings(settings)
-        context = None if any(choice_instead(*each) for each in settings.items()) else STORED
+        context = context_of(settings)
         if settings and all(self._stands_alone(path) for path in settings):
             with suppress(ValidationError):  # the whole is validated then, and its error stated
                 return type(self).model_validate(self._with(settings), context=context)
         return self.from_tables(self.model_dump(), settings, where, context)
 
     def _stands_alone(self, path: str) -> bool:
-        """Return whether a path leads into a nested table, and nothing follows from its parameter."""
+        """Return whether a path may be that of a parameter from which nothing follows."""
         table, _, name = path.partition(".")
-        return bool(name) and isinstance(getattr(self, table, None), Table)
+        return bool(name) == isinstance(getattr(self, table, None), Table)
 
     def _with(self, settings: Mapping[str, object]) -> dict[str, Any]:
         """The tables, those that settings change taken apart."""
-        changing = {path.partition(".")[0] for path in settings}
-        tables = {name: getattr(self, name) for name in type(self).model_fields}
-        return _merged(
-            {name: _parts(table) if name in changing else table for name, table in tables.items()}, settings
-        )
+        tables = _parts(self)
+        for path in settings:
+            name, _, parameter = path.partition(".")
+            if parameter and isinstance(tables.get(name), Table):
+                tables[name] = _parts(tables[name])
+        return _merged(tables, settings)
 
     def changes(self) -> dict[str, Any]:
         """Return path -> value of all parameters that differ from their defaults."""
-        usual = type(self)()
-        values = {item.path: self.value_at(item.path) for item in self.declared()}
+        usual, declared = type(self)(), all_declared(type(self))
+        values = {path: self.value_at(path) for path in declared}
         return {path: value for path, value in values.items() if value != usual.value_at(path)}
 
     def changes_shown(self) -> list[str]:
         """Return the same for a reader: "yoke.preload 400 N"."""
-        changes = self.changes()
-        shown = {item.path: item.show for item in self.declared()}
-        return [f"{path} {shown[path](value)}" for path, value in changes.items()]
+        declared = all_declared(type(self))
+        return [f"{path} {declared[path].show(value)}" for path, value in self.changes().items()]
 
     def value_at(self, path: str) -> Any:
         """Return the value of the parameter at a dotted path."""
@@ -330,7 +330,7 @@ class Table(BaseModel):
             InputError: there is no such parameter or table.
         """
         check_settings({path: None})
-        declared = _all_declared(cls)
+        declared = all_declared(cls)
         if path in declared:
             return [declared[path]]
         found = [item for name, item in declared.items() if f"{name}.".startswith(f"{path}." if path else "")]
@@ -348,13 +348,18 @@ def check_settings(settings: object) -> None:
     check_kind("a change", settings, Mapping, 'path -> value, such as {"yoke.preload": "400 N"}')
     assert isinstance(settings, Mapping)
     for path in settings:
-        check_kind("a parameter's path", path, str, "text, such as yoke.preload")
-        if path != (plain := path.strip(" \t'\"")):
-            raise InputError(f"{units.shown(path)} is no parameter; write {plain}, without quotes.")
+        if not isinstance(path, str) or path != path.strip(BLANKS):
+            check_kind("a parameter's path", path, str, "text, such as yoke.preload")
+            raise InputError(
+                f"{units.shown(path)} is no parameter; write {path.strip(BLANKS)}, without quotes."
+            )
+
+
+BLANKS = " \t'\""
 
 
 @cache
-def _all_declared(table: type[Table]) -> Mapping[str, "Declared"]:
+def all_declared(table: type[Table]) -> Mapping[str, "Declared"]:
     """Path -> parameter; a table asks for one of them many times."""
     return {item.path: item for item in table.declared()}
 
@@ -369,12 +374,10 @@ class Declared:
 
     @property
     def meaning(self) -> str:
-        """Meaning of the parameter."""
         return self.field.description or ""
 
     @property
     def source(self) -> Source:
-        """Source of its default."""
         extra = self.field.json_schema_extra
         assert isinstance(extra, dict)
         return extra["source"]  # type: ignore[return-value]

@@ -10,23 +10,18 @@ Each part can be chosen alone, for instance `Fidelity.preset("flank").replace({"
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from functools import cache
+from functools import cache, partial
 from typing import Any, Literal, Self
 
 from pydantic import computed_field, model_validator
 
 from rps_exudyn.base.errors import InputError, check_kind
-from rps_exudyn.parameters.declaration import (
-    DEG,
-    Angle,
-    Declared,
-    Number,
-    Table,
-    parameter,
-)
+from rps_exudyn.parameters.declaration import DEG, Angle, Declared, Number, Table, all_declared, parameter
 from rps_exudyn.parameters.friction_law import MOST_ELEMENTS
+from rps_exudyn.parameters.retired import PARAMETERS
 from rps_exudyn.parameters.wrong_values import WrongValue
 
+choice = partial(parameter, source="choice")
 LEAST_SWING_STEPS = 5  # fewer do not see an impact
 PresetName = Literal["full", "flank", "quasi-static", "closed-form"]
 
@@ -42,75 +37,57 @@ class Fidelity(Table):
         'equilibrium'
     """
 
-    based_on: PresetName = parameter(
-        "flank", "preset whose choices these are except for changed ones", "choice"
+    based_on: PresetName = choice("flank", "preset whose choices these are except for changed ones")
+    mesh: Literal["general-contact", "flank"] = choice("flank", "contact model of the teeth")
+    bush: Literal["chain", "condensed", "rigid"] = choice(
+        "condensed", "bush model: chain of segments, condensed stiffness, or rigid"
     )
-    mesh: Literal["general-contact", "flank"] = parameter("flank", "contact model of the teeth", "choice")
-    bush: Literal["chain", "condensed", "rigid"] = parameter(
-        "condensed", "bush model: chain of segments, condensed stiffness, or rigid", "choice"
-    )
-    rack: Literal["by-scene", "free", "guided", "flexible"] = parameter(
+    rack: Literal["by-scene", "free", "guided", "flexible"] = choice(
         "by-scene",
         "rack model: free (rigid), guided (rigid, X and Y only), flexible (bends), by-scene (flexible "
-        "where the "
-        "scene needs it, else free)",
-        "choice",
+        "where the scene needs it, else free)",
     )
-    pinion: Literal["by-scene", "rigid", "supported"] = parameter(
+    pinion: Literal["by-scene", "rigid", "supported"] = choice(
         "by-scene",
         "pinion support: rigid (it only turns), supported (on two bearings), by-scene (supported where the "
         "scene needs it)",
-        "choice",
     )
-    solver: Literal["generalized-alpha", "equilibrium", "closed-form"] = parameter(
+    solver: Literal["generalized-alpha", "equilibrium", "closed-form"] = choice(
         "generalized-alpha",
         "solver: dynamics (generalized-alpha), equilibrium at each instant, or formulas (closed-form)",
-        "choice",
     )
-    step_angle: Angle = parameter(
+    step_angle: Angle = choice(
         "1 deg",
         "largest pinion rotation per time step or equilibrium; a record has at least four steps",
-        "choice",
         ge=0.001 * DEG,  # the rack's travel takes a million of them
         le=40 * DEG,
     )
-    swing_steps: int = parameter(
+    swing_steps: int = choice(
         0,
         "yoke-impact and rattle: time steps per vibration of the plunger between seat and yokenut, the "
         "fastest motion; 0: the scene's default",
-        "choice",
         ge=0,
         le=1000,
     )
-    tolerance: Number = parameter(
+    tolerance: Number = choice(
         1e-4,
         "time steps: unbalanced force over the yoke's preload at which Newton's method stops",
-        "choice",
         gt=0,
         le=0.01,
     )
-    strip_stations: int = parameter(
-        8,
-        "flank: Gauss points along each segment of a line of contact; law teeth adds one",
-        "choice",
-        ge=1,
-        le=32,
+    strip_stations: int = choice(
+        8, "flank: Gauss points along each segment of a line of contact; law teeth adds one", ge=1, le=32
     )
-    strip_points: int = parameter(2, "flank: Gauss points across the strip of contact", "choice", ge=1, le=32)
-    profile_samples: int = parameter(
-        27, "general contact: spheres along the profile of a flank", "choice", ge=2, le=2000
-    )
-    axial_samples: int = parameter(
-        18, "general contact: rows of spheres along the face width", "choice", ge=2, le=2000
-    )
-    zone_ratio: Number = parameter(
-        0.001, "width of the friction zone over the smallest sliding speed of the teeth", "choice", gt=0, le=1
+    strip_points: int = choice(2, "flank: Gauss points across the strip of contact", ge=1, le=32)
+    profile_samples: int = choice(27, "general contact: spheres along the profile of a flank", ge=2, le=2000)
+    axial_samples: int = choice(18, "general contact: rows of spheres along the face width", ge=2, le=2000)
+    zone_ratio: Number = choice(
+        0.001, "width of the friction zone over the smallest sliding speed of the teeth", gt=0, le=1
     )
 
-    friction_elements: int = parameter(
+    friction_elements: int = choice(
         1,
         "bristle: elasto-plastic elements of each part; more elements give a smoother first loading",
-        "choice",
         ge=1,
         le=MOST_ELEMENTS,
     )
@@ -119,12 +96,13 @@ class Fidelity(Table):
     @property
     def name(self) -> str:
         """The preset and what was changed in it: "full with bush condensed"."""
-        return self._named(_choices())
+        return self._named(all_declared(Fidelity).values())
 
     @property
     def model(self) -> str:
         """The preset and the parts that are others in it, without its numbers: "full with bush condensed"."""
-        return self._named(item for item in _choices() if isinstance(getattr(self, item.path), str))
+        choices = all_declared(Fidelity).values()
+        return self._named(item for item in choices if isinstance(getattr(self, item.path), str))
 
     def _named(self, choices: Iterable[Declared]) -> str:
         usual = _preset_values(self.based_on)
@@ -146,15 +124,25 @@ class Fidelity(Table):
             return {choice: value for choice, value in tables.items() if (choice, value) != ("yoke", "body")}
         preset = str(tables["name"]).partition(" ")[0]
         known = {"based_on": preset} if preset in PRESETS else {}
-        dropped = "name", "yoke", "generators", "torque_tolerance"
-        return known | {choice: value for choice, value in tables.items() if choice not in dropped}
+        gone = {"name", *(path.removeprefix("fidelity.") for path in PARAMETERS)}
+        return known | {choice: value for choice, value in tables.items() if choice not in gone}
 
     def __repr__(self) -> str:
         return f"<Fidelity: {self.name}>"
 
     def conflicts(self) -> Iterator[WrongValue]:
         """Yield choices that are each fine alone, but not together."""
-        return _conflicts(self)
+        if 0 < self.swing_steps < LEAST_SWING_STEPS:
+            yield WrongValue(
+                ("swing_steps",),
+                f"fidelity.swing_steps is {self.swing_steps}; it must be 0, for the scene's own, or at least "
+                f"{LEAST_SWING_STEPS}.",
+            )
+        for (other, needing), part, possible, reason in _LIMITS:
+            value = getattr(self, part)
+            if getattr(self, other) == needing and value not in possible.split():
+                sentence = f"fidelity.{part} is {value}, but fidelity.{other} is {needing}, {reason}."
+                yield WrongValue((other, part), sentence)
 
     @property
     def bends_teeth(self) -> bool:
@@ -217,72 +205,33 @@ def preset_table(name: str) -> dict[str, Any]:
 @cache
 def _preset_values(name: str) -> dict[str, Any]:
     preset = Fidelity.preset(name)
-    return {item.path: getattr(preset, item.path) for item in _choices()}
+    return {path: getattr(preset, path) for path in all_declared(Fidelity)}
 
 
-@cache
-def _choices() -> tuple[Declared, ...]:
-    return tuple(Fidelity.declared())
-
-
-def _conflicts(chosen: Fidelity) -> Iterator[WrongValue]:
-    if 0 < chosen.swing_steps < LEAST_SWING_STEPS:
-        yield WrongValue(
-            ("swing_steps",),
-            f"fidelity.swing_steps is {chosen.swing_steps}; it must be 0, for the scene's own, or at least "
-            f"{LEAST_SWING_STEPS}.",
-        )
-    if chosen.rack == "guided" and chosen.bush != "condensed":
-        yield WrongValue(
-            ("rack", "bush"),
-            f"fidelity.bush is {chosen.bush}, but fidelity.rack is guided, which has only the drag of the "
-            f"bush: leave it condensed.",
-        )
-    if chosen.rack == "flexible" and chosen.bush == "chain":
-        yield WrongValue(
-            ("rack", "bush"),
-            f"fidelity.bush is {chosen.bush}, but fidelity.rack is flexible, whose bush is condensed to its "
-            "exact stiffness: leave it condensed.",
-        )
-    if chosen.rack == "flexible" and chosen.mesh == "general-contact":
-        yield WrongValue(
-            ("rack", "mesh"),
-            "fidelity.mesh is general-contact, but fidelity.rack is flexible, which has only rigid "
-            "bodies: choose fidelity.mesh = flank.",
-        )
-    if chosen.pinion == "supported" and chosen.mesh == "general-contact":
-        yield WrongValue(
-            ("pinion", "mesh"),
-            "fidelity.mesh is general-contact, but fidelity.pinion is supported, which general contact "
-            "does not offer: choose fidelity.mesh = flank.",
-        )
-    for choice, solver, understood, reason in _SOLVER_LIMITS:
-        value = getattr(chosen, choice)
-        if chosen.solver == solver and value not in understood:
-            yield WrongValue(
-                ("solver", choice),
-                f"fidelity.{choice} is {value}, but fidelity.solver is {solver}, {reason}.",
-            )
-
-
-# What a solver cannot do: choice, solver, what it understands, and why
-_SOLVER_LIMITS = (
-    ("mesh", "closed-form", ("flank",), "whose formulas are those of flank contact"),
+_LIMITS = (
+    (("rack", "guided"), "bush", "condensed", "which has only the drag of the bush: leave it condensed"),
     (
-        "bush",
-        "closed-form",
-        ("condensed",),
+        ("rack", "flexible"), "bush", "condensed rigid",
+        "whose bush is condensed to its exact stiffness: leave it condensed",
+    ),
+    (("rack", "flexible"), "mesh", "flank", "which has only rigid bodies: choose fidelity.mesh = flank"),
+    (
+        ("pinion", "supported"), "mesh", "flank",
+        "which general contact does not offer: choose fidelity.mesh = flank",
+    ),
+    (("solver", "closed-form"), "mesh", "flank", "whose formulas are those of flank contact"),
+    (
+        ("solver", "closed-form"), "bush", "condensed",
         "whose formulas contain only the bush's drag: leave it condensed",
     ),
-    ("pinion", "closed-form", ("by-scene", "rigid"), "whose formulas let the pinion only turn"),
-    ("rack", "closed-form", ("by-scene", "free", "guided"), "whose formulas contain no bending"),
+    (("solver", "closed-form"), "pinion", "by-scene rigid", "whose formulas let the pinion only turn"),
+    (("solver", "closed-form"), "rack", "by-scene free guided", "whose formulas contain no bending"),
     (
-        "bush",
-        "equilibrium",
-        ("condensed", "rigid"),
+        ("solver", "equilibrium"), "bush", "condensed rigid",
         "which needs no segments; condensed has the exact static stiffness of the chain",
     ),
-)
+)  # fmt: skip
+"""A choice, another part, the choices of that one that go with it, and why others do not."""
 
 PRESETS: dict[str, dict[str, Any]] = {
     "full": {"mesh": "general-contact", "bush": "chain"},

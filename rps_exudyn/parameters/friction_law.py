@@ -49,20 +49,16 @@ class FrictionLaw(Table):
     friction_law: LawName = parameter(
         "coulomb",
         "coulomb: constant coefficient; stribeck: larger at rest; bristle: elastic before it slides",
-        "estimate",
     )
-    static_ratio: Number = parameter(1.0, "static over kinetic friction", "estimate", ge=1, le=5)
+    static_ratio: Number = parameter(1.0, "static over kinetic friction", ge=1, le=5)
     stribeck_speed: SlidingSpeed = parameter(
-        "5 mm/s", "sliding speed at which the static surplus has fallen to 37 %", "estimate", gt=0, le=10
+        "5 mm/s", "sliding speed at which the static surplus has fallen to 37 %", gt=0, le=10
     )
-    stribeck_exponent: Number = parameter(
-        2.0, "exponent of the speed in Stribeck's curve", "estimate", ge=0.5, le=4
-    )
+    stribeck_exponent: Number = parameter(2.0, "exponent of the speed in Stribeck's curve", ge=0.5, le=4)
     bristle_travel: Length = parameter(
-        "5 um", "bristle: sliding distance of a first loading to 63 % of the friction", "estimate",
-        gt=0, le=1e-3,
-    )  # fmt: skip
-    bristle_damping: Time = parameter(0.0, "bristle: damping over stiffness", "estimate", ge=0, le=1e-2)
+        "5 um", "bristle: sliding distance of a first loading to 63 % of the friction", gt=0, le=1e-3
+    )
+    bristle_damping: Time = parameter(0.0, "bristle: damping over stiffness", ge=0, le=1e-2)
 
     @property
     def facts(self) -> LawFacts:
@@ -107,7 +103,6 @@ class LoadedFrictionLaw(FrictionLaw):
         1.0,
         "exponent of the normal force in the friction; the coefficient holds for the load under the yoke's "
         "preload",
-        "estimate",
         ge=0.5,
         le=1.5,
     )
@@ -129,9 +124,6 @@ TRAVEL_REMARK = (
 )
 
 
-WITH_STATE = [name for name, facts in LAWS.items() if facts.has_state]
-
-
 def of_this_version(
     gear: dict[str, Any], fidelity: Mapping[str, Any], message: str
 ) -> tuple[dict[str, Any], str]:
@@ -139,11 +131,12 @@ def of_this_version(
     what replaces a travel of bristles whose meaning has changed since."""
     if "friction_elements" in fidelity:
         return gear, message
+    with_state = [name for name, facts in LAWS.items() if facts.has_state]
     changed = {
         part: {**table, "bristle_travel": SAME_REVERSAL * table["bristle_travel"]}
         for part, table in gear.items()
         if isinstance(table, dict)
-        and table.get("friction_law") in WITH_STATE
+        and table.get("friction_law") in with_state
         and isinstance(table.get("bristle_travel"), float)
     }
     return gear | changed, "; ".join(filter(None, (message, TRAVEL_REMARK if changed else "")))

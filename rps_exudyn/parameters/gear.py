@@ -1,6 +1,6 @@
 """Every parameter of the steering gear and its test: declared once, here.
 
-Sources: "paper" (Kamble & Saha state it), "inferred" (follows from what the paper states), "estimate"
+Sources: "paper" (Kamble & Saha state it), "inferred" (follows from what the paper states); else "estimate"
 (usual practice; no source).
 """
 
@@ -44,8 +44,8 @@ from rps_exudyn.parameters.declaration import (
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import FrictionLaw, LoadedFrictionLaw
 from rps_exudyn.parameters.retired import read_choice
-from rps_exudyn.parameters.rig import Test, conflicts_of_test
-from rps_exudyn.parameters.wrong_values import WrongValue
+from rps_exudyn.parameters.rig import Test
+from rps_exudyn.parameters.wrong_values import WrongValue, conflict
 
 LARGEST_FLOAT = 0.1  # of the face width: beyond, the float takes the teeth off each other's face
 STEEPEST_LEAD = 0.01  # lead error over face width [rad]: the flanks' normals are those of the design to 1e-4
@@ -54,38 +54,33 @@ STEEPEST_LEAD = 0.01  # lead error over face width [rad]: the flanks' normals ar
 class SteeringColumn(Table):
     """Steering wheel, column and torsion bar; only scenes that move the wheel have them."""
 
-    wheel_inertia: Inertia = parameter(
-        "0.04 kg*m^2", "moment of inertia of the steering wheel", "estimate", gt=0
-    )
+    wheel_inertia: Inertia = parameter("0.04 kg*m^2", "moment of inertia of the steering wheel", gt=0)
     stiffness: Torsion = parameter(
-        "120 N*m/rad", "torsional stiffness of column and torsion bar in series", "estimate", gt=0
+        "120 N*m/rad", "torsional stiffness of column and torsion bar in series", gt=0
     )
     damping: TorsionDamping = parameter(
-        "0.02 N*m*s/rad", "damping torque per rate of the column's twist", "estimate", ge=0
+        "0.02 N*m*s/rad", "damping torque per rate of the column's twist", ge=0
     )
     joint_angle: Angle = parameter(
         0.0,
         "bend of the column in its universal joint between wheel and torsion bar; 0: no joint",
-        "estimate",
         ge=0,
         le=60 * DEG,
     )
     joint_phase: Angle = parameter(
-        0.0,
-        "angle between the joint's yoke at the wheel and the plane of the bend, wheel straight ahead",
-        "estimate",
+        0.0, "angle between the joint's yoke at the wheel and the plane of the bend, wheel straight ahead"
     )
 
 
 class BasicRack(Table):
     """Standard basic rack tooth profile (ISO 53, profile A), in units of the normal module."""
 
-    addendum: Number = parameter(1.0, "addendum of the rack's teeth, h_aP / m_n", "estimate", gt=0, le=1.5)
+    addendum: Number = parameter(1.0, "addendum of the rack's teeth, h_aP / m_n", gt=0, le=1.5)
     dedendum: Number = parameter(
-        1.25, "dedendum of the rack, and addendum of the pinion's cutter, h_fP / m_n", "estimate", gt=0, le=2
+        1.25, "dedendum of the rack, and addendum of the pinion's cutter, h_fP / m_n", gt=0, le=2
     )
     fillet_radius: Number = parameter(
-        0.38, "root fillet of the rack, and tip radius of the cutter, rho_fP / m_n", "estimate", ge=0, le=0.5
+        0.38, "root fillet of the rack, and tip radius of the cutter, rho_fP / m_n", ge=0, le=0.5
     )
 
 
@@ -94,15 +89,9 @@ class Pinion(Table):
 
     teeth: Count = parameter(6, "number of teeth z", "paper", ge=3, le=40)
     normal_module: Length = parameter("1.83 mm", "normal module m_n", "inferred", gt=0, le=0.02)
-    pressure_angle: Angle = parameter(
-        "20 deg", "normal pressure angle alpha_n", "estimate", gt=5 * DEG, lt=40 * DEG
-    )
+    pressure_angle: Angle = parameter("20 deg", "normal pressure angle alpha_n", gt=5 * DEG, lt=40 * DEG)
     helix_angle: Angle = parameter(
-        "25 deg",
-        "helix angle beta_p at the reference cylinder (sign = hand)",
-        "estimate",
-        gt=-60 * DEG,
-        lt=60 * DEG,
+        "25 deg", "helix angle beta_p at the reference cylinder (sign = hand)", gt=-60 * DEG, lt=60 * DEG
     )
     profile_shift: Number = parameter(
         1.0, "profile shift coefficient x (1: all-addendum, dedendum b = 0)", "paper", gt=-1, lt=2
@@ -110,112 +99,87 @@ class Pinion(Table):
     tip_diameter: Length = parameter(
         "18.2 mm", "tip diameter d_a; not given: from the teeth", "inferred", gt=0
     )
-    face_width: Length = parameter("14 mm", "face width b", "estimate", gt=0)
+    face_width: Length = parameter("14 mm", "face width b", gt=0)
     shaft_diameter: Length = parameter(
-        "11 mm",
-        "diameter of the shaft that carries the gear; not given: from the root diameter",
-        "estimate",
-        gt=0,
+        "11 mm", "diameter of the shaft that carries the gear; not given: from the root diameter", gt=0
     )
-    shaft_length: Length = parameter("160 mm", "length of the shaft", "estimate", gt=0)
+    shaft_length: Length = parameter("160 mm", "length of the shaft", gt=0)
     runout: Length = parameter(
         0.0, "eccentricity e of the gear centre from the axis of rotation (half the TIR)", "paper", ge=0
     )
     runout_angle: Angle = parameter(
-        0.0,
-        "direction of the eccentricity at pinion angle 0, from the pitch point in the sense of rotation",
-        "estimate",
+        0.0, "direction of the eccentricity at pinion angle 0, from the pitch point in the sense of rotation"
     )
-    tip_relief: Length = parameter(
-        0.0, "tip relief: taken off the flanks at the tip", "estimate", ge=0, le=1e-4
-    )
+    tip_relief: Length = parameter(0.0, "tip relief: taken off the flanks at the tip", ge=0, le=1e-4)
     tip_relief_length: Length = parameter(
-        "1 mm", "length of roll from the tip over which the relief fades out", "estimate", gt=0
+        "1 mm", "length of roll from the tip over which the relief fades out", gt=0
     )
     crowning: Length = parameter(
-        0.0, "lengthwise crowning: taken off the flanks at both end faces", "estimate", ge=0, le=1e-4
+        0.0, "lengthwise crowning: taken off the flanks at both end faces", ge=0, le=1e-4
     )
     pitch_error: Length = parameter(
-        0.0, "single pitch error f_pt: one tooth is displaced by it", "estimate", ge=-1e-4, le=1e-4
+        0.0, "single pitch error f_pt: one tooth is displaced by it", ge=-1e-4, le=1e-4
     )
     pitch_errors: PitchErrors = parameter(
         "none",
         "pitch errors of all teeth, added to pitch_error: displacements in tooth order, or a class such as "
         '"ISO 1328 class 8, seed 3"',
-        "estimate",
     )
     profile_slope: Length = parameter(
-        0.0, "profile slope deviation f_Halpha: surplus at the tip", "estimate", ge=-1e-4, le=1e-4
+        0.0, "profile slope deviation f_Halpha: surplus at the tip", ge=-1e-4, le=1e-4
     )
     lead_error: Length = parameter(
         0.0,
         "helix slope deviation f_Hbeta over the face width: above 0 the helix angle is too large",
-        "estimate",
         ge=-1e-4,
         le=1e-4,
     )
-    density: Density = parameter(7850.0, "density of the pinion", "estimate", gt=0)
+    density: Density = parameter(7850.0, "density of the pinion", gt=0)
     axial_float: Length = parameter(
-        0.0, "end float between the stops of a supported pinion along its axis", "estimate", ge=0, le=0.01
+        0.0, "end float between the stops of a supported pinion along its axis", ge=0, le=0.01
     )
-    axial_friction: Force = parameter(
-        0.0, "friction against the axial motion of a supported pinion", "estimate", ge=0
-    )
+    axial_friction: Force = parameter(0.0, "friction against the axial motion of a supported pinion", ge=0)
 
 
 class Rack(Table):
     """Rack bar: a round bar with straight teeth."""
 
     tooth_angle: Angle = parameter(
-        "10 deg",
-        "angle beta_r of the teeth to the rack's cross direction",
-        "estimate",
-        gt=-60 * DEG,
-        lt=60 * DEG,
+        "10 deg", "angle beta_r of the teeth to the rack's cross direction", gt=-60 * DEG, lt=60 * DEG
     )
-    bar_diameter: Length = parameter("24 mm", "diameter of the bar", "estimate", gt=0)
+    bar_diameter: Length = parameter("24 mm", "diameter of the bar", gt=0)
     reference_height: Length = parameter(
-        "8.5 mm",
-        "height of the reference line above the bar's axis; not given: from module and bar",
-        "estimate",
-        gt=0,
+        "8.5 mm", "height of the reference line above the bar's axis; not given: from module and bar", gt=0
     )
-    length: Length = parameter("650 mm", "length of the bar", "estimate", gt=0)
+    length: Length = parameter("650 mm", "length of the bar", gt=0)
     travel: Length = parameter("140 mm", "travel lock to lock", "paper", gt=0)
-    density: Density = parameter(7850.0, "density of the bar", "estimate", gt=0)
+    density: Density = parameter(7850.0, "density of the bar", gt=0)
     pitch_errors: PitchErrors = parameter(
-        "none",
-        "pitch errors of all teeth: displacements along X in order of X, or a class as for the pinion",
-        "estimate",
+        "none", "pitch errors of all teeth: displacements along X in order of X, or a class as for the pinion"
     )
     back_parallelism: Angle = parameter(
         0.0,
         "slope of the bar's back against its teeth: above 0 the bar is thicker towards +X",
-        "estimate",
         ge=-0.005,
         le=0.005,
     )
-    youngs_modulus: Pressure = parameter("206 GPa", "Young's modulus of a flexible rack", "estimate", gt=0)
-    modes: Count = parameter(8, "bending modes of a flexible rack in each plane", "estimate", ge=0, le=40)
-    modal_damping: Number = parameter(0.01, "damping ratio of these modes", "estimate", ge=0, lt=1)
+    youngs_modulus: Pressure = parameter("206 GPa", "Young's modulus of a flexible rack", gt=0)
+    modes: Count = parameter(8, "bending modes of a flexible rack in each plane", ge=0, le=40)
+    modal_damping: Number = parameter(0.01, "damping ratio of these modes", ge=0, lt=1)
     bow: Length = parameter(
-        0.0,
-        "bow: height of the bent bar over the chord of its toothed part, at its middle",
-        "estimate",
-        ge=0,
-        le=0.002,
+        0.0, "bow: height of the bent bar over the chord of its toothed part, at its middle", ge=0, le=0.002
     )
     bow_angle: Angle = parameter(
-        0.0, "direction of the bow at its middle: 0 away from the pinion (Y), 90 deg along Z", "estimate"
+        0.0, "direction of the bow at its middle: 0 away from the pinion (Y), 90 deg along Z"
     )
     bow_shape: Literal["half-wave", "arc"] = parameter(
-        "half-wave", "bent line of the toothed part: half a sine wave, or an arc of a circle", "estimate"
+        "half-wave", "bent line of the toothed part: half a sine wave, or an arc of a circle"
     )
     side_force: Force = parameter(
-        0.0, "constant force across the rack, at its end beside the pinion", "estimate", ge=-2e4, le=2e4
+        0.0, "constant force across the rack, at its end beside the pinion", ge=-2e4, le=2e4
     )
     side_angle: Angle = parameter(
-        0.0, "direction of the side force: 0 deg away from the pinion (Y), 90 deg along Z", "estimate"
+        0.0, "direction of the side force: 0 deg away from the pinion (Y), 90 deg along Z"
     )
 
 
@@ -223,194 +187,137 @@ class Installation(Table):
     """Mounting of the gear, and how the pinion stands to the rack beyond the design."""
 
     angle_error: Angle = parameter(
-        0.0,
-        "deviation of the shaft angle (about the line pinion to rack)",
-        "estimate",
-        gt=-6 * DEG,
-        lt=6 * DEG,
+        0.0, "deviation of the shaft angle (about the line pinion to rack)", gt=-6 * DEG, lt=6 * DEG
     )
-    axis_offset: Length = parameter(
-        0.0, "shift of the pinion axis towards the rack", "estimate", gt=-0.005, lt=0.005
-    )
+    axis_offset: Length = parameter(0.0, "shift of the pinion axis towards the rack", gt=-0.005, lt=0.005)
     gravity: Acceleration = parameter(
         0.0,
         "acceleration of gravity on the rack: positive with the pinion below the rack, negative with the "
         "pinion above it",
-        "estimate",
         ge=-50,
         le=50,
     )
     gravity_angle: Angle = parameter(
-        0.0, "rotation of the direction of gravity about X, from -Y (rack to pinion) towards Z", "estimate"
+        0.0, "rotation of the direction of gravity about X, from -Y (rack to pinion) towards Z"
     )
     gravity_slope: Angle = parameter(
-        0.0, "angle of gravity to the rack's cross-section; above 0 it pulls the rack along +X", "estimate",
-        ge=-90 * DEG, le=90 * DEG,
-    )  # fmt: skip
+        0.0,
+        "angle of gravity to the rack's cross-section; above 0 it pulls the rack along +X",
+        ge=-90 * DEG,
+        le=90 * DEG,
+    )
 
 
 class Yoke(LoadedFrictionLaw):
     """Plunger, its spring, and the yokenut behind it."""
 
-    preload: Force = parameter("300 N", "spring force at the rest position", "estimate", ge=0)
-    spring_rate: SpringRate = parameter("50 N/mm", "rate of the yoke spring", "estimate", ge=0)
+    preload: Force = parameter("300 N", "spring force at the rest position", ge=0)
+    spring_rate: SpringRate = parameter("50 N/mm", "rate of the yoke spring", ge=0)
     clearance: Length = parameter(
-        "0.05 mm",
-        "gap between plunger and yokenut at the preloaded rest position",
-        "estimate",
-        ge=-0.001,
-        le=0.01,
+        "0.05 mm", "gap between plunger and yokenut at the preloaded rest position", ge=-0.001, le=0.01
     )
-    friction: Number = parameter(0.1, "friction coefficient between plunger and rack", "estimate", ge=0, le=1)
-    seat_angle: Angle = parameter(
-        "50 deg", "half angle of the plunger's cylindrical seat", "estimate", gt=0, lt=85 * DEG
-    )
-    seat_length: Length = parameter("20 mm", "length of the seat along the rack", "estimate", gt=0)
-    seat_stiffness: SpringRate = parameter(
-        "2e8 N/m", "stiffness of the seat along the yoke's axis", "estimate", gt=0
-    )
-    seat_damping: Time = parameter(
-        0.0, "damping time of the seat: damping over stiffness", "estimate", ge=0, le=1e-2
-    )
+    friction: Number = parameter(0.1, "friction coefficient between plunger and rack", ge=0, le=1)
+    seat_angle: Angle = parameter("50 deg", "half angle of the plunger's cylindrical seat", gt=0, lt=85 * DEG)
+    seat_length: Length = parameter("20 mm", "length of the seat along the rack", gt=0)
+    seat_stiffness: SpringRate = parameter("2e8 N/m", "stiffness of the seat along the yoke's axis", gt=0)
+    seat_damping: Time = parameter(0.0, "damping time of the seat: damping over stiffness", ge=0, le=1e-2)
     seat_form: Literal["round", "gothic"] = parameter(
         "round",
         "section of the seat: one arc (round), or two arcs that touch the bar 45 deg from the yoke's axis "
         "(gothic)",
-        "estimate",
     )
     seat_clearance: Length = parameter(
-        0.0,
-        "radius of the seat's arcs minus radius of the bar; 0: the whole seat touches",
-        "estimate",
-        ge=0,
-        le=1e-3,
+        0.0, "radius of the seat's arcs minus radius of the bar; 0: the whole seat touches", ge=0, le=1e-3
     )
-    plunger_mass: Mass = parameter("60 g", "mass of the plunger", "estimate", gt=0)
-    plunger_diameter: Length = parameter("30 mm", "diameter of the plunger", "estimate", gt=0)
-    plunger_length: Length = parameter("25 mm", "length of the plunger", "estimate", gt=0)
+    plunger_mass: Mass = parameter("60 g", "mass of the plunger", gt=0)
+    plunger_diameter: Length = parameter("30 mm", "diameter of the plunger", gt=0)
+    plunger_length: Length = parameter("25 mm", "length of the plunger", gt=0)
     bore_clearance: Length = parameter(
-        0.0,
-        "clearance of the plunger in its bore, within which it tilts; 0: no tilt",
-        "estimate",
-        ge=0,
-        le=1e-3,
+        0.0, "clearance of the plunger in its bore, within which it tilts; 0: no tilt", ge=0, le=1e-3
     )
-    plunger_thickness: Length = parameter(
-        "22 mm", "thickness of the plunger between rack and yokenut", "estimate", gt=0
-    )
+    plunger_thickness: Length = parameter("22 mm", "thickness of the plunger between rack and yokenut", gt=0)
     plunger_expansion: Expansion = parameter(
-        "23e-6 1/K",
-        "linear thermal expansion of the plunger (aluminium; POM 115e-6 1/K)",
-        "estimate",
-        ge=0,
-        le=3e-4,
+        "23e-6 1/K", "linear thermal expansion of the plunger (aluminium; POM 115e-6 1/K)", ge=0, le=3e-4
     )
     bore_friction: Force = parameter(
-        0.0,
-        "friction of the plunger in its bore (O-ring); it reverses over the bristle travel",
-        "estimate",
-        ge=0,
+        0.0, "friction of the plunger in its bore (O-ring); it reverses over the bristle travel", ge=0
     )
-    bore_damping: ViscousDrag = parameter(0.0, "damping of the plunger in its bore", "estimate", ge=0, le=1e6)
+    bore_damping: ViscousDrag = parameter(0.0, "damping of the plunger in its bore", ge=0, le=1e6)
     liner: Literal["ptfe", "pom", "none"] = parameter(
-        "ptfe",
-        "liner of the seat: friction of ptfe rises in the cold; that of the others does not change",
-        "estimate",
+        "ptfe", "liner of the seat: friction of ptfe rises in the cold; that of the others does not change"
     )
     liner_wear: WearCoefficient = parameter(
-        "1e-6 mm^3/N/m", "wear coefficient of the liner: volume per force and sliding distance", "estimate",
-        ge=0, le=1e-12,
-    )  # fmt: skip
-    nut_diameter: Length = parameter("36 mm", "diameter of the yokenut", "estimate", gt=0)
-    nut_thickness: Length = parameter("10 mm", "thickness of the yokenut", "estimate", gt=0)
-    thread_pitch: Length = parameter(
-        "1.5 mm", "pitch of the yokenut's metric thread", "estimate", gt=0, le=0.05
-    )
-    thread_friction: Number = parameter(
-        0.15, "friction coefficient of the yokenut's thread", "estimate", ge=0, le=1
-    )
-    nut_stiffness: SpringRate = parameter(
-        "1e8 N/m", "contact stiffness between plunger and yokenut", "estimate", gt=0
-    )
-    nut_damping: Time = parameter(
-        0.0,
-        "damping time of the contact between plunger and yokenut: damping over stiffness",
-        "estimate",
+        "1e-6 mm^3/N/m",
+        "wear coefficient of the liner: volume per force and sliding distance",
         ge=0,
-        le=1e-2,
+        le=1e-12,
+    )
+    nut_diameter: Length = parameter("36 mm", "diameter of the yokenut", gt=0)
+    nut_thickness: Length = parameter("10 mm", "thickness of the yokenut", gt=0)
+    thread_pitch: Length = parameter("1.5 mm", "pitch of the yokenut's metric thread", gt=0, le=0.05)
+    thread_friction: Number = parameter(0.15, "friction coefficient of the yokenut's thread", ge=0, le=1)
+    nut_stiffness: SpringRate = parameter("1e8 N/m", "contact stiffness between plunger and yokenut", gt=0)
+    nut_damping: Time = parameter(
+        0.0, "damping time of the contact between plunger and yokenut: damping over stiffness", ge=0, le=1e-2
     )
 
 
 class Bush(FrictionLaw):
     """The bush that guides the far end of the rack: a hollow cylinder, its far end held by the housing."""
 
-    outer_diameter: Length = parameter("30 mm", "outer diameter of the bush", "estimate", gt=0)
-    inner_diameter: Length = parameter("25 mm", "inner diameter of the bush", "estimate", gt=0)
-    length: Length = parameter("30 mm", "length of the bush", "estimate", gt=0)
-    youngs_modulus: Pressure = parameter("2.6 GPa", "Young's modulus of the bush (POM)", "estimate", gt=0)
-    poisson_ratio: Number = parameter(0.35, "Poisson's ratio of the bush", "estimate", ge=0, lt=0.5)
-    density: Density = parameter(1410.0, "density of the bush", "estimate", gt=0)
+    outer_diameter: Length = parameter("30 mm", "outer diameter of the bush", gt=0)
+    inner_diameter: Length = parameter("25 mm", "inner diameter of the bush", gt=0)
+    length: Length = parameter("30 mm", "length of the bush", gt=0)
+    youngs_modulus: Pressure = parameter("2.6 GPa", "Young's modulus of the bush (POM)", gt=0)
+    poisson_ratio: Number = parameter(0.35, "Poisson's ratio of the bush", ge=0, lt=0.5)
+    density: Density = parameter(1410.0, "density of the bush", gt=0)
     segments: Count = parameter(25, "number of rigid segments of the bush", "paper", ge=1, le=400)
-    drag: Force = parameter(
-        "20 N", "constant Coulomb drag of the sliding fit (friction preload)", "estimate", ge=0
-    )
+    drag: Force = parameter("20 N", "constant Coulomb drag of the sliding fit (friction preload)", ge=0)
     viscous_drag: ViscousDrag = parameter(
-        0.0, "viscous drag coefficient of the rack; a grease adds its own", "estimate", ge=0, le=1e6
+        0.0, "viscous drag coefficient of the rack; a grease adds its own", ge=0, le=1e6
     )
-    clearance: Length = parameter(
-        0.0, "diametral clearance of the bar in the bush at 20 degC", "estimate", ge=0, le=1e-3
-    )
+    clearance: Length = parameter(0.0, "diametral clearance of the bar in the bush at 20 degC", ge=0, le=1e-3)
     interference: Length = parameter(
         0.0,
         "diametral interference of the bar in the bush at 20 degC; the drag is proportional to the "
         "interference at all temperatures; 0: constant drag",
-        "estimate",
         ge=0,
         le=1e-3,
     )
     expansion: Expansion = parameter(
-        "115e-6 1/K", "linear thermal expansion of the bush (POM)", "estimate", ge=0, le=3e-4
+        "115e-6 1/K", "linear thermal expansion of the bush (POM)", ge=0, le=3e-4
     )
     distance: Length = parameter(
-        "350 mm", "distance from the mesh to the bush's free end, along the rack", "estimate", gt=0
+        "350 mm", "distance from the mesh to the bush's free end, along the rack", gt=0
     )
     end_overhang: Length = parameter(
-        "20 mm", "length of the bar beyond the bush's far end at full travel", "estimate", ge=0
+        "20 mm", "length of the bar beyond the bush's far end at full travel", ge=0
     )
 
 
 class Bearing(FrictionLaw):
     """The pinion's bearings and seal."""
 
-    friction_torque: Torque = parameter("30 N*mm", "constant Coulomb friction torque", "estimate", ge=0)
+    friction_torque: Torque = parameter("30 N*mm", "constant Coulomb friction torque", ge=0)
     friction: Number = parameter(
         0.0,
         "friction coefficient at the shaft's radius under the radial forces of a supported pinion",
-        "estimate",
         ge=0,
         le=1,
     )
     upper_position: Length = parameter(
-        "25 mm", "place of the upper bearing on the pinion's axis, from the middle of the mesh", "estimate"
+        "25 mm", "place of the upper bearing on the pinion's axis, from the middle of the mesh"
     )
-    lower_position: Length = parameter(
-        "-22 mm", "place of the lower bearing, on the other side of the mesh", "estimate"
-    )
+    lower_position: Length = parameter("-22 mm", "place of the lower bearing, on the other side of the mesh")
     upper_stiffness: SpringRate = parameter(
-        "5e7 N/m", "radial stiffness of the upper bearing (deep groove ball bearing)", "estimate", gt=0
+        "5e7 N/m", "radial stiffness of the upper bearing (deep groove ball bearing)", gt=0
     )
     lower_stiffness: SpringRate = parameter(
-        "1.2e8 N/m", "radial stiffness of the lower bearing (needle bearing)", "estimate", gt=0
+        "1.2e8 N/m", "radial stiffness of the lower bearing (needle bearing)", gt=0
     )
-    upper_clearance: Length = parameter(
-        0.0, "diametral clearance of the upper bearing", "estimate", ge=0, le=1e-3
-    )
-    lower_clearance: Length = parameter(
-        0.0, "diametral clearance of the lower bearing", "estimate", ge=0, le=1e-3
-    )
-    axial_stiffness: SpringRate = parameter(
-        "3e7 N/m", "stiffness of the pinion's axial stops", "estimate", gt=0
-    )
+    upper_clearance: Length = parameter(0.0, "diametral clearance of the upper bearing", ge=0, le=1e-3)
+    lower_clearance: Length = parameter(0.0, "diametral clearance of the lower bearing", ge=0, le=1e-3)
+    axial_stiffness: SpringRate = parameter("3e7 N/m", "stiffness of the pinion's axial stops", gt=0)
 
 
 ChosenLaw = Literal["by-scene", "line", "teeth"]
@@ -420,14 +327,11 @@ BY_SCENE: ChosenLaw = "by-scene"
 class Mesh(LoadedFrictionLaw):
     """Contact of the teeth."""
 
-    friction: Number = parameter(0.1, "friction coefficient between rack and pinion", "estimate", ge=0, le=1)
+    friction: Number = parameter(0.1, "friction coefficient between rack and pinion", ge=0, le=1)
     stiffness: ContactStiffness = parameter(
-        "2e13 N/m^3",
-        "contact pressure per penetration depth, used by the law area of earlier versions",
-        "estimate",
-        gt=0,
+        "2e13 N/m^3", "contact pressure per penetration depth, used by the law area of earlier versions", gt=0
     )
-    damping: Time = parameter(0.0, "damping time: damping over stiffness", "estimate", ge=0, le=1e-2)
+    damping: Time = parameter(0.0, "damping time: damping over stiffness", ge=0, le=1e-2)
     law: Annotated[ChosenLaw, WrapValidator(read_choice), PlainSerializer(str)] = parameter(
         "by-scene",
         "contact law of the flanks: line (load per length proportional to depth), teeth (teeth bend "
@@ -435,17 +339,12 @@ class Mesh(LoadedFrictionLaw):
         "choice",
     )
     tooth_wear: WearCoefficient = parameter(
-        "1e-8 mm^3/N/m",
-        "wear coefficient of the flanks, the same for pinion and rack",
-        "estimate",
-        ge=0,
-        le=1e-12,
+        "1e-8 mm^3/N/m", "wear coefficient of the flanks, the same for pinion and rack", ge=0, le=1e-12
     )
     line_stiffness: LineStiffness = parameter(
         0.0,
         "law line: load per length of contact line and depth; 0: the stiffness at rest, computed from the "
         "gear",
-        "estimate",
         ge=0,
     )
 
@@ -518,8 +417,90 @@ class SteeringGear(Table):
         return not derived.is_involved(path) and super()._stands_alone(path)
 
     def conflicts(self) -> Iterator[WrongValue]:
-        """Yield parameters that do not fit each other."""
-        return _conflicts(self)
+        """Yield parameters that are each fine alone, but not together."""
+        bush, rack, yoke, pinion, bearing = self.bush, self.rack, self.yoke, self.pinion, self.bearing
+        if not bearing.lower_position < 0 < bearing.upper_position:
+            yield conflict(
+                f"bearing.upper_position is {mm(bearing.upper_position)} and bearing.lower_position "
+                f"{mm(bearing.lower_position)}; the bearings must stand on both sides of the mesh, the upper "
+                "one above 0 mm and the lower one below."
+            )
+        if pinion.axial_float > LARGEST_FLOAT * pinion.face_width:
+            yield conflict(
+                f"pinion.axial_float is {mm(pinion.axial_float)}; the mesh allows at most "
+                f"{mm(LARGEST_FLOAT * pinion.face_width)}, a tenth of pinion.face_width."
+            )
+        if pinion.shaft_length < pinion.face_width:
+            yield conflict(
+                f"pinion.shaft_length is {mm(pinion.shaft_length)}; it carries the whole gear and must be at "
+                f"least as long as pinion.face_width = {mm(pinion.face_width)}."
+            )
+        if abs(pinion.lead_error) > STEEPEST_LEAD * pinion.face_width:
+            yield conflict(
+                f"pinion.lead_error is {mm(pinion.lead_error)}; over pinion.face_width = "
+                f"{mm(pinion.face_width)} it must be at most {mm(STEEPEST_LEAD * pinion.face_width)} "
+                "either way."
+            )
+        given = len(numbers_in(pinion.pitch_errors)) if accuracy_class(pinion.pitch_errors) is None else 0
+        if given and given != pinion.teeth:
+            yield conflict(
+                f"pinion.pitch_errors has {given} numbers; it must have {pinion.teeth}, one for each of "
+                "pinion.teeth."
+            )
+        if bush.inner_diameter >= bush.outer_diameter:
+            yield conflict(
+                f"bush.inner_diameter is {mm(bush.inner_diameter)}; it must be smaller than "
+                f"bush.outer_diameter = {mm(bush.outer_diameter)}."
+            )
+        if bush.clearance and bush.interference:
+            yield conflict(
+                f"bush.clearance is {mm(bush.clearance)} and bush.interference {mm(bush.interference)}; the "
+                "bar has room in the bush or is pressed by it: one of them must be 0 mm."
+            )
+        if rack.bar_diameter >= bush.inner_diameter:
+            yield conflict(
+                f"rack.bar_diameter is {mm(rack.bar_diameter)}; the bar must pass through "
+                f"bush.inner_diameter = {mm(bush.inner_diameter)}."
+            )
+        tip_height = rack.reference_height + self.basic_rack.addendum * pinion.normal_module
+        if tip_height >= rack.bar_diameter / 2:
+            yield conflict(
+                f"rack.reference_height is {mm(rack.reference_height)}; with the addendum the teeth reach "
+                f"{mm(tip_height)} above the bar's axis, which must be less than its radius "
+                f"{mm(rack.bar_diameter / 2)}.",
+                "rack.bar_diameter",
+                "basic_rack.addendum",
+                "pinion.normal_module",
+            )
+        if yoke.plunger_diameter <= rack.bar_diameter * 0.8:
+            yield conflict(
+                f"yoke.plunger_diameter is {mm(yoke.plunger_diameter)}; a seat for the bar needs more than "
+                f"{mm(rack.bar_diameter * 0.8)}.",
+                "rack.bar_diameter",
+            )
+        if yoke.seat_form == "gothic" and not yoke.seat_clearance:
+            yield conflict(
+                "yoke.seat_form is gothic and yoke.seat_clearance 0 mm; the arcs of a gothic arch are wider "
+                "than the bar, by more than 0 mm."
+            )
+        if yoke.seat_form == "gothic" and yoke.seat_angle <= 45 * DEG:
+            yield conflict(
+                f"yoke.seat_angle is {yoke.seat_angle / DEG:.4g} deg; a gothic seat touches at 45 deg and "
+                "must reach beyond.",
+                "yoke.seat_form",
+            )
+        if rack.travel >= rack.length:
+            yield conflict(
+                f"rack.travel is {mm(rack.travel)}; it must be shorter than rack.length = {mm(rack.length)}."
+            )
+        elif bush.distance > (farthest := rack.length - bush.length - rack.travel / 2):
+            yield conflict(
+                f"bush.distance is {mm(bush.distance)}; it must be at most {mm(farthest)}, or the rack "
+                "leaves the bush within half its travel.",
+                "bush.length",
+                "rack.travel",
+                "rack.length",
+            )
 
     def __repr__(self) -> str:
         pinion, changes = self.pinion, self.changes_shown()
@@ -545,99 +526,6 @@ def check_gear(gear: object) -> None:
     check_kind("gear", gear, SteeringGear, example)
 
 
-def _conflicts(gear: SteeringGear) -> Iterator[WrongValue]:
-    """Parameters that are each fine alone, but not together."""
-    yield from conflicts_of_test(gear.test)
-    bush, rack, yoke, pinion, bearing = gear.bush, gear.rack, gear.yoke, gear.pinion, gear.bearing
-    if not bearing.lower_position < 0 < bearing.upper_position:
-        yield WrongValue(
-            ("bearing.upper_position", "bearing.lower_position"),
-            f"bearing.upper_position is {mm(bearing.upper_position)} and bearing.lower_position "
-            f"{mm(bearing.lower_position)}; the bearings must stand on both sides of the mesh, the upper one "
-            "above 0 mm and the lower one below.",
-        )
-    if pinion.axial_float > LARGEST_FLOAT * pinion.face_width:
-        yield WrongValue(
-            ("pinion.axial_float", "pinion.face_width"),
-            f"pinion.axial_float is {mm(pinion.axial_float)}; the mesh allows at most "
-            f"{mm(LARGEST_FLOAT * pinion.face_width)}, a tenth of pinion.face_width.",
-        )
-    if pinion.shaft_length < pinion.face_width:
-        yield WrongValue(
-            ("pinion.shaft_length", "pinion.face_width"),
-            f"pinion.shaft_length is {mm(pinion.shaft_length)}; it carries the whole gear and must be at "
-            f"least as long as pinion.face_width = {mm(pinion.face_width)}.",
-        )
-    if abs(pinion.lead_error) > STEEPEST_LEAD * pinion.face_width:
-        yield WrongValue(
-            ("pinion.lead_error", "pinion.face_width"),
-            f"pinion.lead_error is {mm(pinion.lead_error)}; over pinion.face_width = {mm(pinion.face_width)} "
-            f"it must be at most {mm(STEEPEST_LEAD * pinion.face_width)} either way.",
-        )
-    given = len(numbers_in(pinion.pitch_errors)) if accuracy_class(pinion.pitch_errors) is None else 0
-    if given and given != pinion.teeth:
-        yield WrongValue(
-            ("pinion.pitch_errors", "pinion.teeth"),
-            f"pinion.pitch_errors has {given} numbers; it must have {pinion.teeth}, one for each of "
-            "pinion.teeth.",
-        )
-    if bush.inner_diameter >= bush.outer_diameter:
-        yield WrongValue(
-            ("bush.inner_diameter", "bush.outer_diameter"),
-            f"bush.inner_diameter is {mm(bush.inner_diameter)}; it must be smaller than "
-            f"bush.outer_diameter = {mm(bush.outer_diameter)}.",
-        )
-    if bush.clearance and bush.interference:
-        yield WrongValue(
-            ("bush.clearance", "bush.interference"),
-            f"bush.clearance is {mm(bush.clearance)} and bush.interference {mm(bush.interference)}; the bar "
-            "has room in the bush or is pressed by it: one of them must be 0 mm.",
-        )
-    if rack.bar_diameter >= bush.inner_diameter:
-        yield WrongValue(
-            ("rack.bar_diameter", "bush.inner_diameter"),
-            f"rack.bar_diameter is {mm(rack.bar_diameter)}; the bar must pass through "
-            f"bush.inner_diameter = {mm(bush.inner_diameter)}.",
-        )
-    tip_height = rack.reference_height + gear.basic_rack.addendum * gear.pinion.normal_module
-    if tip_height >= rack.bar_diameter / 2:
-        yield WrongValue(
-            ("rack.reference_height", "rack.bar_diameter", "basic_rack.addendum", "pinion.normal_module"),
-            f"rack.reference_height is {mm(rack.reference_height)}; with the addendum the teeth reach "
-            f"{mm(tip_height)} above the bar's axis, which must be less than its radius "
-            f"{mm(rack.bar_diameter / 2)}.",
-        )
-    if yoke.plunger_diameter <= rack.bar_diameter * 0.8:
-        yield WrongValue(
-            ("yoke.plunger_diameter", "rack.bar_diameter"),
-            f"yoke.plunger_diameter is {mm(yoke.plunger_diameter)}; a seat for the bar needs more than "
-            f"{mm(rack.bar_diameter * 0.8)}.",
-        )
-    if yoke.seat_form == "gothic" and not yoke.seat_clearance:
-        yield WrongValue(
-            ("yoke.seat_form", "yoke.seat_clearance"),
-            "yoke.seat_form is gothic and yoke.seat_clearance 0 mm; the arcs of a gothic arch are wider than "
-            "the bar, by more than 0 mm.",
-        )
-    if yoke.seat_form == "gothic" and yoke.seat_angle <= 45 * DEG:
-        yield WrongValue(
-            ("yoke.seat_form", "yoke.seat_angle"),
-            f"yoke.seat_angle is {yoke.seat_angle / DEG:.4g} deg; a gothic seat touches at 45 deg and must "
-            "reach beyond.",
-        )
-    if rack.travel >= rack.length:
-        yield WrongValue(
-            ("rack.travel", "rack.length"),
-            f"rack.travel is {mm(rack.travel)}; it must be shorter than rack.length = {mm(rack.length)}.",
-        )
-    elif bush.distance > (farthest := rack.length - bush.length - rack.travel / 2):
-        yield WrongValue(
-            ("bush.distance", "bush.length", "rack.travel", "rack.length"),
-            f"bush.distance is {mm(bush.distance)}; it must be at most {mm(farthest)}, or the rack "
-            "leaves the bush within half its travel.",
-        )
-
-
 class Setup(SteeringGear):
     """The gear's tables, and the choices of its model as the table `fidelity`."""
 
@@ -656,11 +544,8 @@ class Setup(SteeringGear):
 def gear_file(gear: SteeringGear) -> str:
     """The text of the file: only what differs from the default gear is written."""
     tables: dict[str, list[str]] = {}
-    for item in gear.declared():
-        table, _, name = item.path.rpartition(".")
-        value: Any = gear.value_at(item.path)
-        if value == SteeringGear().value_at(item.path):
-            continue
+    for path, value in gear.changes().items():
+        item, (table, _, name) = gear.declared_at(path)[0], path.rpartition(".")
         tables.setdefault(table, []).append(f"{name} = {_toml(value, item)}  # {item.meaning}")
     heads = (f"[{table}]\n" + "\n".join(lines) for table, lines in tables.items())
     body = "\n\n".join(heads) or "# every parameter is that of the default gear"

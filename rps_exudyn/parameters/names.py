@@ -3,9 +3,8 @@
 named("yoke.preload x mesh.friction")  # "yoke preload x friction of the teeth"
 """
 
-import re
-
 from rps_exudyn.base.units import words
+from rps_exudyn.parameters.wrong_values import PATH
 
 GEAR_FACTS = {
     "pinion.teeth": "teeth",
@@ -34,9 +33,8 @@ OTHERS = {
 }
 """Parameters that may differ, too -> their names."""
 NAMES = GEAR_FACTS | OTHERS
-_PATH = re.compile(r"\b[a-z]+\.[a-z][a-z_0-9]*")
 
 
 def named(text: str) -> str:
     """The text with names in place of the paths of parameters."""
-    return _PATH.sub(lambda found: NAMES.get(found[0]) or words(found[0].replace(".", " ")), text)
+    return PATH.sub(lambda found: NAMES.get(found[0]) or words(found[0].replace(".", " ")), text)

@@ -1,12 +1,15 @@
-"""Choices and parameters of earlier versions, with what replaces them.
+"""Choices and parameters of earlier versions: what replaces them, and how results made by them are read.
 
-Results made by them remain readable; they are not run again.
+They are not run again.
 """
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationInfo, ValidatorFunctionWrapHandler
+
+if TYPE_CHECKING:
+    from rps_exudyn.parameters.gear import SteeringGear
 
 CHOICES: dict[str, dict[str, str]] = {
     "fidelity.mesh": {
@@ -43,6 +46,12 @@ STORED = {"stored": True}
 """Context in which retired choices are read."""
 
 
+def context_of(settings: Mapping[str, object]) -> dict[str, bool] | None:
+    """Return the context in which a gear that may be stored is changed: its own retired choices are read, and
+    none of the settings'."""
+    return None if any(choice_instead(*each) for each in settings.items()) else STORED
+
+
 def read_choice(value: Any, read: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
     """Validate a choice of which earlier versions had more; those are read in the context `STORED`."""
     stored = info.context == STORED and choice_instead(str(info.field_name), value)
@@ -62,3 +71,37 @@ def parameter_instead(path: str) -> str | None:
 
 def _ends_in(known: str, path: str) -> bool:
     return f".{known}".endswith(f".{path}")
+
+
+# --- what stored results mean
+
+RETIRED_CODES = {
+    "friction-zone": "the friction zone is too wide for the result",
+    "steps-too-coarse": "the steps are too long for the result",
+    "rolling-too-coarse": "the steps are too long for the rack's rolling",
+    "steps-not-confirmed": "the run in shorter steps failed",
+    "strips-not-confirmed": "the run with finer strips failed",
+    "rack-not-settled": "the rack has not settled in roll",
+    "start-matters": "the result depends on where the motion began",
+    "swing-not-settled": "the swing does not become periodic",
+    "few-stations": "metrics are omitted: too few stations on a line of contact",
+    "edges-loaded": "too much work is lost at the tooth edges",
+}
+"""Codes that results of version 1.0 may have -> their meaning."""
+
+
+def has_lines(law: str) -> bool:
+    """Return whether a contact law has loads per length of line: `area` has pressures alone."""
+    return law != "area"
+
+
+def with_lines(gear: "SteeringGear") -> "SteeringGear":
+    """Return a gear by law line where its own contact law has no lines."""
+    return gear if has_lines(gear.mesh.contact_law) else gear.replace({"mesh.law": "line"})
+
+
+def contact_law_of(mesh: str, law: str) -> str | None:
+    """Return the contact law of a model of the mesh, whose gear has a law; None of one without contact."""
+    if mesh.startswith("ratio"):
+        return None
+    return "area" if mesh == "flank-generators" else law

@@ -1,30 +1,20 @@
 """What validation finds wrong with the values of parameters, as sentences that state what is allowed."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, ClassVar, NamedTuple, Protocol
+import re
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pydantic import ValidationError
 
 from rps_exudyn.base import units
+from rps_exudyn.parameters.derived import value_in
 from rps_exudyn.parameters.retired import choice_instead, parameter_instead
 
+if TYPE_CHECKING:
+    from rps_exudyn.parameters.declaration import Table
 
-class TableType(Protocol):
-    """A table of parameters, as far as sentences about its values need it: see `declaration.Table`."""
-
-    not_in_files: ClassVar[tuple[str, ...]]
-
-    @classmethod
-    def model_validate(cls, obj: Any) -> Any:
-        """Validate values."""
-
-    @classmethod
-    def declared(cls) -> Iterator[Any]:
-        """Yield all parameters."""
-
-    @classmethod
-    def declared_at(cls, path: str) -> list[Any]:
-        """Return the parameter at a path."""
+PATH = re.compile(r"\b[a-z_]+\.[a-z][a-z_0-9]*")
+"""Of a parameter, in a text."""
 
 
 class WrongValue(NamedTuple):
@@ -36,6 +26,11 @@ class WrongValue(NamedTuple):
     def concerns(self, settings: Iterable[str]) -> bool:
         """Return whether one of its parameters (or a table of theirs) is among the paths `settings`."""
         return any(f"{setting}.".startswith(f"{path}.") for setting in settings for path in self.paths)
+
+
+def conflict(sentence: str, *others: str) -> WrongValue:
+    """Return what is wrong between the parameters that a sentence names, and others."""
+    return WrongValue((*PATH.findall(sentence), *others), sentence)
 
 
 class ConflictError(ValueError):
@@ -51,7 +46,7 @@ MUCH_LESS_ALIKE = 0.2  # than the nearest name: what is so is not offered beside
 
 
 def problems_of(
-    table: type[TableType], error: ValidationError, given: Mapping[str, Any], settings: Iterable[str] = ()
+    table: "type[Table]", error: ValidationError, given: Mapping[str, Any], settings: Iterable[str] = ()
 ) -> list[WrongValue]:
     """Everything that is wrong: single parameters first, then what does not fit between right ones.
 
@@ -66,7 +61,9 @@ def problems_of(
         for number, item in enumerate(items):
             if len(found) >= MOST_NAMED:
                 return [*found, WrongValue((), f"{len(items) - number} more values are wrong.")]
-            problems = _meant(table, item, given, settings)
+            problems = [_problem(table, item, given, settings)]
+            if isinstance(meant := item.get("ctx", {}).get("error"), ConflictError):
+                problems = meant.problems
             found += [problem for problem in problems if not problem.concerns(_paths(wrong))]
         new = [item["loc"] for item in items if item["loc"] not in wrong]
         wrong += new
@@ -75,7 +72,7 @@ def problems_of(
     return found
 
 
-def _error_of(table: type[TableType], given: Mapping[str, Any]) -> ValidationError | None:
+def _error_of(table: "type[Table]", given: Mapping[str, Any]) -> ValidationError | None:
     try:
         table.model_validate(given)
     except ValidationError as error:
@@ -87,21 +84,11 @@ def _paths(places: Iterable[tuple[int | str, ...]]) -> list[str]:
     return [".".join(map(str, loc)) for loc in places]
 
 
-def _meant(
-    table: type[TableType], item: Any, given: Mapping[str, Any], settings: Iterable[str]
-) -> list[WrongValue]:
-    """Return what one of validation's errors means."""
-    conflict = item.get("ctx", {}).get("error")
-    if isinstance(conflict, ConflictError):
-        return conflict.problems
-    return [_problem(table, item, given, settings)]
-
-
 def _problem(
-    table: type[TableType], item: Any, given: Mapping[str, Any], settings: Iterable[str]
+    table: "type[Table]", item: Any, given: Mapping[str, Any], settings: Iterable[str]
 ) -> WrongValue:
     path = ".".join(str(part) for part in item["loc"])
-    value = _value_in(given, item["loc"])
+    value = value_in(given, path)
     shown = units.shown(value)
     if item["type"] == "extra_forbidden" and any("." in str(part) for part in item["loc"]):
         sentence = f'"{units.short(path)}" is one key; write it without quotes, or as a table in a table.'
@@ -131,14 +118,7 @@ def _without(given: Mapping[str, Any], wrong: list[tuple[int | str, ...]]) -> di
     return kept
 
 
-def _value_in(given: Mapping[str, Any], loc: tuple[int | str, ...]) -> Any:
-    value: Any = given
-    for part in loc:
-        value = value.get(part) if isinstance(value, Mapping) else None
-    return value
-
-
-def nearest(table: type[TableType], path: str, left_out: tuple[str, ...] = ()) -> str:
+def nearest(table: "type[Table]", path: str, left_out: tuple[str, ...] = ()) -> str:
     """Return what replaces a parameter of earlier versions, or what may have been meant, if not one of the
     tables left out."""
     if instead := parameter_instead(path):

@@ -11,37 +11,21 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import h5py
 import numpy as np
 
 from rps_exudyn.base.files import printable, read_json_tables, with_checksum
-from rps_exudyn.base.hdf5 import file_image, named_damage, opened
-from rps_exudyn.parameters.friction_law import of_this_version
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.parameters.retired import STORED
-from rps_exudyn.results import provenance as origin
+from rps_exudyn.base.hdf5 import file_image, named_damage, opened, put
 from rps_exudyn.results.outcome import Status, codes_of
 from rps_exudyn.results.quantities import COLUMNS, GROUPS, SUMMARY, Quantity
-from rps_exudyn.results.result import Result, attributes_of
+from rps_exudyn.results.result import TABLES, TEXTS, Result, attributes_of, result_of
 
 FILETYPE = "rps_exudyn-block"
 VERSION = (2, 0)
 """Major: old readers must refuse the file. Minor: something was added that they may leave unread."""
 
-TABLES = ("summary", "counters", "geometry")
-TEXTS = (
-    "scene",
-    "status",
-    "message",
-    "codes",
-    "parameters",
-    "fidelity",
-    "solver",
-    "findings",
-    *origin.FIELDS,
-)
 TIMES = {
     "cpu_s": Quantity("s", "s", "CPU time of the simulation"),
     "wall_s": Quantity("s", "s", "elapsed time of the simulation"),
@@ -80,7 +64,6 @@ class CaseRecord:
 
     @classmethod
     def of(cls, case_hash: str, result: Result) -> "CaseRecord":
-        """The record of a result."""
         attributes = {
             name: value for name, value in attributes_of(result).items() if name in (*TEXTS, *TIMES)
         }
@@ -96,7 +79,7 @@ class CaseRecord:
     @property
     def found_together(self) -> bool:
         """Whether the gear was computed together with others."""
-        return "together" in self._tables("findings")
+        return "together" in read_json_tables(self.attributes["findings"], "findings")
 
     def result(self, where: str = "") -> Result:
         """The whole result; `where` stands for it in messages.
@@ -104,29 +87,31 @@ class CaseRecord:
         Raises:
             InputError: its parameters are wrong.
         """
-        about, fidelity, numbers = self.attributes, self._tables("fidelity"), self.tables["summary"]
-        gear, message = of_this_version(self._tables("parameters"), fidelity, about["message"])
-        return Result(
-            scene=about["scene"],
-            gear=SteeringGear.from_tables(gear, where=where, context=STORED),
-            fidelity=fidelity,
-            solver=self._tables("solver"),
-            findings=self._tables("findings"),
-            status=Status(about["status"]),
-            message=message,
-            codes=self.codes,
-            signals=self.signals,
-            summary={name: number for name, number in numbers.items() if name in SUMMARY},
-            errors={name: numbers[error] for name in SUMMARY if (error := f"{name}_error") in numbers},
-            counters=self.tables["counters"],
-            geometry=self.tables["geometry"],
-            cpu_s=about["cpu_s"],
-            wall_s=about["wall_s"],
-            provenance={name: about[name] for name in origin.FIELDS},
-        )
+        numbers = self.tables["summary"]
+        own = {name: number for name, number in numbers.items() if name in SUMMARY}
+        errors = {name: numbers[error] for name in SUMMARY if (error := f"{name}_error") in numbers}
+        parts = {**self.tables, "summary": own, "errors": errors, "signals": self.signals}
+        return result_of(self.attributes, where, **parts)
 
-    def _tables(self, name: str) -> dict[str, Any]:
-        return read_json_tables(self.attributes[name], name)
+
+@dataclass(frozen=True)
+class CaseRow:
+    """A finished case without its signals: its outcome, and its numbers (SI)."""
+
+    hash: str
+    status: Status
+    message: str  # on one line
+    cpu_s: float  # CPU time [s]
+    wall_s: float  # elapsed time [s]
+    summary: Mapping[str, float]  # with errors, see `quantities.COLUMNS`
+    codes: tuple[str, ...] = ()  # of the message, see `outcome.Code`
+
+    @classmethod
+    def of(cls, record: CaseRecord) -> "CaseRow":
+        about, summary = record.attributes, dict(record.tables["summary"])
+        message = " ".join(about["message"].split())
+        times = about["cpu_s"], about["wall_s"]
+        return cls(record.hash, Status(about["status"]), message, *times, summary, record.codes)
 
 
 AxisColumns = Mapping[str, tuple[np.ndarray, Quantity]]
@@ -162,16 +147,13 @@ def _fill(file: h5py.File, records: Sequence[CaseRecord], axes: AxisColumns) -> 
 
 def _put(file: h5py.File, name: str, values: np.ndarray, quantity: Quantity | None = None) -> None:
     """A dataset over the cases, or cases and samples; of these dimensions the scales have the names."""
-    filters: dict[str, Any] = FILTERS | {"chunks": values.shape} if values.size else {}
-    if values.dtype.kind == "U":
-        values, filters = values.astype(object), {"dtype": h5py.string_dtype()}
-    dataset = file.create_dataset(name, data=values, **filters)
-    dataset.attrs.update(quantity.attributes if quantity else {})
+    filters = FILTERS | {"chunks": values.shape} if values.size else {}
+    attributes = quantity.attributes if quantity else {}
     if name in ("case", "sample"):
-        dataset.make_scale(name)
+        put(file, name, values, attributes, **filters).make_scale(name)
     else:
-        for dimension, scale in zip(dataset.dims, ("case", "sample"), strict=False):
-            dimension.attach_scale(file[scale])
+        scales = [file[scale] for scale in ("case", "sample")[: values.ndim]]
+        put(file, name, values, attributes, scales, **filters)
 
 
 def _put_table(file: h5py.File, group: str, rows: Sequence[Mapping[str, float]]) -> None:
@@ -234,12 +216,7 @@ class Block:
             return cls(path, places, columns)
 
     def text(self, name: str, row: int) -> str:
-        """A text of a case."""
         return printable(self.columns["attributes"][name][row][:-1].decode())
-
-    def number(self, name: str, row: int) -> float:
-        """CPU or elapsed time of a case [s]."""
-        return float(self.columns["attributes"][name][row])
 
     def table(self, group: str, row: int) -> dict[str, float]:
         """The numbers of a case, by the names of `quantities`, in the order of their declaration."""
@@ -247,7 +224,7 @@ class Block:
         return {
             name: columns[name][row].item()
             for name in COLUMNS[group]
-            if name in columns and columns.get(f"{name} valid", _ALL)[row]
+            if name in columns and columns.get(f"{name} valid", {row: True})[row]
         }
 
     def signals(self, case_hash: str) -> dict[str, np.ndarray]:
@@ -270,33 +247,13 @@ class Block:
         with named_damage(self.path):
             known = self.columns["attributes"]
             texts = {name: self.text(name, row) for name in TEXTS if name in known}
-            times = {name: self.number(name, row) for name in TIMES}
+            times = {name: float(known[name][row]) for name in TIMES}
             tables = {group: self.table(group, row) for group in TABLES}
             record = CaseRecord(case_hash, texts | times, tables, self.signals(case_hash))
             return record.result(str(self.path))
 
 
-class _Always:
-    def __getitem__(self, row: int) -> bool:
-        return True
-
-
-_ALL: Any = _Always()
-
-
-class Summary(NamedTuple):
-    """A case of a block without its signals."""
-
-    hash: str
-    status: Status
-    message: str  # on one line
-    cpu_s: float
-    wall_s: float
-    summary: dict[str, float]  # of `COLUMNS`
-    codes: tuple[str, ...]
-
-
-def summaries(path: Path) -> list[Summary]:
+def summaries(path: Path) -> list[CaseRow]:
     """Return the outcome and the numbers of every case of a block, read column by column.
 
     Raises:
@@ -324,7 +281,7 @@ def summaries(path: Path) -> list[Summary]:
         for row in (row for row, has in zip(numbers, known, strict=False) if not has):
             del row[name]
     rows = zip(hashes, statuses, messages, about["cpu_s"], about["wall_s"], numbers, codes, strict=True)
-    return list(map(Summary._make, rows))
+    return [CaseRow(*row) for row in rows]
 
 
 def _column(file: h5py.File, name: str) -> list[Any]:

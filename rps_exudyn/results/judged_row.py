@@ -2,27 +2,40 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import StrEnum
 from math import isfinite
 
+from rps_exudyn.results.outcome import MeaningEnum
 
-class Verdict(StrEnum):
-    """All verdicts on rows."""
+
+class Verdict(MeaningEnum):
+    """All verdicts on rows; `meaning` is what may be concluded, of a fitted parameter the verdict itself."""
 
     # on a requirement
-    PASS = "pass"
-    FAIL = "fail"
-    UNDECIDED = "open"
-    NOT_EVALUATED = "not evaluated"
+    PASS = "pass", "enough of the gears keep the limit"
+    FAIL = "fail", "too few of the gears keep the limit"
+    UNDECIDED = "open", "failed samples decide"
+    NOT_EVALUATED = "not evaluated", "the number cannot be computed for this gear"
 
     # on a comparison with data
-    AGREES = "agrees"
-    NOISE = "within noise"
-    WEAK = "consistent, weak"
-    DISAGREES = "disagrees"
-    KEPT_BY_ANY = "kept by any gear"
-    CALIBRATED = "calibrated"
-    NOT_COMPARABLE = "not comparable"
+    AGREES = "agrees", "E is within the criterion, and so is 2 u_val"
+    NOISE = (
+        "within noise",
+        "|E| is below u_val, or only some gears keep a limit: the uncertainty is too large",
+    )
+    WEAK = (
+        "consistent, weak",
+        "|E| is up to 2 u_val, or 95 % of the gears keep a limit: only gross errors are excluded",
+    )
+    DISAGREES = (
+        "disagrees",
+        "|E| is beyond the criterion and beyond 2 u_val, or 95 % of the gears exceed a limit",
+    )
+    KEPT_BY_ANY = (
+        "kept by any gear",
+        "every sampled gear stays below half of the limit: the row tests nothing",
+    )
+    CALIBRATED = "calibrated", "the inputs were fitted to this row, so it tests nothing"
+    NOT_COMPARABLE = "not comparable", "S and D are different quantities, or one is missing"
 
     # on a fitted parameter
     FOUND = "found"
@@ -34,25 +47,7 @@ class Verdict(StrEnum):
     BY_RATIO = "drag without yoke, times an estimated ratio"
     UNEXPLAINED = "not identifiable: the residual exceeds the noise"
 
-    @property
-    def meaning(self) -> str:
-        """What may be concluded; of a fitted parameter the verdict itself."""
-        return _MEANINGS.get(self, str(self))
 
-
-_MEANINGS = {
-    Verdict.PASS: "enough of the gears keep the limit",
-    Verdict.FAIL: "too few of the gears keep the limit",
-    Verdict.UNDECIDED: "failed samples decide",
-    Verdict.NOT_EVALUATED: "the number cannot be computed for this gear",
-    Verdict.AGREES: "E is within the criterion, and so is 2 u_val",
-    Verdict.NOISE: "|E| is below u_val, or only some gears keep a limit: the uncertainty is too large",
-    Verdict.WEAK: "|E| is up to 2 u_val, or 95 % of the gears keep a limit: only gross errors are excluded",
-    Verdict.DISAGREES: "|E| is beyond the criterion and beyond 2 u_val, or 95 % of the gears exceed a limit",
-    Verdict.KEPT_BY_ANY: "every sampled gear stays below half of the limit: the row tests nothing",
-    Verdict.CALIBRATED: "the inputs were fitted to this row, so it tests nothing",
-    Verdict.NOT_COMPARABLE: "S and D are different quantities, or one is missing",
-}
 ON_COMPARISONS = (
     Verdict.AGREES,
     Verdict.NOISE,
@@ -85,7 +80,6 @@ class JudgedRow:
 
     @property
     def is_known(self) -> bool:
-        """Whether there is a number."""
         return isfinite(self.value)
 
     def band_shown(self, show: Callable[[float], str]) -> str:

@@ -6,14 +6,10 @@
 It is what stays when all numerical errors are gone. The reference takes the compliance of whole teeth from
 finite elements, flattening of each line by Hertz, and the loads of all lines together under unilateral
 contact (`benchmarks/tooth_compliance.py`): eleven gears, plain and with tip relief and crowning, guided and
-free racks, and a load of 2 kN. Before, another elastic model outside this repository had preloads of 150 to
-1500 N, frictions of 0.05 to 0.2 and 5 to 30 N m too. The ranges hold both.
+free racks, and a load of 2 kN. The error of law "line" on plain flanks follows the truncation t of the
+pinion's tips,
 
-The error of law "line" on plain flanks follows the truncation t of the pinion's tips,
-
-    T_line / T = 1 + (1.41 - 5.44 t) / 100 +- 0.75 %,    t = (r_p + (x + 1) m - r_a) / m,
-
-which holds on ten of the eleven gears, and on nine if each is left out of the formula's fit.
+    T_line / T = 1 + (1.41 - 5.44 t) / 100 +- 0.75 %,    t = (r_p + (x + 1) m - r_a) / m.
 """
 
 from collections.abc import Mapping
@@ -23,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from rps_exudyn.base.errors import as_sentence
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.retired import contact_law_of
 from rps_exudyn.results.outcome import Code, Status
 
 if TYPE_CHECKING:
@@ -48,24 +45,17 @@ class LawError:
 
     @property
     def sentence(self) -> str:
-        """The error as a sentence."""
         return as_sentence(self.clause)
 
     @property
     def clause(self) -> str:
         """The error as the end of a sentence, without a full stop."""
+        here = "" if self.expected is None else f", expected {100 * self.expected:+.2f} % on this gear"
         return (
             f"the contact law {self.law} is good to {100 * self.largest:.1g} %: compared with finite "
-            f"elements of whole teeth its mean free torque deviates by {self._torque}, its efficiency "
-            f"under load by {_shown(self.efficiency)}; {self.ripple}"
+            f"elements of whole teeth its mean free torque deviates by {_shown(self.mean_torque)}{here}, its "
+            f"efficiency under load by {_shown(self.efficiency)}; {self.ripple}"
         )
-
-    @property
-    def _torque(self) -> str:
-        """The error of the mean free torque in words."""
-        if self.expected is None:
-            return _shown(self.mean_torque)
-        return f"{_shown(self.mean_torque)}, expected {100 * self.expected:+.2f} % on this gear"
 
     def elastic_range(self, torque: float) -> Range:
         """Return between which values the elastic reference has a torque that the law gives [N m]."""
@@ -90,12 +80,11 @@ def law_error(gear: SteeringGear, fidelity: Mapping[str, Any]) -> LawError | Non
         gear: its `mesh.law` is taken where the model has it.
         fidelity: choices of the model by name, as `Result.fidelity` has them.
     """
-    mesh = fidelity.get("mesh", "flank")
-    if mesh.startswith("ratio"):
+    law = contact_law_of(fidelity.get("mesh", "flank"), gear.mesh.contact_law)
+    if law is None:
         return None
-    law = "area" if mesh == "flank-generators" else gear.mesh.contact_law
-    taken = law_of_formulas(law) if fidelity.get("solver") == "closed-form" else law
-    if taken != "line" or not _has_plain_flanks(gear):
+    taken, pinion = law_of_formulas(law) if fidelity.get("solver") == "closed-form" else law, gear.pinion
+    if taken != "line" or pinion.tip_relief or pinion.crowning or pinion.profile_slope:
         return MEASURED[taken]
     expected = BY_TRUNCATION[0] + BY_TRUNCATION[1] * tip_truncation(gear)
     return replace(MEASURED["line"], expected=expected, mean_torque=(expected - WITHIN, expected + WITHIN))
@@ -104,8 +93,8 @@ def law_error(gear: SteeringGear, fidelity: Mapping[str, Any]) -> LawError | Non
 def error_of_law(result: "Result") -> LawError | None:
     """Return the error of the contact law in a run that ended ok; None where the yoke touches its nut.
 
-    There the force on the teeth follows from their stiffness, not from the preload: the laws differ by up to
-    a third on random gears with runout (`benchmarks/law_on_gears.py`).
+    There the force on the teeth follows from their stiffness, not from the preload, and the laws differ by up
+    to a third (`benchmarks/law_on_gears.py`).
     """
     if result.status is not Status.OK or Code.YOKE_STOPPED in result.codes:
         return None
@@ -118,11 +107,6 @@ def tip_truncation(gear: SteeringGear) -> float:
     module = pinion.normal_module
     reference = pinion.teeth * module / (2 * cos(pinion.helix_angle))
     return (reference + (pinion.profile_shift + 1) * module - pinion.tip_diameter / 2) / module
-
-
-def _has_plain_flanks(gear: SteeringGear) -> bool:
-    pinion = gear.pinion
-    return not (pinion.tip_relief or pinion.crowning or pinion.profile_slope)
 
 
 def law_of_formulas(law: str) -> str:

@@ -12,10 +12,22 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 
-class Status(StrEnum):
+class MeaningEnum(StrEnum):
+    """Words, each with its `meaning`; without one it is the word itself."""
+
+    meaning: str
+
+    def __new__(cls, word: str, meaning: str = "") -> Self:
+        """Make a member of "word", "meaning"."""
+        member = str.__new__(cls, word)
+        member._value_, member.meaning = word, meaning or word
+        return member
+
+
+class Status(MeaningEnum):
     """Outcome of one simulation; only `OK` results may be used.
 
     Examples:
@@ -23,36 +35,34 @@ class Status(StrEnum):
         True
     """
 
-    OK = "ok"
-    DIVERGED = "diverged"
-    NO_CONVERGENCE = "no-convergence"
-    CONTACT_LOST = "contact-lost"
-    TIMEOUT = "timeout"
-    CRASHED = "crashed"
-    INVALID = "invalid"
+    OK = "ok", "Nothing to do."
+    DIVERGED = (
+        "diverged",
+        "Use a smaller step or more contact damping (mesh.damping), and check the stiffnesses.",
+    )
+    NO_CONVERGENCE = (
+        "no-convergence",
+        "Use a smaller step, another solver, or a wider friction regularization.",
+    )
+    CONTACT_LOST = (
+        "contact-lost",
+        "The rack left the mesh: raise yoke.preload, or check yoke.clearance and the load.",
+    )
+    TIMEOUT = "timeout", "Allow more time, or use a cheaper fidelity or fewer turns."
+    CRASHED = "crashed", "The solver's process ended: run this case by itself to see the cause."
+    INVALID = "invalid", "The run ended but failed the check that the message names."
 
     @property
     def remedy(self) -> str:
         """One sentence: what to change."""
-        return _REMEDIES[self]
+        return self.meaning
 
 
-class Code(StrEnum):
+class Code(MeaningEnum):
     """What a message is about, for programs: sentences are for readers, and may change.
 
     A failed run has the code of its cause; one that ended ok those of its remarks.
-
-    Attributes:
-        meaning: what the code stands for, without a full stop.
     """
-
-    meaning: str
-
-    def __new__(cls, word: str, meaning: str) -> "Code":
-        """Make a member that is the word, and has a meaning."""
-        member = str.__new__(cls, word)
-        member._value_, member.meaning = word, meaning
-        return member
 
     NOT_FINITE = "not-finite", "a value is not a finite number"
     OUT_OF_BOUNDS = "out-of-bounds", "a coordinate or a rate left all bounds"
@@ -82,10 +92,7 @@ class Code(StrEnum):
     CLEARANCE_CLOSED = "clearance-closed", "the yoke touches its nut from the start"
     TEETH_OVERLOADED = "teeth-overloaded", "the contact pressure is above that of case-hardened steel"
     PEAKS_UNRESOLVED = "peaks-unresolved", "the error of the peak to peak is unknown: a vibration grows"
-    METRIC_NOT_CONFIRMED = (
-        "metric-not-confirmed",
-        "the errors of some metrics are unknown",
-    )
+    METRIC_NOT_CONFIRMED = "metric-not-confirmed", "the errors of some metrics are unknown"
     RACK_RIGID = "rack-rigid", "the model leaves out the bending of the rack, which matters here"
     NO_EFFICIENCY = "no-efficiency", "an efficiency is not between 0 and 1"
     OTHER_LAW = "other-law", "the closed form uses another contact law"
@@ -97,21 +104,6 @@ class Code(StrEnum):
     OTHER_SETTINGS = "other-settings", "the run used safer settings than those asked for"
     ACCURACY_NOT_REACHED = "accuracy-not-reached", "the error bar is wider than the accuracy asked for"
     PRESET_LEFT = "preset-left", "a cheaper preset failed, or could not reach the accuracy"
-
-
-RETIRED_CODES = {
-    "friction-zone": "the friction zone is too wide for the result",
-    "steps-too-coarse": "the steps are too long for the result",
-    "rolling-too-coarse": "the steps are too long for the rack's rolling",
-    "steps-not-confirmed": "the run in shorter steps failed",
-    "strips-not-confirmed": "the run with finer strips failed",
-    "rack-not-settled": "the rack has not settled in roll",
-    "start-matters": "the result depends on where the motion began",
-    "swing-not-settled": "the swing does not become periodic",
-    "few-stations": "metrics are omitted: too few stations on a line of contact",
-    "edges-loaded": "too much work is lost at the tooth edges",
-}
-"""Codes that results of version 1.0 may have -> their meaning."""
 
 
 class Remark(NamedTuple):
@@ -152,17 +144,6 @@ def alike(status: Status, codes: tuple[str, ...], message: str) -> tuple[str, ..
     """Return what outcomes of one kind have in common: status and codes, or where there is no code the words
     of the message."""
     return (status, *codes) if codes else (status, "", _NUMBER.sub("#", message))
-
-
-_REMEDIES = {
-    Status.OK: "Nothing to do.",
-    Status.DIVERGED: "Use a smaller step or more contact damping (mesh.damping), and check the stiffnesses.",
-    Status.NO_CONVERGENCE: "Use a smaller step, another solver, or a wider friction regularization.",
-    Status.CONTACT_LOST: "The rack left the mesh: raise yoke.preload, or check yoke.clearance and the load.",
-    Status.TIMEOUT: "Allow more time, or use a cheaper fidelity or fewer turns.",
-    Status.CRASHED: "The solver's process ended: run this case by itself to see the cause.",
-    Status.INVALID: "The run ended but failed the check that the message names.",
-}
 
 
 @dataclass

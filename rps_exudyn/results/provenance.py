@@ -17,18 +17,13 @@ LIBRARIES = ("exudyn", "numpy", "scipy", "llvmlite", "h5py", "trimesh", "manifol
 
 def provenance() -> dict[str, str]:
     """Return the text of the root attributes of a result, see docs/hdf5-format.md."""
-    return {
-        "package_version": package_version(),
-        "library_versions": library_versions(),
-        "git_hash": git_hash(),
-        "date": datetime.now(UTC).isoformat(timespec="seconds"),
-        "machine": machine(),
-    }
+    date = datetime.now(UTC).isoformat(timespec="seconds")
+    texts = package_version(), library_versions(), git_hash(), date, machine()
+    return dict(zip(FIELDS, texts, strict=True))
 
 
 @cache
 def package_version() -> str:
-    """Return the version installed."""
     return version("rps-exudyn")
 
 

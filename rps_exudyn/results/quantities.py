@@ -89,22 +89,32 @@ class Quantity:
         return f"{name} [{unit}]" if unit else name
 
 
-def _tables() -> dict[str, dict[str, Quantity]]:
-    """Read the tables of quantities: group -> name -> quantity."""
-    tables: dict[str, dict[str, Quantity]] = {}
+def _tables() -> dict[str, dict[str, list[str]]]:
+    """Read `quantities.txt`: table -> its first column -> the others."""
+    tables: dict[str, dict[str, list[str]]] = {}
     for line in Path(__file__).with_suffix(".txt").read_text(encoding="utf-8").splitlines():
         if line.startswith("["):
             table = tables[line.strip("[]")] = {}
         elif line and not line.startswith("#"):
-            name, unit, shown, long_name = re.split("  +", line, maxsplit=3)
-            table[name] = Quantity(unit.strip("-"), shown.strip("-"), long_name)
+            name, *others = re.split("  +", line, maxsplit=3)
+            table[name] = others
     return tables
 
 
 _TABLES = _tables()
 SIGNALS, _SUMMARY, COUNTERS, GEOMETRY = (
-    _TABLES[name] for name in ("signals", "summary", "counters", "geometry")
+    {
+        name: Quantity(unit.strip("-"), shown.strip("-"), meaning)
+        for name, (unit, shown, meaning) in _TABLES[table].items()
+    }
+    for table in ("signals", "summary", "counters", "geometry")
 )
+LABELS, PARTS, INSTANTS, SCATTERS = (
+    {name: other for name, (other,) in _TABLES[table].items()}
+    for table in ("labels", "parts", "instants", "scatters")
+)
+WORKS = frozenset(name for name in SIGNALS if name.startswith("work_") or name == "stored_energy")
+"""Signals that count energy from the start of recording."""
 
 _NOT_FROM_STEPS = {
     "torque_closed_form", "rack_lift_closed_form", "cap_force", "clearance_set", "preload_set",
@@ -131,26 +141,8 @@ LOST_MOTIONS = frozenset({"lost_motion", "lost_motion_angle"})
 """Metrics of how far the rack stays behind between both directions."""
 WANDERING = MOTIONS | LOST_MOTIONS | {"reversal_angle"}
 """Metrics of a swing that small motions make, which may go on to change when its torque has settled."""
-INSTANTS = {
-    "torque_peak_to_peak": "pinion_torque", "torque_on_centre_max": "pinion_torque",
-    "torque_on_centre_variation": "pinion_torque", "torque_off_centre_max": "pinion_torque",
-    "torque_off_centre_variation": "pinion_torque", "push_force_peak_to_peak": "rack_force",
-    "transmission_error_peak_to_peak": "transmission_error", "rack_lift_range": "rack_y",
-    "rack_roll_range": "rack_roll", "rack_yaw_range": "rack_yaw", "yoke_force_min": "seat_force",
-    "yoke_force_max": "seat_force",
-}  # fmt: skip
-"""Metric that one or two instants give -> its signal: an error of any instant may be its error."""
 LOSS_SHARES = frozenset(name for name in _SUMMARY if name.startswith("loss_share_"))
 """Metrics of who takes the work, which depend on how lines of contact share the load at each instant."""
-SCATTERS = {
-    "rattle_impulse_per_cycle": "rattle_impulse_uncertainty",
-    "rattle_force_rms": "rattle_force_rms_uncertainty",
-    "rattle_energy_per_cycle": "rattle_energy_uncertainty",
-    "rattle_impacts_per_cycle": "rattle_impacts_scatter",
-    "rattle_fastest_impact": "rattle_fastest_scatter",
-    "rattle_threshold_force": "rattle_threshold_scatter",
-}
-"""Metric -> that which states how it scatters, printed with it."""
 
 
 def _least(name: str) -> float:
@@ -187,60 +179,3 @@ COLUMNS = GROUPS | {
     }
 }
 """Group of a table of many results -> its columns: beside each number of the summary stands its error."""
-
-
-def is_work(name: str) -> bool:
-    """Return whether a signal counts energy from the start of recording."""
-    return name.startswith("work_") or name == "stored_energy"
-
-
-LABELS = {
-    "torque_mean": "mean torque",
-    "torque_peak_to_peak": "ripple, peak to peak",
-    "torque_mean_backward": "mean torque towards -X",
-    "torque_mean_forward": "mean torque towards +X",
-    "torque_forward": "mean torque that moves the load",
-    "push_force_mean": "mean force on the rack",
-    "roller_force_mean": "mean force on the rack",
-    "hysteresis_area": "work of a whole cycle",
-    "torque_jump": "jump of the torque across a reversal",
-    "reversal_angle": "angle of the reversal",
-    "feel_area": "work of a whole cycle at the wheel",
-    "feel_running_torque": "running torque at the wheel",
-    "breakaway_torque": "breakaway torque",
-    "on_centre_stiffness": "stiffness on centre",
-    "stick_slip_torque": "amplitude of the torque",
-    "stick_share": "share of time at rest",
-    "efficiency_forward": "efficiency, pinion drives",
-    "efficiency_reverse": "efficiency, rack drives",
-    "impact_peak_force": "largest force of an impact",
-    "impacts": "impacts",
-    "impact_speed": "largest speed of an impact",
-    "rattle_force_rms": "force on the yokenut, root mean square",
-    "rattle_impacts_per_cycle": "impacts in a cycle",
-    "rattle_threshold_force": "force of the road at the first impact",
-    "rack_lift": "lift of the rack",
-    "rack_lift_end": "rise of the rack's end",
-    "radial_play_y": "radial play along Y",
-    "radial_play_z": "radial play along Z",
-    "input_shaft_play_radial": "radial play of the input shaft",
-    "input_shaft_play_axial": "axial play of the input shaft",
-    "push_force_peak_to_peak": "ripple, peak to peak",
-    "torque_first_order": "amplitude once per revolution",
-    "rack_gain": "rack travel per revolution",
-    "torque_on_centre": "mean torque on centre",
-}
-"""Numbers that a sheet shows, in the order of their weight -> their names there."""
-
-PARTS = {
-    "mesh": "teeth",
-    "seat": "yoke",
-    "yokenut": "yokenut",
-    "bore": "plunger in its bore",
-    "bush": "bush",
-    "bearing": "bearings",
-    "support": "pinion along its axis",
-    "column": "column",
-    "rack": "bending rack",
-}
-"""Where work is lost, as `loss_share_PART` has it -> the part's name for readers."""

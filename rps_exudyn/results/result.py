@@ -19,7 +19,7 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError, check_kind
 from rps_exudyn.base.files import printable, read_json_tables, replacing, with_checksum
-from rps_exudyn.base.hdf5 import file_image, opened
+from rps_exudyn.base.hdf5 import file_image, opened, put
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import of_this_version
 from rps_exudyn.parameters.gear import SteeringGear
@@ -39,6 +39,13 @@ VERSION = (1, 5)
 """Major: old readers must refuse the file. Minor: something was added that they may leave unread."""
 
 
+TABLES = ("summary", "counters", "geometry")  # of numbers
+TEXTS = (
+    *("scene", "status", "message", "codes", "parameters", "fidelity", "solver", "findings"),
+    *origin.FIELDS,
+)
+"""Root attributes that are text."""
+LATER_TEXTS = ("codes", "findings")  # which files of the first versions lack
 MEASURED_GROUP = "measured"  # of a result's file
 MEASURED_SIGNALS = ("pinion_angle", "pinion_torque")
 
@@ -58,8 +65,7 @@ class MeasuredTorque:
         group = file.create_group(MEASURED_GROUP)
         group.attrs["name"] = self.name
         for name in MEASURED_SIGNALS:
-            dataset = group.create_dataset(name, data=np.asarray(self.signals[name], dtype=float))
-            dataset.attrs.update(SIGNALS[name].attributes)
+            put(group, name, np.asarray(self.signals[name], dtype=float), SIGNALS[name].attributes)
 
     @classmethod
     def read(cls, file: h5py.File) -> "MeasuredTorque | None":
@@ -70,10 +76,8 @@ class MeasuredTorque:
         """
         if MEASURED_GROUP not in file:
             return None
-        name, signals = (
-            file[MEASURED_GROUP].attrs["name"],
-            {each: file[MEASURED_GROUP][each][()] for each in MEASURED_SIGNALS},
-        )
+        name = file[MEASURED_GROUP].attrs["name"]
+        signals = {each: file[MEASURED_GROUP][each][()] for each in MEASURED_SIGNALS}
         angle, torque = signals.values()
         if not isinstance(name, str) or angle.ndim != 1 or angle.shape != torque.shape or angle.size < 2:
             raise ValueError(f"{MEASURED_GROUP} holds no curve")
@@ -256,7 +260,20 @@ def read_result(path: str | Path) -> Result:
         InputError: no such file, not a result of this package, damaged, or of a newer format.
     """
     with opened(path, FILETYPE, "result", VERSION) as file:
-        return _read(file, path)
+        about = {name: _text(file, name) for name in TEXTS if name in file.attrs or name not in LATER_TEXTS}
+        return result_of(
+            about | {name: float(file.attrs[name]) for name in ("cpu_s", "wall_s")},
+            str(path),
+            signals={name: _numbers(dataset, 1) for name, dataset in _known(file, "signals")},
+            errors={
+                name: _error(dataset) for name, dataset in _known(file, "summary") if "error" in dataset.attrs
+            },
+            measured=MeasuredTorque.read(file),
+            **{
+                group: {name: _numbers(dataset, 0).item() for name, dataset in _known(file, group)}
+                for group in TABLES
+            },
+        )
 
 
 # --- writing -----------------------------------------------------------------------------------
@@ -272,16 +289,18 @@ def _write(result: Result, file: h5py.File) -> None:
     for group in GROUPS:
         file.create_group(group)
     for name, values in result.signals.items():
-        _put(file, "signals", name, np.asarray(values, dtype=float))
+        put(file["signals"], name, np.asarray(values, dtype=float), SIGNALS[name].attributes)
     if result.signals:
-        _attach_time(file["signals"])
-    for group in ("summary", "geometry"):
+        time = file["signals/time"]
+        time.make_scale("time")
+        for dataset in (each for each in file["signals"].values() if each != time):
+            dataset.dims[0].attach_scale(time)
+    for group in TABLES:
         for name, value in getattr(result, group).items():
-            _put(file, group, name, float(value))
+            number = value if group == "counters" else float(value)
+            put(file[group], name, number, GROUPS[group][name].attributes)
     for name in result.errors.keys() & result.summary.keys():
         file["summary"][name].attrs["error"] = float(result.errors[name])
-    for name, count in result.counters.items():
-        _put(file, "counters", name, count)
     if result.measured is not None:
         result.measured.write(file)
 
@@ -305,18 +324,6 @@ def attributes_of(result: Result) -> dict[str, Any]:
     }
 
 
-def _put(file: h5py.File, group: str, name: str, value: Any) -> None:
-    dataset = file[group].create_dataset(name, data=value)
-    dataset.attrs.update(GROUPS[group][name].attributes)
-
-
-def _attach_time(signals: h5py.Group) -> None:
-    signals["time"].make_scale("time")
-    for name, dataset in signals.items():
-        if name != "time":
-            dataset.dims[0].attach_scale(signals["time"])
-
-
 def _plain(value: Any) -> Any:
     """Return what JSON cannot hold: arrays become lists, everything else its text."""
     return value.tolist() if isinstance(value, np.ndarray | np.generic) else str(value)
@@ -329,34 +336,35 @@ _FINDINGS = ("residual", "rescues", "angles", "periods_alike", "tries", "accurac
 # --- reading -----------------------------------------------------------------------------------
 
 
-def _read(file: h5py.File, path: str | Path) -> Result:
-    fidelity = _tables(file, "fidelity")
+def result_of(about: Mapping[str, Any], where: str, **parts: Any) -> Result:
+    """Return the result with the root attributes `about` and these signals and tables; `where` stands for it
+    in messages.
+
+    Raises:
+        InputError: its parameters are wrong.
+        ValueError: an attribute is damaged.
+    """
+    tables = {
+        name: read_json_tables(about.get(name, "{}") if name in LATER_TEXTS else about[name], name)
+        for name in ("fidelity", "solver", "findings", "parameters")
+    }
+    fidelity, solver, findings, gear = tables.values()
     if not isinstance(fidelity.get("name"), str):
         raise ValueError("fidelity has no name")
-    solver = _tables(file, "solver")
-    findings = _tables(file, "findings") if "findings" in file.attrs else {}
-    findings |= {name: value for name, value in solver.items() if name in _FINDINGS}
-    gear, message = of_this_version(_tables(file, "parameters"), fidelity, _text(file, "message"))
+    gear, message = of_this_version(gear, fidelity, about["message"])
     return Result(
-        scene=_text(file, "scene"),
-        gear=SteeringGear.from_tables(gear, where=str(path), context=STORED),
+        scene=about["scene"],
+        gear=SteeringGear.from_tables(gear, where=where, context=STORED),
         fidelity=fidelity,
         solver={name: value for name, value in solver.items() if name not in _FINDINGS},
-        findings=findings,
-        status=Status(_text(file, "status")),
+        findings=findings | {name: value for name, value in solver.items() if name in _FINDINGS},
+        status=Status(about["status"]),
         message=message,
-        codes=codes_of(_text(file, "message"), _text(file, "codes") if "codes" in file.attrs else None),
-        signals={name: _numbers(dataset, 1) for name, dataset in _known(file, "signals")},
-        summary={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "summary")},
-        errors={
-            name: _error(dataset) for name, dataset in _known(file, "summary") if "error" in dataset.attrs
-        },
-        counters={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "counters")},
-        geometry={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "geometry")},
-        cpu_s=float(file.attrs["cpu_s"]),
-        wall_s=float(file.attrs["wall_s"]),
-        provenance={name: _text(file, name) for name in origin.FIELDS},
-        measured=MeasuredTorque.read(file),
+        codes=codes_of(about["message"], about.get("codes")),
+        cpu_s=about["cpu_s"],
+        wall_s=about["wall_s"],
+        provenance={name: about[name] for name in origin.FIELDS},
+        **parts,
     )
 
 
@@ -365,11 +373,6 @@ def _text(file: h5py.File, name: str) -> str:
     if not isinstance(text, str):
         raise ValueError(f"{name} is no text")
     return printable(text)
-
-
-def _tables(file: h5py.File, name: str) -> dict[str, Any]:
-    """Return what an attribute holds as JSON."""
-    return read_json_tables(_text(file, name), name)
 
 
 def _numbers(dataset: Any, dimensions: int) -> np.ndarray:

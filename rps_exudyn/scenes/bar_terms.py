@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.analysis.passes import number_of
 from rps_exudyn.analysis.rack_motion import transmission_error
 from rps_exudyn.analysis.work_balance import largest_work, missing_work
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -138,7 +137,7 @@ def _share(work: Any, signals: Signals) -> Any:
     if "pinion_angle" not in signals:
         return 0.0
     least = least_work(signals)
-    return number_of(np.where(work > least, work, 0.0) / np.maximum(largest_work(signals), least))
+    return (np.where(work > least, work, 0.0) / np.maximum(largest_work(signals), least))[()]
 
 
 def _start(findings: Mapping[str, Any], size: Terms, of_run: Terms) -> Terms:

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.analysis.passes import number_of, passes
+from rps_exudyn.analysis.passes import passes
 from rps_exudyn.analysis.rack_motion import describe_rack
 from rps_exudyn.analysis.torque import describe_directions, describe_on_centre, describe_torque
 from rps_exudyn.analysis.work_balance import describe_losses, energy_residual
@@ -20,11 +20,12 @@ def figures_of_turning(signals: Signals, gear: SteeringGear, rack_gain: Any = No
 
 def figures_of_torque(signals: Signals, gear: SteeringGear) -> dict[str, float]:
     """Return the figures of the torque of a pinion turned steadily, the first way and both ways."""
-    teeth, first = gear.pinion.teeth, passes(signals)[0].signals
+    teeth, runs = gear.pinion.teeth, passes(signals)
+    first = runs[0].signals
     return {
         **describe_torque(first["pinion_angle"], first["pinion_torque"], teeth),
-        **describe_directions(signals),
-        **describe_on_centre(signals, teeth, gear.test.centre_window),
+        **describe_directions(runs),
+        **describe_on_centre(runs, teeth, gear.test.centre_window),
     }
 
 
@@ -41,14 +42,15 @@ def figures_of_motion(signals: Signals, gear: SteeringGear, rack_gain: Any = Non
 def figures_of_rack(signals: Signals, rack_gain: float | np.ndarray) -> dict[str, float]:
     """Return how the rack follows the pinion and moves in its guides; `rack_gain` is its travel per radian
     [m], a number or one for each of many gears."""
-    return {"rack_gain": gain(passes(signals)[0].signals), **describe_rack(signals, rack_gain)}
+    runs = passes(signals)
+    return {"rack_gain": gain(runs[0].signals), **describe_rack(signals, runs, rack_gain)}
 
 
-def gain(signals: Signals) -> float:
+def gain(signals: Signals) -> Any:
     """Return the displacement of the rack per revolution of the pinion over a record in one direction [m]."""
     angle, place = signals["pinion_angle"], signals["rack_displacement"]
     turned = angle[..., -1] - angle[..., 0]
-    return number_of((place[..., -1] - place[..., 0]) / turned * 2 * np.pi)
+    return (place[..., -1] - place[..., 0]) / turned * 2 * np.pi
 
 
 def balance(signals: Signals) -> dict[str, float]:

@@ -5,7 +5,7 @@ The rack moves as fast as the pinion would move it at the test's speed, over the
 
 import numpy as np
 
-from rps_exudyn.analysis.passes import largest, number_of, passes, spread
+from rps_exudyn.analysis.passes import passes
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -43,10 +43,10 @@ def push_figures(signals: Signals) -> dict[str, float]:
     """Return the force along the motion: mean over all displacement, spread in the worse direction."""
     force, place = signals["rack_force"], signals["rack_displacement"]
     work = np.trapezoid(force, place)
-    spreads = [spread(each.signals["rack_force"]) for each in passes(signals)]
+    ranges = [np.ptp(each.signals["rack_force"], axis=-1) for each in passes(signals)]
     return {
-        "push_force_mean": number_of(work / np.abs(np.diff(place)).sum(axis=-1)),
-        "push_force_peak_to_peak": largest(spreads),
+        "push_force_mean": work / np.abs(np.diff(place)).sum(axis=-1),
+        "push_force_peak_to_peak": np.max(ranges, axis=0),
     }
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rps_exudyn.analysis.impacts import FrequencyBand, describe_rattle, first_hit, split_at_repeats
+from rps_exudyn.analysis.impacts import describe_rattle, first_hit, split_at_repeats
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.external_load import RoadForce
 from rps_exudyn.forces.pinion_support import with_float
@@ -85,7 +85,7 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
     chosen = chosen.replace({"zone_ratio": ZONE / 2.0**options.halvings})
     maneuvers = list(shaken_by_road(gear, chosen.swing_steps or STEPS_PER_SWING))
     growing = test.road_shape == GROWING
-    band = FrequencyBand(test.band_low, test.band_high)
+    band = (test.band_low, test.band_high)
 
     def figures(signals: Signals) -> dict[str, float]:
         if growing:

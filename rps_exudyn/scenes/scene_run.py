@@ -5,8 +5,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from rps_exudyn.analysis.passes import plain
 from rps_exudyn.results.outcome import Code, Outcome, Remark, Status, each_once, joined_text
-from rps_exudyn.results.quantities import is_work
+from rps_exudyn.results.quantities import WORKS
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.settling import TOLERANCE
 
@@ -58,7 +59,7 @@ class SceneRun:
 
     def described(self, figures: Callable[[Signals], dict[str, float]]) -> "SceneRun":
         """Return the run with the summary that `figures` reads from its signals, if there are any."""
-        return replace(self, summary=figures(self.signals), metrics=figures) if self.signals else self
+        return replace(self, summary=plain(figures(self.signals)), metrics=figures) if self.signals else self
 
 
 def joined(runs: Sequence[SceneRun]) -> SceneRun:
@@ -94,7 +95,7 @@ def one_after_another(records: Sequence[Signals]) -> Signals:
 
 
 def _continued(name: str, before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    stood = before[..., -1:] if name == "time" or is_work(name) else 0.0
+    stood = before[..., -1:] if name == "time" or name in WORKS else 0.0
     return np.concatenate([before, stood + after], axis=-1)
 
 

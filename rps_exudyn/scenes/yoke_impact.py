@@ -10,6 +10,7 @@ that of a rigid bar moves by tenths. A rigid one is simulated if it is asked for
 import numpy as np
 
 from rps_exudyn.analysis.impacts import describe_impacts
+from rps_exudyn.analysis.passes import passes
 from rps_exudyn.analysis.rack_motion import describe_rack
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.external_load import Pulse
@@ -49,7 +50,7 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
     def metrics(signals: Signals) -> dict[str, float]:
         return {
             **describe_impacts(signals),
-            **describe_rack(signals, float(GearPair.of(gear).gain)),
+            **describe_rack(signals, passes(signals), float(GearPair.of(gear).gain)),
             **end_deflection(signals),
             **balance(signals),
         }

@@ -23,7 +23,7 @@ from rps_exudyn.forces.force_element import (
     stacked,
 )
 from rps_exudyn.forces.friction import PLACES, TIME
-from rps_exudyn.results.quantities import is_work
+from rps_exudyn.results.quantities import WORKS
 from rps_exudyn.solvers.bent_rack import ALONG_BAR, ON_BAR, BentBar
 from rps_exudyn.solvers.equilibrium import SETTLED, EquilibriumPath, Start
 from rps_exudyn.solvers.gear_forces import GearForces
@@ -352,7 +352,7 @@ def repeated(signals: dict[str, np.ndarray], times: int) -> dict[str, np.ndarray
     whole = {}
     for name, values in signals.items():
         grown = values[..., -1:] - values[..., :1]
-        rise = grown if name in grows or is_work(name) else np.zeros_like(grown)
+        rise = grown if name in grows or name in WORKS else np.zeros_like(grown)
         periods = [values[..., :-1] + rise * number for number in range(times)]
         whole[name] = np.concatenate([*periods, values[..., -1:] + rise * (times - 1)], axis=-1)
     return whole

@@ -116,14 +116,6 @@ class Blocks:
                 self._read.popitem(last=False)
         return self._read[version]
 
-    def result(self, case_hash: str) -> Result:
-        """Return a case's whole result.
-
-        Raises:
-            InputError: as `block_of`.
-        """
-        return self.block_of(case_hash).result(case_hash)
-
 
 def blocks_beside(case: Path) -> Blocks:
     """Return the blocks of the study to which a case's path DIR/cases/HASH.h5 belongs, to read from."""
@@ -154,5 +146,5 @@ def load(path: str | Path) -> Result:
     """
     path = as_path(path)
     if path.parent.name == "cases" and not path.exists() and (blocks := blocks_beside(path)).exist:
-        return blocks.result(path.stem)
+        return blocks.block_of(path.stem).result(path.stem)
     return read_result(path)

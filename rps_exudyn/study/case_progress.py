@@ -1,7 +1,6 @@
 """Progress of a study: estimated duration, a bar and a log while it runs, messages of its cases in groups."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -9,20 +8,20 @@ from time import monotonic
 
 import numpy as np
 
-from rps_exudyn.base.files import append
 from rps_exudyn.base.progress import duration
-from rps_exudyn.base.screen import open_screen
+from rps_exudyn.results.block import CaseRow
 from rps_exudyn.results.outcome import Status, alike
 from rps_exudyn.study.cases import setup_of
 from rps_exudyn.study.definition import Case, Description, Study
-from rps_exudyn.study.store import CaseRow
 from rps_exudyn.study.table import show_value
 
 
 def log_lines(path: Path, texts: Sequence[str]) -> None:
-    """Append lines to a study's log, with the time before each."""
+    """Append lines to a study's log, with the time before each, in one write: those of several writers do not
+    mix."""
     now = datetime.now().astimezone().isoformat(timespec="seconds")
-    append(path, "".join(f"{now} {text}\n" for text in texts))
+    with path.open("ab", buffering=0) as file:
+        file.write("".join(f"{now} {text}\n" for text in texts).encode())
 
 
 def case_line(description: Description, case: Case, row: CaseRow) -> str:
@@ -31,16 +30,8 @@ def case_line(description: Description, case: Case, row: CaseRow) -> str:
     return " ".join(filter(None, (case.hash, row.status, f"{row.wall_s:.3f} s", axes, row.message)))
 
 
-@contextmanager
-def bar(total: int) -> Iterator[Callable[[Sequence[Status]], None]]:
-    """Show a bar over `total` cases; yields a function that counts some."""
-    row = _Cases(total)
-    with open_screen() as screen, screen.row(row):
-        yield row.count
-
-
-class _Cases:
-    """Cases done and failed, cases per second or seconds per case, and the time left."""
+class CasesRow:
+    """A row of a screen: cases done and failed, cases per second or seconds per case, and the time left."""
 
     def __init__(self, total: int) -> None:
         self._total, self._done, self._failed = total, 0, 0
@@ -48,7 +39,6 @@ class _Cases:
         self._latest = 0.0
 
     def count(self, statuses: Sequence[Status]) -> None:
-        """Count cases that have ended."""
         self._latest = monotonic()
         if not self._done:
             self._first, self._counted_first = self._latest, len(statuses)
@@ -85,26 +75,20 @@ STORING = 0.002  # [s] per case: file, index, log
 STARTING = 4.0  # [s] of the processes, kernels compiled
 
 
-@dataclass(frozen=True)
-class Duration:
-    """Elapsed time that the missing cases will take together."""
-
-    seconds: float
-    source: str  # what it is based on, in words
-
-
-def estimate(study: Study, missing: Sequence[Case], measured: Sequence[float], jobs: int) -> Duration:
-    """Return the elapsed time of the missing cases with `jobs` processes; `measured` lists the times that
-    finished cases took [s]."""
+def estimate(
+    study: Study, missing: Sequence[Case], measured: Sequence[float], jobs: int
+) -> tuple[float, str]:
+    """Return the elapsed time of the missing cases with `jobs` processes [s], and what it is based on, in
+    words; `measured` lists the times that finished cases took [s]."""
     if not missing:
-        return Duration(0.0, "nothing is missing")
+        return 0.0, "nothing is missing"
     if measured:
         each = float(np.mean(measured))
         source = f"from the {len(measured)} finished cases, {each:.3g} s each"
     else:
         each = float(np.mean([_cost(study, case) for case in missing[:: max(1, len(missing) // 100)]]))
         source = f"from costs measured on one small machine, {each:.3g} s each; rough"
-    return Duration(STARTING + len(missing) * (each + STORING) / min(jobs, len(missing)), source)
+    return STARTING + len(missing) * (each + STORING) / min(jobs, len(missing)), source
 
 
 def _cost(study: Study, case: Case) -> float:

@@ -27,9 +27,7 @@ NAMES = {"name", "based_on"}  # of a fidelity: no number depends on them
 def case_hash(scene: str, gear: SteeringGear, fidelity: Fidelity, wanted: Wanted | None = None) -> str:
     """Sixteen hex digits that name a case: of all that its numbers depend on, and nothing else."""
     tables = ",".join(f'"{name}":{_json(getattr(gear, name))}' for name in sorted(SteeringGear.model_fields))
-    model = _json(fidelity)
-    if wanted:
-        model = _canonical(asdict(wanted))
+    model = _canonical(asdict(wanted)) if wanted else _json(fidelity)
     content = (
         f'{{"fidelity":{model},"gear":{{{tables}}},"model":{MODEL_VERSION},"scene":{_canonical(scene)}}}'
     )

@@ -20,8 +20,8 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import check_writable, replacing, with_checksum
-from rps_exudyn.base.hdf5 import file_image, opened
-from rps_exudyn.study.table import CaseTable, TableColumn
+from rps_exudyn.base.hdf5 import file_image, opened, put
+from rps_exudyn.study.table import CaseTable
 
 FILETYPE = "rps_exudyn-table"
 VERSION = (1, 2)
@@ -136,23 +136,11 @@ def _fill(table: CaseTable, file: h5py.File) -> None:
     )
     file["study"] = description.to_json()  # a dataset, for attributes end at 64 KB
     for group in GROUPS:
-        number = file.create_group(group).create_dataset("case", data=np.arange(len(table.cases)))
-        number.attrs.update({"units": "", "long_name": "number of the case in the order of the design"})
-        number.make_scale("case")
+        numbers, about = np.arange(len(table.cases)), "number of the case in the order of the design"
+        put(file.create_group(group), "case", numbers, {"units": "", "long_name": about}).make_scale("case")
     for column in table.columns():
-        _put(file[column.group], column)
-
-
-def _put(group: h5py.Group, column: TableColumn) -> None:
-    values = column.values
-    text = values.dtype.kind == "U"
-    dataset = group.create_dataset(
-        column.name,
-        data=values.astype(object) if text else values,
-        dtype=h5py.string_dtype() if text else None,
-    )
-    dataset.attrs.update(column.quantity.attributes)
-    dataset.dims[0].attach_scale(group["case"])
+        group = file[column.group]
+        put(group, column.name, column.values, column.quantity.attributes, [group["case"]])
 
 
 def _read(dataset: Any) -> np.ndarray:

@@ -158,18 +158,13 @@ class _Signal(BackendArray):
         files: Any = np.asarray(self._files[tuple(cases)], dtype=object)
         wanted = np.arange(self.shape[-1])[samples]
         values = np.full((*files.shape, *wanted.shape), np.nan)
-        for place in np.ndindex(files.shape):
-            if files[place]:
-                values[place] = self._record(files[place])[samples]
+        for place in (place for place in np.ndindex(files.shape) if files[place]):
+            kept = _read_signals(files[place], [self._name], lambda dataset: dataset[()])
+            record = kept.get(self._name, np.zeros(0))[: self.shape[-1]]  # removed since: nan
+            padded = np.full(self.shape[-1], np.nan)
+            padded[: record.size] = record
+            values[place] = padded[samples]
         return values
-
-    def _record(self, path: Path) -> np.ndarray:
-        """The whole record, padded; nan if the file or its signal has been removed since."""
-        padded = np.full(self.shape[-1], np.nan)
-        kept = _read_signals(path, [self._name], lambda dataset: dataset[()])
-        values = kept.get(self._name, np.zeros(0))[: padded.size]
-        padded[: values.size] = values
-        return padded
 
 
 def _signals(table: CaseTable, layout: _Layout) -> dict[str, Variable]:

@@ -43,33 +43,37 @@ def grid_effect(
     levels, group = np.unique(axes[axis], return_inverse=True)
     mean = _balanced_means(group, len(levels), _others(axes, (axis,)), numbers)
     known = np.isfinite(numbers)
-    group, numbers, limited = group[known], numbers[known], limited[known]
-    side = _sides(group, len(levels), limited)
-    return MainEffect(levels, mean, _explained(group, numbers), axes[axis][known], numbers, limited, side)
+    return _effect(levels, group[known], mean, axes[axis][known], numbers[known], limited[known])
 
 
 def sampled_effect(values: np.ndarray, numbers: np.ndarray, limited: np.ndarray) -> MainEffect:
     """The effect of an axis of a sampled design; one value per case, shape (cases,) both."""
     known = np.isfinite(numbers)
-    values, numbers, limited = values[known], numbers[known], limited[known]
+    values, numbers = values[known], numbers[known]
     if values.dtype.kind == "f":
         group = _equal_classes(values)
         levels = np.array([values[group == at].mean() for at in np.unique(group)])
     else:
         levels, group = np.unique(values, return_inverse=True)
     mean = np.array([numbers[group == at].mean() for at in range(len(levels))])
-    side = _sides(group, len(levels), limited)
-    return MainEffect(levels, mean, _explained(group, numbers), values, numbers, limited, side)
+    return _effect(levels, group, mean, values, numbers, limited[known])
 
 
-def _sides(group: np.ndarray, groups: int, limited: np.ndarray) -> np.ndarray:
-    """On which side of a limit each group of cases is: 0, 1, or nan where it has cases on both; (groups,)."""
-    side = np.full(groups, np.nan)
-    for at in range(groups):
+def _effect(
+    levels: np.ndarray,
+    group: np.ndarray,
+    mean: np.ndarray,
+    values: np.ndarray,
+    numbers: np.ndarray,
+    limited: np.ndarray,
+) -> MainEffect:
+    """The effect of known cases by the group of each, with the side of a limit on which each group is."""
+    side = np.full(len(levels), np.nan)
+    for at in range(len(levels)):
         of_group = limited[group == at]
         if of_group.size and of_group.all() == of_group.any():
             side[at] = float(of_group.all())
-    return side
+    return MainEffect(levels, mean, _explained(group, numbers), values, numbers, limited, side)
 
 
 def surface(

@@ -50,9 +50,17 @@ class Dispatch:
 
 def dispatch_of(study: Study, description: Description) -> Dispatch:
     """Return how the cases of a design are done, however many of them are missing."""
-    if not in_groups(study, description):
-        return Dispatch(False)
     gear, fidelity, scene = study.base.steering_gear, study.base.fidelity, description.scene
+    paths = [path for axis in study.axes for path in (*axis.paths, *axis.along)]
+    if not (  # many cases of one model, each of them steady and cheap
+        study.wanted is None
+        and len(description.hashes) >= FEWEST
+        and scene_named(scene).steady
+        and fidelity.solver in ("equilibrium", "closed-form")
+        and fidelity.mesh != "general-contact"
+        and not any(path.startswith(FIDELITY) for path in paths)
+    ):
+        return Dispatch(False)
     if reason := unsupported_reason(scene, gear, fidelity, {}):
         return Dispatch(True, single_run_reason=reason)
     settings = [settings_of(study.axes, case.values) for case in description.cases]
@@ -75,25 +83,11 @@ def _allowed(gear: SteeringGear, fidelity: Fidelity, path: str, values: np.ndarr
     return list(some)
 
 
-def in_groups(study: Study, description: Description) -> bool:
-    """Return whether cases go in groups: many of one model, each of them steady and cheap."""
-    paths = [path for axis in study.axes for path in (*axis.paths, *axis.along)]
-    model = study.base.fidelity
-    return (
-        study.wanted is None
-        and len(description.hashes) >= FEWEST
-        and scene_named(description.scene).steady
-        and model.solver in ("equilibrium", "closed-form")
-        and model.mesh != "general-contact"
-        and not any(path.startswith(FIDELITY) for path in paths)
-    )
-
-
 class Handover(Iterator[Task]):
     """Yields tasks, also after it has ended, where an answer brought new ones.
 
     Attributes:
-        single_run_reason: see `Dispatch`.
+        dispatch: how the cases are done.
         through_batch: number of cases that were answered in groups; all others were done singly.
         in_loop: number of those that were computed together.
     """
@@ -106,10 +100,8 @@ class Handover(Iterator[Task]):
         self._again: deque[Case] = deque()  # one by one
         self._apart: set[str] = set()  # hashes of cases that are simulated without learning from others
         self._left = deque(missing)
-        dispatch = dispatch_of(study, description)
-        self._grouped, self._ranges = dispatch.grouped, dispatch.ranges
-        self.single_run_reason = dispatch.single_run_reason
-        together = self._ranges is not None
+        self.dispatch = dispatch_of(study, description)
+        together = self.dispatch.ranges is not None
         self._smallest = SMALLEST_TOGETHER if together else SMALLEST
         self._least = self._smallest if together else 1  # fewer would be simulated one by one
         self._shares = (SHARES_TOGETHER if together else SHARES) * executor.workers
@@ -122,7 +114,7 @@ class Handover(Iterator[Task]):
             return self._task([self._again.popleft()])
         if not self._left:
             raise StopIteration
-        size = min(self._size, len(self._left)) if self._grouped else 1
+        size = min(self._size, len(self._left)) if self.dispatch.grouped else 1
         return self._task([self._left.popleft() for _ in range(size)])
 
     @property
@@ -133,10 +125,9 @@ class Handover(Iterator[Task]):
         return max(self._least, min(most, int(self._seconds / self._cost)))
 
     def _task(self, cases: list[Case]) -> Task:
-        settings = {case.hash: settings_of(self._study.axes, case.values) for case in cases}
-        ranges = None if cases[0].hash in self._apart else self._ranges
-        about = self._description
-        study = self._study
+        study, about = self._study, self._description
+        settings = {case.hash: settings_of(study.axes, case.values) for case in cases}
+        ranges = None if cases[0].hash in self._apart else self.dispatch.ranges
         goal = None if study.wanted is None else (study.wanted, study.time_limit)
         group = CaseGroup(about.scene, study.base, settings, about.signals, ranges, goal)
         task = Task(group.records, group.warm_up)
@@ -158,7 +149,7 @@ class Handover(Iterator[Task]):
             self.in_loop += sum(record.found_together for record in records)
             return list(zip(cases, records, strict=True))
         first, *others = cases
-        together = self._ranges is not None and first.hash not in self._apart
+        together = self.dispatch.ranges is not None and first.hash not in self._apart
         if others or (together and answer.failed_by_itself):
             self._again.extend(cases)
             self._apart.update([] if others else [first.hash])

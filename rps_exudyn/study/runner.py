@@ -10,19 +10,21 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of, replacing
+from rps_exudyn.base.screen import open_screen
+from rps_exudyn.results.block import CaseRow
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.simulate.cases.task import Executor
-from rps_exudyn.study.case_progress import Group, bar, case_line, groups, log_lines
+from rps_exudyn.study.case_progress import CasesRow, Group, case_line, groups, log_lines
 from rps_exudyn.study.cases import describe
 from rps_exudyn.study.definition import Case, Description, Study
 from rps_exudyn.study.handover import Handover
-from rps_exudyn.study.store import CaseRow, Store
+from rps_exudyn.study.store import Store
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,6 @@ class StudyWork:
 
     @property
     def description(self) -> Description:
-        """The description of the study with all its cases."""
         return self.store.description
 
     def measured(self) -> list[float]:
@@ -54,15 +55,9 @@ class StudyWork:
 
 
 def _missing(study: Study, store: Store) -> tuple[Case, ...]:
-    done = {case.hash for case, row in store.rows() if not to_be_done_again(row, study.time_limit)}
+    again = {Status.CRASHED: float("inf"), Status.TIMEOUT: study.time_limit}  # if it took less [s]
+    done = {case.hash for case, row in store.rows() if not row.wall_s < again.get(row.status, -1.0)}
     return tuple(case for key, case in store.description.hashes.items() if key not in done)
-
-
-def to_be_done_again(row: CaseRow, time_limit: float) -> bool:
-    """Return whether a finished case counts as missing under a time limit [s]."""
-    if row.status is Status.TIMEOUT:
-        return row.wall_s < time_limit
-    return row.status is Status.CRASHED
 
 
 @dataclass(frozen=True)
@@ -89,24 +84,22 @@ def run_study(work: StudyWork, executor: Executor) -> Tally:
         InputError: the folder cannot be written, or another runner is at work on it.
         StorageError: a result cannot be written; finished cases are kept.
     """
-    try:
-        return _run(work, executor)
-    except OSError as error:  # the log
-        raise InputError(f"{work.store.path} cannot be written: {error.strerror or error}.") from error
-
-
-def _run(work: StudyWork, executor: Executor) -> Tally:
-    store = work.store
-    store.make_folders(work.study.blocks)
-    with store.locked():
-        work = replace(work, missing=_missing(work.study, store))  # another runner may have worked until now
-        skipped = store.skipped
-        _begin(work)
-        log = store.path / "study.log"
-        log_lines(log, [f"{len(work.missing)} of {len(work.description.hashes)} cases to be done"])
-        tasks = Handover(work.study, store.description, work.missing, executor)
+    study, store = work.study, work.store
+    with _writing(store.path):
+        store.make_folders(study.blocks)
+    with _writing(store.path), store.locked():
+        missing = _missing(study, store)  # another runner may have worked until now
+        skipped, log = store.skipped, store.path / "study.log"
+        content = content_of(study.file)
+        with replacing(store.path / "study.toml") as partial:
+            partial.write_bytes(content)
+        store.write_description()
+        store.set_aside()
+        log_lines(log, [f"{len(missing)} of {len(work.description.hashes)} cases to be done"])
+        tasks = Handover(study, store.description, missing, executor)
         try:
-            with bar(len(work.missing)) as count:
+            row = CasesRow(len(missing))
+            with open_screen() as screen, screen.row(row):
                 for task, answer in executor.run(tasks):
                     ended = []
                     for case, record in tasks.records(task, answer):
@@ -114,15 +107,23 @@ def _run(work: StudyWork, executor: Executor) -> Tally:
                             store.add(record)
                         ended.append((case, CaseRow.of(record)))
                     log_lines(log, [case_line(work.description, *each) for each in ended])
-                    count([row.status for _, row in ended])
+                    row.count([each.status for _, each in ended])
         finally:
             with _storing():
                 store.blocks.flush()
         store.write_description()
         rows = list(store.rows())
         statuses = Counter(row.status for _, row in rows)
-        ways = tasks.through_batch, tasks.in_loop, tasks.single_run_reason
-        return Tally(statuses, groups(rows), len(work.missing), skipped + store.skipped, *ways)
+        ways = tasks.through_batch, tasks.in_loop, tasks.dispatch.single_run_reason
+        return Tally(statuses, groups(rows), len(missing), skipped + store.skipped, *ways)
+
+
+@contextmanager
+def _writing(folder: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"{folder} cannot be written: {error.strerror or error}.") from error
 
 
 @contextmanager
@@ -131,13 +132,3 @@ def _storing() -> Iterator[None]:
         yield
     except InputError as error:
         raise StorageError(f"A result cannot be stored: {error}") from error
-
-
-def _begin(work: StudyWork) -> None:
-    """Write what the folder holds before the first case, and set files aside that cannot be used."""
-    store = work.store
-    content = content_of(work.study.file)
-    with replacing(store.path / "study.toml") as partial:
-        partial.write_bytes(content)
-    store.write_description()
-    store.set_aside()

@@ -37,15 +37,7 @@ KINDS = {
         "total": "ST: fraction of the variance to which the axis contributes, with all its interactions",
     },
 }
-"""Design -> name of each index, and its meaning."""
-
-SALIB_NAMES = {
-    "mean absolute effect": "mu_star",
-    "mean effect": "mu",
-    "spread of the effect": "sigma",
-    "first order": "S1",
-    "total": "ST",
-}
+"""Design -> name of each index, and its meaning behind its symbol, by which SALib names it."""
 
 
 @dataclass(frozen=True)
@@ -94,14 +86,15 @@ def indices(table: CaseTable, name: str) -> Indices:
         analyze = salib("analyze.sobol").analyze
         found = analyze(problem, known_numbers, calc_second_order=False, seed=SEED)
     rows = {
-        axis: {kind: _index(found, SALIB_NAMES[kind], at) for kind in KINDS[design]}
+        axis: {kind: _index(found, meaning, at) for kind, meaning in KINDS[design].items()}
         for at, axis in enumerate(table.axes)
     }
     return Indices(design, rows, int(whole.sum()), int((~whole).sum()))
 
 
-def _index(found: Mapping[str, Any], name: str, at: int) -> Index:
+def _index(found: Mapping[str, Any], meaning: str, at: int) -> Index:
     """The index of the axis number `at` from SALib's answer."""
+    name = meaning.partition(":")[0].replace("*", "_star")
     confidence = found.get(f"{name}_conf")
     return Index(float(found[name][at]), float("nan") if confidence is None else float(confidence[at]))
 

@@ -10,16 +10,13 @@ read are listed in `Store.skipped`, and their cases count as not done.
 
 import os
 import socket
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TextIO
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import as_path, check_writable, number_existing, replacing
-from rps_exudyn.results.block import CaseRecord, summaries
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.block import CaseRecord, CaseRow, summaries
 from rps_exudyn.results.result import Result, read_result
 from rps_exudyn.study.case_blocks import Blocks
 from rps_exudyn.study.definition import Case, Description
@@ -27,27 +24,6 @@ from rps_exudyn.study.definition import Case, Description
 # What a runner that was stopped at its start may leave, and one that was killed
 BEGUN = {".lock", "cases", "blocks", "study.toml"}
 HALF_WRITTEN = "cases/.*.h5", "blocks/.*.h5", ".study.*.json", ".study.*.toml"
-
-
-@dataclass(frozen=True)
-class CaseRow:
-    """A finished case without its signals: its outcome, and its numbers (SI)."""
-
-    hash: str
-    status: Status
-    message: str
-    cpu_s: float  # CPU time [s]
-    wall_s: float  # elapsed time [s]
-    summary: Mapping[str, float]  # with errors, see `quantities.COLUMNS`
-    codes: tuple[str, ...] = ()  # of the message, see `outcome.Code`
-
-    @classmethod
-    def of(cls, record: CaseRecord) -> "CaseRow":
-        """The row of a record."""
-        about, summary = record.attributes, dict(record.tables["summary"])
-        message = " ".join(about["message"].split())
-        times = about["cpu_s"], about["wall_s"]
-        return cls(record.hash, Status(about["status"]), message, *times, summary, record.codes)
 
 
 class Store:
@@ -123,7 +99,7 @@ class Store:
         """
         path = self.path_of(case.hash)
         if not path.exists() and (home := self.blocks.home_of(case.hash)) is not None:
-            path, result = home, self.blocks.result(case.hash)
+            path, result = home, self.blocks.block_of(case.hash).result(case.hash)
         else:
             result = read_result(path)
         self._check_content(path, case, result)
@@ -183,7 +159,7 @@ class Store:
         found: dict[str, CaseRow] = {}
         for path in self.blocks.paths:
             try:
-                found |= {case.hash: CaseRow(*case) for case in summaries(path)}
+                found |= {case.hash: case for case in summaries(path)}
             except InputError as error:
                 self.skipped.append((path, " ".join(error.problems)))
         return found
@@ -210,7 +186,11 @@ class Store:
         Raises:
             InputError: another runner is at work on the folder.
         """
-        with self._lock_file() as file:
+        try:
+            lock = (self.path / ".lock").open("a+", encoding="utf-8")
+        except OSError as error:
+            raise InputError(f"{self.path} cannot be written: {error.strerror or error}.") from None
+        with lock as file:
             if _try_lock(file.fileno()):
                 file.truncate(0)
                 file.write(f"process {os.getpid()} on {socket.gethostname()}")
@@ -225,12 +205,6 @@ class Store:
                     f"{self.path} is in use by {file.read() or 'another runner'}; "
                     "wait for it, or choose another folder by --out."
                 )
-
-    def _lock_file(self) -> TextIO:
-        try:
-            return (self.path / ".lock").open("a+", encoding="utf-8")
-        except OSError as error:
-            raise InputError(f"{self.path} cannot be written: {error.strerror or error}.") from None
 
 
 def _try_lock(descriptor: int) -> bool:
@@ -254,9 +228,9 @@ def _try_lock(descriptor: int) -> bool:
 
 def _check_folder(folder: Path, description: Description) -> None:
     """Check that the folder is new, is empty or belongs to this study."""
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder} cannot be a study's folder: it is a file.")
     if not folder.is_dir():
+        if folder.exists():
+            raise InputError(f"{folder} cannot be a study's folder: it is a file.")
         return
     if not (folder / "study.json").exists():
         if all(item.name in BEGUN or any(map(item.match, HALF_WRITTEN)) for item in folder.iterdir()):

@@ -80,36 +80,30 @@ class _StudyKeys(Keys):
         for key in content.keys() - set(KEYS):
             self.wrong(short(key), f"is no key of a study; there are {', '.join(KEYS)}.")
         design = self.choice(content, "design", DESIGNS, GRID_DESIGN)
+        preset = self.choice(content, "fidelity", tuple(PRESETS), "flank")
         settings = self.flat(self.table(content, "set"), "set")
         gear = self.gear(content)
         axes, shared = self.axes(content, design, gear, settings)
-        wanted = self.wanted(content, settings, axes)
+        wanted, keep = self.wanted(content, settings, axes), self.table(content, "keep")
         return Study(
             file=self.file,
             title=self.text(content, "title", self.file.stem),
-            scene=self.scene(content),
-            tables={**gear, "fidelity": self.fidelity(content)},
+            scene=self.choice(content, "scene", SCENE_NAMES, SCENE_NAMES[0]),
+            tables={**gear, "fidelity": preset_table(preset)},
             settings=settings,
             axes=axes,
             design=design,
             samples=self.samples(content, design),
             seed=self.whole(content, "seed", 0, 0, 2**32 - 1),
             time_limit=self.time_limit(content),
-            keep=self.keep(self.table(content, "keep")),
+            keep=self.keep(keep),
             wanted=wanted,
-            blocks=self.blocks(self.table(content, "keep")),
+            blocks=self.blocks(keep),
             correlation=self.correlation(content, design, axes, shared),
         )
 
-    def scene(self, content: Mapping[str, Any]) -> str:
-        return self.choice(content, "scene", SCENE_NAMES, SCENE_NAMES[0])
-
     def axes(
-        self,
-        content: Mapping[str, Any],
-        design: str,
-        gear: Mapping[str, Any],
-        settings: Mapping[str, Any],
+        self, content: Mapping[str, Any], design: str, gear: Mapping[str, Any], settings: Mapping[str, Any]
     ) -> tuple[tuple[Axis, ...], Mapping[str, float]]:
         """The axes of the file's own tables; an uncertain design adds one for each uncertain parameter, and
         what these share."""
@@ -147,9 +141,6 @@ class _StudyKeys(Keys):
                 correlated(np.full((1, len(names)), 0.5), names, pairs)
         return {", ".join(sorted(pair)): value for pair, value in pairs.items()}
 
-    def fidelity(self, content: Mapping[str, Any]) -> dict[str, Any]:
-        return preset_table(self.choice(content, "fidelity", tuple(PRESETS), "flank"))
-
     def wanted(
         self, content: Mapping[str, Any], settings: Mapping[str, Any], axes: tuple[Axis, ...]
     ) -> Wanted | None:
@@ -177,8 +168,7 @@ class _StudyKeys(Keys):
         folder = self.file.resolve().parent
         if given.is_absolute() or not (folder / given).resolve().is_relative_to(folder):
             self.wrong(
-                "gear",
-                f"is {shown(content['gear'])}; it must lie in the study file's folder or below it.",
+                "gear", f"is {shown(content['gear'])}; it must lie in the study file's folder or below it."
             )
             return {}
         with self.gathering():

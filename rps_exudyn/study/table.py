@@ -16,12 +16,12 @@ import numpy as np
 
 from rps_exudyn.base.units import pretty
 from rps_exudyn.parameters.gear import Setup
-from rps_exudyn.results.block import TIMES
+from rps_exudyn.results.block import TIMES, CaseRow
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import COLUMNS, SUMMARY, Quantity
 from rps_exudyn.scenes.checks.rules import met_limit
 from rps_exudyn.study.definition import Axis, Case, Description, Value, axis_quantity, axis_values
-from rps_exudyn.study.store import CaseRow, Store
+from rps_exudyn.study.store import Store
 
 PENDING = "pending"
 NEGLIGIBLE = 1e-5  # differences below this fraction of the largest number do not count

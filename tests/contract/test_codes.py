@@ -11,9 +11,10 @@ import pytest
 
 import rps_exudyn
 from reader import filled
+from rps_exudyn.parameters.retired import RETIRED_CODES
 from rps_exudyn.results import block
 from rps_exudyn.results.block import Block, CaseRecord, packed, summaries
-from rps_exudyn.results.outcome import RETIRED_CODES, Code, Outcome, Remark, Status
+from rps_exudyn.results.outcome import Code, Outcome, Remark, Status
 from rps_exudyn.results.result import Result, content_of, read_result
 from rps_exudyn.scenes.checks.rules import met_limit
 from rps_exudyn.scenes.scene_run import SceneRun

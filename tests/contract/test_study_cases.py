@@ -9,13 +9,12 @@ import pytest
 from made_up_study import description
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.gear import Setup
-from rps_exudyn.results.block import CaseRecord, Keep
+from rps_exudyn.results.block import CaseRecord, CaseRow, Keep
 from rps_exudyn.results.result import Result
 from rps_exudyn.study.case_progress import case_line
 from rps_exudyn.study.cases import case_hash, describe, setup_of
 from rps_exudyn.study.definition import Axis, Case, Description, Study
 from rps_exudyn.study.designs import points
-from rps_exudyn.study.store import CaseRow
 from rps_exudyn.study.study_file import read_study
 
 LINKED = """

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 import rps_exudyn as rps
-from rps_exudyn.analysis.contact_pattern import contact_pattern, one_pitch, pressures, unrolled
+from rps_exudyn.analysis.contact_pattern import contact_pattern, one_pitch, unrolled
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.pages.charts.analyses import pattern_figure
 from rps_exudyn.results.result import Result
+from verification.area_pattern import pressures
 from verification.law_area import by_law
 
 STIFFNESS = 2e13  # [N/m^3], mesh.stiffness
@@ -44,10 +45,16 @@ def test_pressure_over_the_flanks_is_the_normal_force(side: int, name: str, pitc
 
 @pytest.mark.long
 def test_highest_pressure_belongs_to_the_deepest_penetration(pitch: Result) -> None:
-    both = contact_pattern(pitch.gear, pitch.signals)
-    highest = max(pattern.pressure.max() for pattern in both)
+    places = unrolled(pitch.gear)
+    highest = max(pressures(pitch.gear, pitch.signals, side, *places).max() for side in (-1, +1))
     assert highest == pytest.approx(STIFFNESS * pitch["mesh_penetration"].max(), rel=0.05)
+
+
+def test_pattern_of_a_law_without_lines_is_that_of_lines(lines: Result) -> None:
+    both = contact_pattern(by_law(lines.gear, "area"), lines.signals)
     assert [pattern.side for pattern in both] == [-1, +1]
+    for pattern, own in zip(both, contact_pattern(lines.gear, lines.signals), strict=True):
+        np.testing.assert_array_equal(pattern.pressure, own.pressure)
 
 
 def test_picture_says_the_highest_pressures(lines: Result) -> None:

@@ -8,11 +8,11 @@ import pytest
 
 from made_up_study import GRID, sampled
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.results.block import CaseRow
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.study.definition import Axis, Case
 from rps_exudyn.study.effects import grid_effect, sampled_effect, surface
 from rps_exudyn.study.sensitivity import indices
-from rps_exudyn.study.store import CaseRow
 from rps_exudyn.study.table import CaseTable
 
 A, B, C = (values.ravel() for values in np.meshgrid([0.0, 1, 2], [0.0, 1, 2, 3], [0.0, 1], indexing="ij"))

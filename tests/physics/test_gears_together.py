@@ -10,7 +10,7 @@ import pytest
 import rps_exudyn as rps
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.results.outcome import Status, sentences
-from rps_exudyn.results.quantities import is_work
+from rps_exudyn.results.quantities import WORKS
 from verification.law_area import by_law
 from verification.population import random_gears
 
@@ -133,7 +133,7 @@ def test_signals_are_those_of_single_runs(case: Case) -> None:
         assert set(ours) == set(signals)
         work = max(np.abs(values).max() for name, values in signals.items() if name == "work_drive")
         for name, values in signals.items():
-            size = work if is_work(name) else np.abs(values).max()
+            size = work if name in WORKS else np.abs(values).max()
             allowed = max(SIGNAL * np.ptp(values), CONTACT * size, 1e-9)
             assert np.abs(ours[name] - values).max() <= allowed, name
 

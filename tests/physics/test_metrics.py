@@ -4,15 +4,16 @@ import numpy as np
 import pytest
 
 from rps_exudyn.analysis.efficiency import LoadTest, describe_load_test, free_torque_of, measured_load_test
-from rps_exudyn.analysis.harmonics import order_amplitude, order_spectrum
+from rps_exudyn.analysis.harmonics import order_amplitude
 from rps_exudyn.analysis.hysteresis import describe_reversal, loop_area
 from rps_exudyn.analysis.impacts import describe_impacts, find_impacts
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.analysis.rack_motion import describe_rack
 from rps_exudyn.analysis.torque import describe_directions, describe_on_centre, describe_torque
-from rps_exudyn.analysis.work_balance import describe_losses, energy_residual, loss_torques
+from rps_exudyn.analysis.work_balance import describe_losses, energy_residual
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.rounding import rounded_range
+from verification.orders import loss_torques, order_spectrum
 
 TURN = 2 * np.pi
 
@@ -96,24 +97,24 @@ def test_directions_are_compared_over_common_angles_only() -> None:
     angle = np.concatenate([np.linspace(0, 4, 801), np.linspace(3.995, 1, 600)])
     forward = np.arange(angle.size) < 801
     torque = np.where(forward, 0.6 + 0.1 * angle, -0.5)  # mean of the first over 1..4 is 0.85
-    figures = describe_directions({"pinion_angle": angle, "pinion_torque": torque})
+    figures = describe_directions(passes({"pinion_angle": angle, "pinion_torque": torque}))
     assert figures["torque_mean_forward"] == pytest.approx(0.85, rel=1e-3)
     assert figures["torque_mean_backward"] == pytest.approx(0.5)
     assert figures["torque_direction_difference"] == pytest.approx(0.35, rel=1e-3)
-    assert describe_directions({"pinion_angle": angle[:500], "pinion_torque": torque[:500]}) == {}
+    assert describe_directions(passes({"pinion_angle": angle[:500], "pinion_torque": torque[:500]})) == {}
 
 
 def test_on_centre_window_and_outside() -> None:
     angle = np.deg2rad(np.linspace(-300, 300, 6001))
     torque = 0.6 + np.where(np.abs(angle) <= np.deg2rad(100), 0.01, 0.04) * np.sin(6 * angle)
-    figures = describe_on_centre({"pinion_angle": angle, "pinion_torque": torque}, teeth=6)
+    figures = describe_on_centre(passes({"pinion_angle": angle, "pinion_torque": torque}), teeth=6)
     assert figures["torque_on_centre"] == pytest.approx(0.6, abs=1e-4)
     assert figures["torque_on_centre_variation"] == pytest.approx(0.02, rel=1e-3)
     assert figures["torque_off_centre_variation"] == pytest.approx(0.08, rel=1e-3)
     backward = {"pinion_angle": -angle, "pinion_torque": -torque}
-    assert describe_on_centre(backward, teeth=6)["torque_on_centre"] == pytest.approx(0.6, abs=1e-4)
+    assert describe_on_centre(passes(backward), teeth=6)["torque_on_centre"] == pytest.approx(0.6, abs=1e-4)
     short = {"pinion_angle": angle[3000:3100], "pinion_torque": torque[3000:3100]}
-    assert describe_on_centre(short, teeth=6) == {}
+    assert describe_on_centre(passes(short), teeth=6) == {}
 
 
 # --- load test -------------------------------------------------------------------------------------
@@ -208,7 +209,7 @@ def test_transmission_error_is_of_one_direction_and_free_of_lost_motion() -> Non
         "rack_yaw": 0 * angle,
         "seat_force": 300 + 2 * np.cos(angle),
     }
-    figures = describe_rack(signals, gain)
+    figures = describe_rack(signals, passes(signals), gain)
     assert figures["transmission_error_peak_to_peak"] == pytest.approx(8e-5, rel=1e-4)
     assert figures["transmission_error_first_order"] == pytest.approx(4e-5, rel=1e-3)
     assert figures["rack_lift_range"] == pytest.approx(6e-6)

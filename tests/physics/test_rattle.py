@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import rps_exudyn as rps
-from rps_exudyn.analysis.impacts import FrequencyBand, describe_rattle, split_at_repeats
+from rps_exudyn.analysis.impacts import describe_rattle, split_at_repeats
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.external_load import RoadForce
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -18,7 +18,7 @@ from rps_exudyn.solvers.prescribed_motion import Steady
 
 GEAR = SteeringGear()
 PERIOD, MASS = 0.05, 0.06
-BAND = FrequencyBand(100, 1000)
+BAND = (100, 1000)
 
 
 def made_up(speeds: tuple[float, ...], lift: float = 0.0, sounding: float = 300.0) -> dict[str, np.ndarray]:

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import rps_exudyn as rps
-from rps_exudyn.analysis.curve import both_over_time, rms_difference, size_of
 from rps_exudyn.analysis.wheel_metrics import describe_feel
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
@@ -18,6 +17,7 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.solvers.steering_column import ColumnModel
+from verification.work_precision import both_over_time, rms_difference, size_of
 
 GEAR = SteeringGear()
 BENT = SteeringGear().replace({"column.joint_angle": "30 deg", "column.joint_phase": "20 deg"})

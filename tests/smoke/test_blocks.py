@@ -198,7 +198,7 @@ def test_a_block_that_fills_slowly_is_written_meanwhile(
     for at, name in enumerate(hashes):
         blocks.add(CaseRecord.of(name, made_up_result))
         os.utime(folder, ns=(at + 1, at + 1))  # changes within one tick of the clock are told apart
-        assert all(same(reader.result(each), made_up_result) for each in hashes[: at + 1])
+        assert all(same(reader.block_of(each).result(each), made_up_result) for each in hashes[: at + 1])
     assert [len(Block.read(path).places) for path in blocks.paths] == [3, 3, 1]
 
 

@@ -13,10 +13,11 @@ import numpy as np
 import pytest
 
 from edited import edited
+from rps_exudyn.results.block import CaseRow
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.simulate.cases.processes import Processes
 from rps_exudyn.simulate.cases.task import Answer, Task
-from rps_exudyn.study.store import CaseRow, Store
+from rps_exudyn.study.store import Store
 from shell import Command
 from study_files import write_grid, write_stand_in
 

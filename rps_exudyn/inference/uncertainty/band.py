@@ -310,7 +310,7 @@ class _Seen:
             return
         try:
             curve = scene_named(self.nominal.scene).curve(signals, gear, self.fidelity)
-            self.curves[row] = curve.over(self.grid, smooth=False)
+            self.curves[row] = curve.over(self.grid)
         except ValueError:  # another number of maneuvers
             self.curves = None
 
