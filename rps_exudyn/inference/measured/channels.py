@@ -12,9 +12,10 @@ import struct
 import sys
 import warnings
 import zlib
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from io import BytesIO
 from itertools import chain, islice, repeat
 from math import prod
@@ -25,9 +26,10 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError, raise_wrapped
 from rps_exudyn.base.files import DEEPEST
-from rps_exudyn.inference.measured.layout import Layout
+from rps_exudyn.inference.measured.columns import Table
 
 LARGEST = 2_000_000_000  # bytes that a file may unpack to
+_MDF = (b"MDF     ", b"UnFinMF ")
 _UNITS = ("unit_string", "unit", "units", "NI_UnitDescription", "Unit", "Units", "Einheit")
 _VALUES = ("values", "value", "data", "signal", "y")
 _CLOCKS = ("time", "t", "x")
@@ -51,10 +53,10 @@ class Channels:
     channels: tuple[Channel, ...]
 
     @property
-    def layout(self) -> Layout:
+    def table(self) -> Table:
         """Names and units of the channels as those of a table without rows."""
         names, units = ([getattr(each, text) for each in self.channels] for text in ("name", "unit"))
-        return Layout("", (0, names), (0, units), [])
+        return Table("", (0, names), (0, units), [])
 
     def column(self, index: int, driven: int) -> np.ndarray:
         """Return the values of a channel at the instants of the driven one, shape (n,); NaN outside its own.
@@ -82,24 +84,25 @@ def channels_of(path: str | Path, content: bytes) -> Channels | None:
     Raises:
         InputError: the file is damaged or of a version that is not read, or its library is not installed.
     """
-    if content.startswith((b"MDF     ", b"UnFinMF ")):
-        if content[8:9] != b"4":
-            version = content[8:12].decode("latin-1").strip()
-            raise InputError(f"{path} is an MDF file of version {version}; save it as MDF 4.")
-        what, read = "MDF 4", _mdf
-    elif content.startswith(b"TDSm"):
-        what, read = "TDMS", _tdms
-    elif content.startswith(b"MATLAB 7.3 MAT-file"):
+    if content.startswith(_MDF) and content[8:9] != b"4":
+        version = content[8:12].decode("latin-1").strip()
+        raise InputError(f"{path} is an MDF file of version {version}; save it as MDF 4.")
+    if content.startswith(b"MATLAB 7.3 MAT-file"):
         raise InputError(f"{path} is a MAT file of version 7.3; save it by save(..., '-v7').")
-    elif content.startswith(b"MATLAB 5.0 MAT-file"):
-        what, read = "MAT", _mat
-    else:
+    readers = {
+        b"MDF ": ("MDF 4", _mdf),
+        b"UnFi": ("MDF 4", _mdf),
+        b"TDSm": ("TDMS", _tdms),
+        b"MATL": ("MAT", _mat),
+    }
+    if not content.startswith((*_MDF, b"TDSm", b"MATLAB 5.0 MAT-file")):
         return None
+    what, read = readers[content[:4]]
     refused = ""
-    found: tuple[Channel, ...] = ()
+    found: list[Channel] = []
     with _quiet():
         try:
-            found = tuple(read(content))
+            found = [each for each in read(content) if each.values.size > 1]
         except ImportError as error:
             refused = (
                 f"{path} is in {what}, which needs {error.name}: pip install 'rps-exudyn[bench]', or write "
@@ -115,13 +118,18 @@ def channels_of(path: str | Path, content: bytes) -> Channels | None:
             gc.collect()  # what was half made is deleted while nothing is printed
     if refused:
         raise InputError(refused)
-    found = tuple(each for each in found if each.values.size > 1)
     if not found:
         raise InputError(
             f"{path} is a file of {what} without a channel of numbers; save angle and torque as a vector "
             "each, with its unit: as a property of the channel, or in its name (torque_Nm)."
         )
-    return Channels(f"channels of {what}", _with_own_names(found))
+    count = Counter(each.name.rpartition("/")[2] for each in found)
+    for i, each in enumerate(
+        found
+    ):  # channels of which several have one name keep their groups: "group/name"
+        name = each.name.rpartition("/")[2]
+        found[i] = replace(each, name=name if count[name] == 1 else each.name)
+    return Channels(f"channels of {what}", tuple(found))
 
 
 @contextmanager
@@ -139,15 +147,6 @@ def _quiet() -> Iterator[None]:
     finally:
         logger.setLevel(level)
         sys.unraisablehook = hook
-
-
-def _with_own_names(found: tuple[Channel, ...]) -> tuple[Channel, ...]:
-    """Channels of which several have one name are named with their groups, "group/name", as they come."""
-    short = [each.name.rpartition("/")[2] for each in found]
-    return tuple(
-        Channel(each.name if short.count(name) > 1 else name, each.unit, each.values, each.clock)
-        for each, name in zip(found, short, strict=True)
-    )
 
 
 def _numbers(values: object) -> np.ndarray | None:
@@ -185,7 +184,6 @@ _REFERRING = (b"##CA", b"##CH", b"##EV", b"##AT")  # blocks that may refer back 
 _BLOCK = struct.Struct("<4s4xQQ")
 _PACKED = b"##DZ"  # block of compressed data, which follow its own head
 _PACKED_HEAD = struct.Struct("<2sB13xQ")
-_PIECE = 1 << 24  # bytes unpacked at once where only their number is asked
 
 
 def _check_blocks(content: bytes) -> None:
@@ -213,8 +211,10 @@ def _check_blocks(content: bytes) -> None:
         name, _, count = _BLOCK.unpack_from(content, place)
         begin = place + _BLOCK.size
         if name == _PACKED:
-            size += _unpacked_block(content, begin, LARGEST + 1 - size)
-            _check_size(size)
+            _, kind, length = _PACKED_HEAD.unpack_from(content, begin)
+            if kind > 1:
+                raise ValueError("a compression that is not zlib's")
+            size += len(_unpacked(memoryview(content)[begin + _PACKED_HEAD.size :][:length], size))
         if name[:2] != b"##" or name in _REFERRING or begin + 8 * count > len(content):
             done.add(place)
             continue
@@ -223,17 +223,25 @@ def _check_blocks(content: bytes) -> None:
         stack += [(link, False) for link in struct.unpack_from(f"<{count}Q", content, begin) if link]
 
 
-def _unpacked_block(content: bytes, begin: int, most: int) -> int:
-    """Bytes that a block of compressed data unpacks to, as far as they are at most `most`."""
-    _, kind, length = _PACKED_HEAD.unpack_from(content, begin)
-    data = memoryview(content)[begin + _PACKED_HEAD.size :][:length]
-    if kind > 1:
-        raise ValueError("a compression that is not zlib's")
-    unpacking, size = zlib.decompressobj(), 0
-    while data and size < most:
-        size += len(unpacking.decompress(data, _PIECE))
-        data = memoryview(unpacking.unconsumed_tail)
-    return size
+def _unpacked(data: memoryview, size: int) -> memoryview:
+    """Return what compressed data unpack to, beside so many bytes that a file has otherwise.
+
+    Raises:
+        MemoryError: all together are more than `LARGEST`.
+    """
+    unpacked = memoryview(zlib.decompressobj().decompress(data, max(1, LARGEST + 1 - size)))
+    _check_size(size + len(unpacked))
+    return unpacked
+
+
+def _check_size(size: int) -> None:
+    """Refuse a file that would unpack to more than `LARGEST`.
+
+    Raises:
+        MemoryError: it would.
+    """
+    if not 0 <= size <= LARGEST:
+        raise MemoryError
 
 
 def _tdms(content: bytes) -> Iterator[Channel]:
@@ -257,7 +265,7 @@ def _tdms(content: bytes) -> Iterator[Channel]:
 def _mat(content: bytes) -> Iterator[Channel]:
     from scipy.io import loadmat
 
-    _check_size(_unpacked(content))
+    _check_matrices(content)
     held = loadmat(BytesIO(content), simplify_cells=True)
     tables = {name: value for name, value in held.items() if not name.startswith("__")}
     yield from _variables("", tables)
@@ -284,36 +292,35 @@ def _variables(group: str, table: Mapping[str, object]) -> Iterator[Channel]:
             yield Channel(f"{group}{name}", stated if isinstance(stated, str) else "", values, own)
 
 
-def _unpacked(content: bytes) -> int:
-    """Return the bytes of a MAT file with what its compressed elements unpack to, as far as they are at most
-    `LARGEST`.
+_MATRIX, _COMPRESSED = 14, 15  # kinds of elements in MAT files that hold further ones
+_SPARSE, _WITHOUT_SIZES = 5, (16, 17)  # classes of matrices
+
+
+def _check_matrices(content: bytes) -> None:
+    """Refuse a MAT file on which its reader crashes, or that unpacks to more than `LARGEST`.
 
     Raises:
-        ValueError: matrices within matrices are nested deeper than `DEEPEST`, on which its reader crashes, or
-            one declares more than it can hold.
+        ValueError: matrices within matrices are nested deeper than `DEEPEST`, or one declares more than it
+            can hold.
+        MemoryError: they unpack to more.
     """
     order: Literal["little", "big"] = "little" if content[126:128] == b"IM" else "big"
     size, level = len(content), [memoryview(content)[128:]]
     for _ in range(DEEPEST):
         inner = []
-        for kind, part in (element for data in level for element in _elements(data, order)):
+        for kind, part in [element for data in level for element in _elements(data, order)]:
             if kind == _COMPRESSED:
-                part = memoryview(zlib.decompressobj().decompress(part, max(1, LARGEST + 1 - size)))
+                part = _unpacked(part, size)
                 size += len(part)
-            if kind in (_COMPRESSED, _MATRIX):
-                inner.append(part)
-            if kind == _MATRIX and _declared(part, order) > len(part):
+            elif kind != _MATRIX:
+                continue
+            elif _declared(part, order) > len(part):
                 raise ValueError("a matrix of more numbers than its bytes")
-            if size > LARGEST:
-                return size
+            inner.append(part)
         if not inner:
-            return size
+            return
         level = inner
     raise ValueError(f"matrices nested more than {DEEPEST} levels deep")
-
-
-_MATRIX, _COMPRESSED = 14, 15  # kinds of elements in MAT files that hold further ones
-_SPARSE, _WITHOUT_SIZES = 5, (16, 17)  # classes of matrices
 
 
 def _declared(matrix: memoryview, order: Literal["little", "big"]) -> int:
@@ -336,13 +343,3 @@ def _elements(data: memoryview, order: Literal["little", "big"]) -> Iterator[tup
         if kind < 1 << 16:
             yield kind, data[place : place + count]
             place += count if kind == _COMPRESSED else count + -count % 8
-
-
-def _check_size(size: int) -> None:
-    """Refuse a file that would unpack to more than `LARGEST`.
-
-    Raises:
-        MemoryError: it would.
-    """
-    if not 0 <= size <= LARGEST:
-        raise MemoryError
