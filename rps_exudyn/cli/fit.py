@@ -255,7 +255,12 @@ def print_plan(targets: list[str], gear: GearOptions, minutes: Path | None, as_j
     status = FAILED if found.missed else DONE
     if as_json:
         tests = [
-            {"test": each.test.title, "runs": each.runs, "minutes": each.minutes, "halves": dict(each.halves)}
+            {
+                "test": each.test.title,
+                "runs": each.runs,
+                "minutes": each.minutes,
+                "halves": dict(each.half_intervals),
+            }
             for each in found.tests
         ]
         print_json(
@@ -270,7 +275,7 @@ def print_plan(targets: list[str], gear: GearOptions, minutes: Path | None, as_j
             each.test.title,
             f"{each.runs}",
             f"{each.minutes:.0f}",
-            *(f"+-{100 * each.halves[path]:.3g} %" for path in wanted),
+            *(f"+-{100 * each.half_intervals[path]:.3g} %" for path in wanted),
         )
         for each in found.tests
     ]

@@ -14,8 +14,8 @@ from rps_exudyn.base.errors import are
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.inference.fitting.bench_tests import mixed_speeds
 from rps_exudyn.inference.fitting.level import ZERO, LevelEstimate
-from rps_exudyn.inference.fitting.level_fit import BETWEEN_MODELS, LevelFit, stepped
-from rps_exudyn.inference.fitting.problem import MODEL, Problem
+from rps_exudyn.inference.fitting.level_fit import BETWEEN_MODELS, LevelModel, stepped
+from rps_exudyn.inference.fitting.problem import MODEL, FitState, Problem
 from rps_exudyn.inference.fitting.unknowns import BY_LOAD
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import GRAVITY, runout_harmonics
@@ -37,15 +37,20 @@ class Refusal:
     sentence: str
 
 
-def refusals(problem: Problem, levels: LevelFit) -> list[Refusal]:
+def refusals(problem: Problem, model: LevelModel, state: FitState) -> list[Refusal]:
     """Return what contradicts the model: the data as a whole, and the load tests."""
     by_load = (
         "half the torque difference changes with the weight although no flank lifts: friction depends on the "
         "load, or the runs differ by more than the declared repeatability"
     )
     checks = (
-        (_data_probability(levels), UNLIKELY, "chi-squared", "levels of the tests contradict each other"),
-        (_load_probability(problem, levels), BY_CHANCE, "weights", by_load),
+        (
+            _data_probability(model, state),
+            UNLIKELY,
+            "chi-squared",
+            "levels of the tests contradict each other",
+        ),
+        (_load_probability(problem, model, state), BY_CHANCE, "weights", by_load),
     )
     said = "no parameter counts as found: {} (probability {:.2g}, limit {:g})"
     return [
@@ -55,29 +60,28 @@ def refusals(problem: Problem, levels: LevelFit) -> list[Refusal]:
     ]
 
 
-def _data_probability(levels: LevelFit) -> float:
-    """Probability of a larger chi squared, with hardly any belief in the unknowns but the nuisances."""
+def _data_probability(model: LevelModel, state: FitState) -> float:
+    """Probability of a larger chi squared, with hardly any prior of the unknowns but the nuisances."""
     from scipy.special import chdtrc
 
-    model = levels.model
     freedom = model.rows.values.size - sum(not each.is_nuisance for each in model.unknowns)
     if freedom < 1:
         return 1.0
-    open_model = model.believing(OPENED, nuisances=1.0)
-    end = stepped(open_model, levels.end.u)
+    open_model = model.with_priors(OPENED, nuisances=1.0)
+    end = stepped(open_model, state.u)
     return float(chdtrc(freedom, open_model.cost(end.u))) if end.converged else 1.0
 
 
-def _load_probability(problem: Problem, levels: LevelFit) -> float:
+def _load_probability(problem: Problem, model: LevelModel, state: FitState) -> float:
     """Probability of a larger slope of the half difference over the weight, below lifting."""
     from scipy.special import ndtr
 
-    model, u = levels.model, levels.end.u.copy()
+    u = state.u.copy()
     for j, each in enumerate(model.unknowns):
         u[j] = 0.0 if each.path == BY_LOAD else u[j]
     rows, predicted, formula = model.rows, model.at(u), model.by_formula(u)
     both = {each.test for each in problem.levels if each.both_ways}
-    own = [i for i, way in enumerate(rows.ways) if rows.tests[i] in both and way[1] < 0]
+    own = [i for i, direction in enumerate(rows.directions) if rows.tests[i] in both and direction[1] < 0]
     free = [i for i in own if rows.tests[i].kind == "free"]
     if not free:
         return 1.0

@@ -100,7 +100,7 @@ class PlannedTest:
     test: BenchTest
     runs: int
     minutes: float
-    halves: Mapping[str, float]  # path -> half of the 95 % interval, of the value, after it
+    half_intervals: Mapping[str, float]  # path -> half of the 95 % interval, of the value, after it
 
 
 @dataclass(frozen=True)
@@ -117,14 +117,16 @@ class Plan:
         return sum(each.minutes for each in self.tests)
 
     @property
-    def halves(self) -> Mapping[str, float]:
+    def half_intervals(self) -> Mapping[str, float]:
         """Half of each 95 % interval, of the value, after all tests."""
-        return self.tests[-1].halves
+        return self.tests[-1].half_intervals
 
     @property
     def missed(self) -> dict[str, float]:
         """What is wanted and not reached by any number of runs: path -> half interval."""
-        return {path: half for path, half in self.halves.items() if half > self.targets.get(path, np.inf)}
+        return {
+            path: half for path, half in self.half_intervals.items() if half > self.targets.get(path, np.inf)
+        }
 
 
 def plan(
@@ -158,7 +160,7 @@ def plan(
     tests = list(tests) if tests is not None else [BenchTest("free"), *candidates(gear)]
     design = _Design.of(gear, tests, minutes or MINUTES, on_progress)
     chosen = whole = dict.fromkeys(tests, MOST_RUNS)
-    if _reached(design.halves(whole), targets):
+    if _reached(design.half_intervals(whole), targets):
         chosen = _exchanged(design, _reduced(design, whole, targets), targets)
     return Plan(targets, tuple(_in_order(design, chosen, targets)), design.simulations)
 
@@ -218,7 +220,7 @@ class _Design:
             rows = expected_rows({test: own.tolist()}, {test: 1})
             model = LevelModel.of(rows, unknowns, gear).corrected(u, rows.values)
             models[test], means[test], slopes[test] = model, own, model.slopes(u)
-            by_law[test] = rows.ways @ (changed - own)
+            by_law[test] = rows.directions @ (changed - own)
             if on_progress is not None:
                 on_progress(number + 1, len(tests))
         sd = np.array([each.sd for each in unknowns])
@@ -246,7 +248,7 @@ class _Design:
         information = belief + slopes.T @ weighted[:, :-1]
         return information, np.linalg.solve(information, slopes.T @ weighted[:, -1])
 
-    def halves(self, runs: Runs) -> dict[str, float]:
+    def half_intervals(self, runs: Runs) -> dict[str, float]:
         """Half of each 95 % interval that a fit would print, of the value."""
         information, law = self.information(runs)
         sd = np.sqrt(np.diag(np.linalg.inv(information)))
@@ -254,13 +256,13 @@ class _Design:
         return {path: float(one) for path, one in zip(self.paths, half, strict=True) if path in LEVEL}
 
 
-def _reached(halves: Mapping[str, float], targets: Mapping[str, float]) -> bool:
-    return all(halves[path] <= target for path, target in targets.items())
+def _reached(half_intervals: Mapping[str, float], targets: Mapping[str, float]) -> bool:
+    return all(half_intervals[path] <= target for path, target in targets.items())
 
 
-def _excess(halves: Mapping[str, float], targets: Mapping[str, float]) -> float:
+def _excess(half_intervals: Mapping[str, float], targets: Mapping[str, float]) -> float:
     """Sum of the logarithms of the half intervals over the wanted ones."""
-    return float(sum(np.log(halves[path] / target) for path, target in targets.items()))
+    return float(sum(np.log(half_intervals[path] / target) for path, target in targets.items()))
 
 
 def _reduced(design: _Design, runs: Runs, targets: Mapping[str, float]) -> dict[BenchTest, int]:
@@ -268,11 +270,11 @@ def _reduced(design: _Design, runs: Runs, targets: Mapping[str, float]) -> dict[
     determine."""
     now = dict(runs)
     while True:
-        cost, excess, best = design.cost(now), _excess(design.halves(now), targets), None
+        cost, excess, best = design.cost(now), _excess(design.half_intervals(now), targets), None
         for fewer in ({**now, test: left} for test, count in now.items() for left in _left(test, count)):
-            halves = design.halves(fewer)
-            if _reached(halves, targets):
-                merit = (cost - design.cost(fewer)) / max(_excess(halves, targets) - excess, 1e-6)
+            half_intervals = design.half_intervals(fewer)
+            if _reached(half_intervals, targets):
+                merit = (cost - design.cost(fewer)) / max(_excess(half_intervals, targets) - excess, 1e-6)
                 best = max(best or (merit, fewer), (merit, fewer), key=lambda pair: pair[0])
         if best is None:
             return {test: count for test, count in now.items() if count}
@@ -297,7 +299,7 @@ def _exchanged(design: _Design, runs: Runs, targets: Mapping[str, float]) -> dic
             for left in _left(less, now[less]):
                 tried = {**now, less: left, more: now[more] + added}
                 cost = design.cost(tried)
-                if cost < cheapest - 1e-9 and _reached(design.halves(tried), targets):
+                if cost < cheapest - 1e-9 and _reached(design.half_intervals(tried), targets):
                     cheapest, best = cost, tried
         if best is None:
             return {test: count for test, count in now.items() if count}
@@ -317,4 +319,4 @@ def _in_order(design: _Design, runs: Runs, targets: Mapping[str, float]) -> Iter
 
         test = max(left, key=gain)
         done[test] = left.pop(test)
-        yield PlannedTest(test, done[test], design.cost({test: done[test]}), design.halves(done))
+        yield PlannedTest(test, done[test], design.cost({test: done[test]}), design.half_intervals(done))

@@ -10,8 +10,9 @@ and angle error from the shape.
 import numpy as np
 
 from rps_exudyn.inference.fitting.level import Runout
-from rps_exudyn.inference.fitting.level_fit import LevelEnd, LevelModel
+from rps_exudyn.inference.fitting.level_fit import LevelModel
 from rps_exudyn.inference.fitting.noise import NORMAL
+from rps_exudyn.inference.fitting.problem import FitState
 from rps_exudyn.inference.fitting.unknowns import SMALLEST, Unknown, settings_of
 
 SAMPLES = 512
@@ -20,7 +21,7 @@ RANK = 1e-6  # of the largest variance of levels: what is below it, the unknowns
 SEED = 0
 
 
-def level_samples(model: LevelModel, end: LevelEnd, laws: np.ndarray) -> dict[str, np.ndarray]:
+def level_samples(model: LevelModel, end: FitState, laws: np.ndarray) -> dict[str, np.ndarray]:
     """Return path -> values (SAMPLES,) of the level's parameters; `laws` (unknowns,) is what another contact
     law moves.
 

@@ -30,13 +30,13 @@ class LevelRows:
 
     Attributes:
         tests: of the rows.
-        ways: weights of the mean values towards +X and -X that make each row, shape (rows, 2).
+        directions: weights of the mean values towards +X and -X that make each row, shape (rows, 2).
         values: shape (rows,).
         covariance: with calibration and what the model may be wrong by, shape (rows, rows).
     """
 
     tests: tuple[BenchTest, ...]
-    ways: np.ndarray
+    directions: np.ndarray
     values: np.ndarray
     covariance: np.ndarray
 
@@ -44,12 +44,14 @@ class LevelRows:
     def scaled(self) -> np.ndarray:
         """Which rows are friction, so that a model's error is one of their size, shape (rows,)."""
         weighted = np.array([test.of_kind.weighted for test in self.tests])
-        return (self.ways[:, 0] * self.ways[:, 1] < 0) | ((self.ways == 0).any(axis=1) & ~weighted)
+        return (self.directions[:, 0] * self.directions[:, 1] < 0) | (
+            (self.directions == 0).any(axis=1) & ~weighted
+        )
 
 
 class _Row(NamedTuple):
     test: BenchTest
-    way: tuple[float, float]
+    direction: tuple[float, float]
     value: float
     variance: float  # of its own
 
@@ -68,8 +70,8 @@ def level_rows(levels: Sequence[LevelEstimate], runs: float = 1) -> LevelRows:
             rows.append(_Row(each.test, ALONG, each.half_sum, along**2 / runs))
         else:
             sense = each.directions[0]
-            way = (float(sense > 0), -float(sense < 0))
-            rows.append(_Row(each.test, way, each.value, each.data_sd**2 / runs))
+            direction = (float(sense > 0), -float(sense < 0))
+            rows.append(_Row(each.test, direction, each.value, each.data_sd**2 / runs))
     return _joined(rows)
 
 
@@ -92,22 +94,61 @@ def _joined(rows: Sequence[_Row]) -> LevelRows:
     same_sensor = pushed[:, None] == pushed[None, :]
     own = np.diag(np.array([row.variance for row in rows]) + (models * y) ** 2)
     covariance = own + CALIBRATION**2 * np.outer(y, y) * same_sensor
-    return LevelRows(tuple(row.test for row in rows), np.array([row.way for row in rows]), y, covariance)
+    return LevelRows(
+        tuple(row.test for row in rows), np.array([row.direction for row in rows]), y, covariance
+    )
 
 
 @dataclass(frozen=True, eq=False)
-class State:
-    """Values of the unknowns, and of the model there."""
+class PassRows:
+    """Residual and slopes of the shape of one pass at a state."""
 
-    u: np.ndarray  # unknowns
-    offset: float  # of the measured angle [rad]
-    values: np.ndarray  # of the model, all blocks, shape (m,)
-    slopes: np.ndarray  # by the unknowns, shape (m, unknowns)
+    deviation: np.ndarray  # measured minus model, without the mean, shape (n,)
+    weights: np.ndarray  # of the points, at most 1, shape (n,)
+    shape: np.ndarray  # derivative of the model without its mean, shape (n, size)
+
+
+def _nothing() -> np.ndarray:
+    return np.zeros(0)
+
+
+@dataclass(frozen=True, eq=False)
+class FitState:
+    """What a search holds on its way, of the level or of the shape, and where it ended.
+
+    Attributes:
+        u: unknowns, shape (unknowns,).
+        values: of the model, all blocks, shape (m,).
+        offset: of the measured angle [rad].
+        slopes: of the values by the unknowns, shape (m, unknowns).
+        information: inverse covariance of the unknowns; of a shape's search, of the offset as well.
+        gradient: in the normal equations of the next step, shape (size,).
+        chi_squared: the loss of means, shapes and priors, in squares of standard deviations.
+        rows: residuals of the shapes, of each pass.
+        converged: whether the search reached its minimum.
+        why: why not; "" where it did.
+    """
+
+    u: np.ndarray
+    values: np.ndarray = field(default_factory=_nothing)
+    offset: float = 0.0
+    slopes: np.ndarray = field(default_factory=_nothing)
+    information: np.ndarray = field(default_factory=_nothing)
+    gradient: np.ndarray = field(default_factory=_nothing)
+    chi_squared: float = np.inf
+    rows: Sequence[PassRows] = ()
+    converged: bool = False
+    why: str = ""
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """Covariance of the unknowns, and of the offset."""
+        return np.asarray(np.linalg.inv(self.information))
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Measured passes, what is predicted for them, and what is believed before."""
+    """Measured passes, what is predicted for them, and what is expected before."""
 
     measurement: Measurement
     levels: Sequence[LevelEstimate]
@@ -135,10 +176,15 @@ class Problem:
             block.test: block.means(self.prediction.part(i, values))
             for i, block in enumerate(self.prediction.blocks)
         }
-        rows = zip(self.rows.tests, self.rows.ways, strict=True)
-        return np.array([np.tensordot(way, means[test], axes=1) for test, way in rows])
+        rows = zip(self.rows.tests, self.rows.directions, strict=True)
+        return np.array([np.tensordot(direction, means[test], axes=1) for test, direction in rows])
 
-    def moved(self, state: State, step: np.ndarray) -> State:
+    @property
+    def needs_shape_fit(self) -> bool:
+        """Whether a bow or an angle error is fitted, for which there is a curve of free turning."""
+        return self.with_offset and any(each.needs_shape_fit for each in self.unknowns)
+
+    def moved(self, state: FitState, step: np.ndarray) -> FitState:
         """The state after a step (size,), its model's values by its slopes."""
         count = len(self.unknowns)
         return replace(
@@ -149,36 +195,20 @@ class Problem:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class PassRows:
-    """Residual and slopes of the shape of one pass at a state."""
+def linearised(problem: Problem, state: FitState) -> FitState:
+    """Return the state with the normal equations of levels, shapes and priors.
 
-    deviation: np.ndarray  # measured minus model, without the mean, shape (n,)
-    weights: np.ndarray  # of the points, at most 1, shape (n,)
-    shape: np.ndarray  # derivative of the model without its mean, shape (n, size)
-
-
-@dataclass(frozen=True, eq=False)
-class Linearised:
-    """Normal equations at a state: information H (size, size), gradient, sum of squares of levels."""
-
-    information: np.ndarray
-    gradient: np.ndarray
-    by_level: float  # of levels and priors
-    rows: list[PassRows] = field(default_factory=list)
-
-
-def linearised(problem: Problem, state: State) -> Linearised:
-    """Return the normal equations of levels, shapes and priors at a state."""
+    The loss of a shape is soft_l1, whose weights are w = 1 / sqrt(1 + z^2).
+    """
     before = np.array([*(each.before for each in problem.unknowns), 0.0])
     free = OFFSET * problem.pitch if problem.with_offset else 1e-9
-    believed = np.array([*(each.sd for each in problem.unknowns), free])
+    prior_sd = np.array([*(each.sd for each in problem.unknowns), free])
     away = np.append(state.u, state.offset) - before
     left = problem.rows.values - problem.rows_of(state.values)
     slopes = np.hstack([problem.rows_of(state.slopes), np.zeros((left.size, 1))])
     weighted = np.linalg.solve(problem.rows.covariance, np.column_stack([slopes, left]))
-    information = np.diag(believed**-2.0) + slopes.T @ weighted[:, :-1]
-    gradient = slopes.T @ weighted[:, -1] - away / believed**2
+    information = np.diag(prior_sd**-2.0) + slopes.T @ weighted[:, :-1]
+    gradient = slopes.T @ weighted[:, -1] - away / prior_sd**2
     found = []
     for number, measured in enumerate(problem.measurement.passes):
         if measured.test.of_kind.by_angle:
@@ -187,11 +217,13 @@ def linearised(problem: Problem, state: State) -> Linearised:
             weights = rows.weights / problem.whites[number] ** 2
             information += rows.shape.T @ (weights[:, None] * rows.shape)
             gradient += rows.shape.T @ (weights * rows.deviation)
-    by_level = float(left @ weighted[:, -1] + np.sum((away / believed) ** 2))
-    return Linearised(information, gradient, by_level, found)
+    by_level = float(left @ weighted[:, -1] + np.sum((away / prior_sd) ** 2))
+    by_shape = sum([2 * LINEAR_TO**2 * float(np.sum(1 / row.weights - 1)) for row in found])
+    equations = {"information": information, "gradient": gradient, "chi_squared": by_level + by_shape}
+    return replace(state, **equations, rows=found)
 
 
-def pass_rows(problem: Problem, state: State, number: int) -> PassRows:
+def pass_rows(problem: Problem, state: FitState, number: int) -> PassRows:
     """Return residual and slopes of the shape of one pass at a state."""
     measured = problem.measurement.passes[number]
     block, at = problem.block_of(number)
