@@ -120,17 +120,12 @@ class MeasuredPass:
     angle: np.ndarray  # pinion angle, or displacement of a rack push, rising [rad] or [m], shape (n,)
     value: np.ndarray  # torque [N m] or force [N], shape (n,)
     speeds: np.ndarray = field(default_factory=lambda: np.zeros(0))  # [rad/s] or [m/s], where it is recorded
-    recorded: tuple[np.ndarray, np.ndarray] | None = None  # angle and value of every row, if there are more
+    rows: tuple[np.ndarray, np.ndarray] | None = None  # angle and value of every row, if they are more
 
     @property
-    def raw_angle(self) -> np.ndarray:
-        """Angle of every row, rising."""
-        return self.recorded[0] if self.recorded else self.angle
-
-    @property
-    def raw_value(self) -> np.ndarray:
-        """Value of every row."""
-        return self.recorded[1] if self.recorded else self.value
+    def every_row(self) -> tuple[np.ndarray, np.ndarray]:
+        """Angles, rising, and values of every row."""
+        return self.rows or (self.angle, self.value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -298,9 +293,12 @@ def _are_parts(first: Pass, second: Pass, turned: Sequence[Pass]) -> bool:
 
 def _are_whole(found: Sequence[MeasuredPass]) -> list[bool]:
     """Which passes cover most of what the longest one their way covers."""
-    covered = [(each.direction, float(np.ptp(each.angle))) for each in found]
-    longest = {sense: max(angle for way, angle in covered if way == sense) for sense, _ in covered}
-    return [angle > WHOLE * longest[sense] for sense, angle in covered]
+    covered = np.array([np.ptp(each.angle) for each in found])
+    senses = np.array([each.direction for each in found])
+    return [
+        bool(angle > WHOLE * covered[senses == sense].max())
+        for angle, sense in zip(covered, senses, strict=True)
+    ]
 
 
 def _measured_pass(test: BenchTest, run: int, turned: Pass, after: float = 0.0) -> MeasuredPass:
@@ -308,13 +306,13 @@ def _measured_pass(test: BenchTest, run: int, turned: Pass, after: float = 0.0) 
     angle, value = turned.angle[inside], turned.signals["value"][inside]
     order = np.argsort(angle)
     angle, value = angle[order], value[order]
-    recorded = None
+    rows = None
     if angle.size > MOST_POINTS:
-        recorded = angle, value
+        rows = angle, value
         parts = np.array_split(np.arange(angle.size), MOST_POINTS)
         angle = np.array([angle[part].mean() for part in parts])
         value = np.array([np.median(value[part]) for part in parts])
-    return MeasuredPass(test, run, turned.direction, angle, value, speeds(turned.signals), recorded)
+    return MeasuredPass(test, run, turned.direction, angle, value, speeds(turned.signals), rows)
 
 
 def _sliding(test: BenchTest, turned: Pass, after: float) -> np.ndarray:
@@ -370,7 +368,12 @@ def _with_signs(found: list[MeasuredPass], name: str) -> tuple[list[MeasuredPass
             return [replace(each, test=turned) for each in found], ["the weight pulls the rack towards +X"]
         return found, []
     factors, said = _factors(found, name)
-    return [_turned(each, factors[each.direction]) for each in found], said
+    signed = []
+    for each in found:
+        sign, rows = factors[each.direction], each.rows
+        rows = rows and (rows[0], sign * rows[1])
+        signed.append(replace(each, value=sign * each.value, rows=rows))
+    return signed, said
 
 
 def _means(found: Sequence[MeasuredPass]) -> dict[int, float]:
@@ -383,11 +386,25 @@ def _factors(found: Sequence[MeasuredPass], name: str) -> tuple[dict[int, int], 
     """Factors that give torques of both directions the signs of result files, and what is said of it.
 
     Raises:
-        InputError: the means are no friction about zero.
+        InputError: the means are no friction about zero: they have both signs in one direction, or one sign
+            and different sizes in both.
     """
+    for sense in (1, -1):
+        own = [float(each.value.mean()) for each in found if each.direction == sense]
+        if own and -min(own) > UNSIGNED * max(own) > 0 > min(own) * max(own):
+            raise InputError(
+                f"{name} has passes in one direction of the angle whose torques have opposite signs, "
+                f"{max(own):.3g} and {min(own):.3g} in SI; the angle must decrease where the motion goes "
+                f"back."
+            )
     means = _means(found)
-    _check_signs(found, means, name)
     if len(means) == 2 and means[1] * means[-1] > 0:
+        sizes = sorted(abs(mean) for mean in means.values())
+        if sizes[0] < UNSIGNED * sizes[1]:
+            raise InputError(
+                f"{name} has means of {means[1]:.3g} and {means[-1]:.3g} in both directions, in SI: they are "
+                f"neither absolute values nor centred on zero; subtract the sensor's zero."
+            )
         sign = 1 if means[1] > 0 else -1
         said = "torques with one sign in both directions are read as against the motion"
         return {1: sign, -1: -sign}, [said]
@@ -419,33 +436,6 @@ def with_signs(curve: MeasuredTorque) -> MeasuredTorque:
     signs = np.array([factors[int(each)] for each in directions])[np.maximum(place, 0)]
     torque = signs * curve.signals["pinion_torque"]
     return replace(curve, signals={**curve.signals, "pinion_torque": torque}, assumed=(*curve.assumed, *said))
-
-
-def _check_signs(found: Sequence[MeasuredPass], means: dict[int, float], name: str) -> None:
-    """Refuse means of passes that are no friction about zero.
-
-    Raises:
-        InputError: they have both signs in one direction, or one sign and different sizes in both.
-    """
-    for sense in (1, -1):
-        own = [float(each.value.mean()) for each in found if each.direction == sense]
-        if own and -min(own) > UNSIGNED * max(own) > 0 > min(own) * max(own):
-            raise InputError(
-                f"{name} has passes in one direction of the angle whose torques have opposite signs, "
-                f"{max(own):.3g} and {min(own):.3g} in SI; the angle must decrease where the motion goes "
-                f"back."
-            )
-    forth, back = (abs(means.get(sense, np.nan)) for sense in (1, -1))
-    if len(means) == 2 and means[1] * means[-1] > 0 and min(forth, back) < UNSIGNED * max(forth, back):
-        raise InputError(
-            f"{name} has means of {means[1]:.3g} and {means[-1]:.3g} in both directions, in SI: they are "
-            f"neither absolute values nor centred on zero; subtract the sensor's zero."
-        )
-
-
-def _turned(each: MeasuredPass, sign: int) -> MeasuredPass:
-    recorded = each.recorded and (each.recorded[0], sign * each.recorded[1])
-    return replace(each, value=sign * each.value, recorded=recorded)
 
 
 def mixed_speeds(measurement: Measurement, gain: float) -> list[str]:

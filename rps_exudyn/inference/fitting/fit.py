@@ -322,7 +322,7 @@ def check_sizes(measurement: Measurement, gear: SteeringGear) -> None:
         InputError: one sentence for each file that holds such.
     """
     if problems := _wrong_sizes(measurement, gear):
-        raise InputError(problems)
+        raise InputError([f"{problem}." for problem in problems])
 
 
 def doubts(curve: MeasuredTorque, gear: SteeringGear) -> list[str]:
@@ -331,13 +331,13 @@ def doubts(curve: MeasuredTorque, gear: SteeringGear) -> list[str]:
         measurement = measurement_of([(BenchTest("free"), curve)])
     except InputError as error:
         return [problem.removesuffix(".") for problem in error.problems]
-    wrong = [problem.removesuffix(".") for problem in _wrong_sizes(measurement, gear)]
-    return [*wrong, *([] if wrong else beyond_the_teeth(measurement, gear)), *measurement.late]
+    wrong = _wrong_sizes(measurement, gear)
+    return [*(wrong or beyond_the_teeth(measurement, gear)), *measurement.late]
 
 
 def _wrong_sizes(measurement: Measurement, gear: SteeringGear) -> list[str]:
     return [
-        f"{name} {why}."
+        f"{name} {why}"
         for name, passes in _by_file(measurement)
         for why in (*_sizes(passes, gear), *_travels(passes, gear))
     ]

@@ -184,14 +184,14 @@ def _runs(test: BenchTest, passes: Sequence[MeasuredPass], gain: float) -> tuple
     for own in paired:
         cleaned, spikes, steps, shown, white = [], 0, [], [], []
         for each in own:
-            step = resolution_of(each.raw_value)
-            regular = is_regular(each.raw_value, step)
-            angle = each.raw_angle[regular] / (gain if test.pushed else 1.0)
-            cleaned.append((angle, each.raw_value[regular]))
+            angle, value = each.every_row
+            step = resolution_of(value)
+            regular = is_regular(value, step)
+            cleaned.append((angle[regular] / (gain if test.pushed else 1.0), value[regular]))
             spikes += int((~regular).sum())
             steps.append(step)
-            shown += [step] if np.ptp(each.raw_value) > 0 else []
-            white.append(white_deviation(each.raw_value[regular]))
+            shown += [step] if np.ptp(value) > 0 else []
+            white.append(white_deviation(value[regular]))
         runs.append(_Run(tuple(cleaned), spikes, tuple(shown or steps), not shown, float(np.mean(white))))
     return runs, directions
 
@@ -222,7 +222,10 @@ def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: fl
         per_run = [replace(each, values=directions[0] * each.values) for each in per_run]
     span, orders = per_run[0].span, (1, 2, teeth, 2 * teeth)
     groups = _alike(per_run)
-    functionals = [_functional(group[0], span, orders) for group in groups]
+    functionals = []  # weights (k,) of the parts whose sum is the level, beside the waves of turn and teeth
+    for angle in [group[0].angle for group in groups]:
+        effects = _limited(np.ones((angle.size, 1)), angle, span, orders)
+        functionals.append(np.asarray(np.linalg.pinv(effects)[0]))
     levels = _means(groups, functionals, 0)
     value = float(levels.mean())
     law = averaged_law(
@@ -286,7 +289,7 @@ LEVELS, AT_END, LEAST_AT_END = 8, 5, 5  # of values; times as often as its neigh
 def _at_an_end(passes: Sequence[MeasuredPass]) -> dict[float, int]:
     """Largest and smallest value that passes have again and again beside what they have near it -> how often:
     that of a sensor whose range ends there."""
-    values, counts = np.unique(np.concatenate([each.raw_value for each in passes]), return_counts=True)
+    values, counts = np.unique(np.concatenate([each.every_row[1] for each in passes]), return_counts=True)
     if values.size < LEVELS:
         return {}
     ends = ((values[-1], counts[-1], counts[-4:-1]), (values[0], counts[0], counts[1:4]))
@@ -303,12 +306,6 @@ def _alike(per_run: Sequence[Parts]) -> list[list[Parts]]:
     for each in per_run:
         groups.setdefault(each.angle.tobytes() + each.points.tobytes(), []).append(each)
     return list(groups.values())
-
-
-def _functional(parts: Parts, span: float, orders: Sequence[float]) -> np.ndarray:
-    """Weights (k,) of the parts whose sum is the level: the intercept beside the waves of turn and teeth."""
-    effects = _limited(np.ones((parts.angle.size, 1)), parts.angle, span, orders)
-    return np.asarray(np.linalg.pinv(effects)[0])
 
 
 def _limited(columns: np.ndarray, angle: np.ndarray, span: float, orders: Sequence[float]) -> np.ndarray:
@@ -436,7 +433,6 @@ def _tooth_waves(
 
 
 # --- From this run to the gear
-
 
 UNLIKE = 1e-3  # probability below which a test's scatter is taken for its own
 
