@@ -250,17 +250,54 @@ class Fit:
         """The tests that would determine most of the rest."""
         if self.is_separable:
             return None
-        return advice_of(self.gear, level_data(self.problem, self.gear), self.problem.measurement.tests)
+        paths, rows, tests = (*LEVEL, *NUISANCES), self.problem.rows, self.problem.measurement.tests
+        by_test = {test: logarithmic_slopes(self.gear, test, paths) for test in tests}
+        slopes = np.array(
+            [direction @ by_test[test] for test, direction in zip(rows.tests, rows.directions, strict=True)]
+        )
+        data = LevelData(paths, slopes.T @ np.linalg.solve(rows.covariance, slopes))
+        return advice_of(self.gear, data, tests)
 
     @cached_property
     def repeats(self) -> MoreRuns | None:
-        """How many more runs narrow the intervals."""
-        return _more_runs(self)
+        """How many more runs of all tests narrow the intervals; None of one test."""
+        half_intervals = {
+            each.path: (each.interval[1] - each.interval[0]) / 2 / each.value
+            for each in self.estimates
+            if each.path in WANTED and each.verdict in (Verdict.FOUND, Verdict.BY_PRIOR)
+        }
+        if len(self.levels) < 2 or not half_intervals:
+            return None
+        runs = min(each.runs for each in self.levels)
+        slopes, (_, sd) = self.model.slopes(self.level_state.u), self.model.priors()
+
+        def repeated(count: int) -> dict[str, float]:
+            covariance = level_rows(self.levels, count / runs).covariance
+            information = np.diag(sd**-2.0) + slopes.T @ np.linalg.solve(covariance, slopes)
+            deviations = np.sqrt(np.diag(np.linalg.inv(information)))
+            return {each.path: float(deviations[j]) for j, each in enumerate(self.model.unknowns)}
+
+        return more_runs(half_intervals, runs, repeated)
 
     @cached_property
     def passes(self) -> list[FittedPass]:
         """Measured and fitted curves of each pass."""
-        return _fitted_passes(self)
+        problem, state, drawn = self.problem, self.level_state, []
+        slopes, rows = self.model.slopes(state.u), problem.rows
+        variances = np.einsum("ij,jk,ik->i", slopes, state.covariance, slopes)
+        of_rows = problem.rows_of(state.values)
+        for number, each in enumerate(problem.measurement.passes):
+            block, at = problem.block_of(number)
+            values = problem.prediction.part(at, state.values)
+            own = [i for i, test in enumerate(rows.tests) if test == each.test]
+            zero = rows.values[own[1]] - of_rows[own[1]] if len(own) == 2 else 0.0
+            half = NORMAL * float(np.sqrt(max(variances[own[0]], 0.0)))
+            name, test, white = problem.measurement.names[each.run], each.test, problem.whites[number]
+            model = block.at(values, each.direction, each.angle - self.offset) + zero
+            band, by_angle = np.full(each.angle.size, half), test.of_kind.by_angle
+            measured = name, test.title, by_angle, each.direction, each.angle, each.value
+            drawn.append(FittedPass(*measured, model, band, white, test.unit))
+        return drawn
 
     @property
     def assumed(self) -> tuple[str, ...]:
@@ -296,7 +333,20 @@ class Fit:
     @cached_property
     def posterior(self) -> dict[str, np.ndarray]:
         """Path -> values (SAMPLES,) of what was fitted, as it varies together, SI; {} without an estimate."""
-        return _posterior(self) if self.converged else {}
+        if not self.converged:
+            return {}
+        problem, state = self.problem, self.shape_state
+        moved = np.array([self.laws.get(each.path, 0.0) for each in self.model.unknowns])
+        found = level_samples(self.model, self.level_state, moved)
+        if self.runout is not None:
+            preload = found.get("yoke.preload", np.full(SAMPLES, self.gear.yoke.preload))
+            found |= runout_samples(self.runout, self.gear.pinion.runout_angle, self.offset_sd, preload)
+        shaping = [j for j, each in enumerate(problem.unknowns) if each.path not in (*LEVEL, "pinion.runout")]
+        if state is not None and shaping and not unexplained(problem, state):
+            covariance = state.covariance[np.ix_(shaping, shaping)]
+            own = [problem.unknowns[j] for j in shaping]
+            found |= shape_samples(own, state.u[shaping], covariance, self.by_law[shaping])
+        return found
 
     @property
     def laws(self) -> dict[str, float]:
@@ -489,53 +539,6 @@ def with_runout_of(gear: SteeringGear, problem: Problem, u: np.ndarray) -> np.nd
     return u
 
 
-def level_data(problem: Problem, fitted: SteeringGear) -> LevelData:
-    """Return what the levels determine of all level parameters and nuisances, freed or not."""
-    paths, rows = (*LEVEL, *NUISANCES), problem.rows
-    by_test = {test: logarithmic_slopes(fitted, test, paths) for test in dict.fromkeys(rows.tests)}
-    slopes = np.array(
-        [direction @ by_test[test] for test, direction in zip(rows.tests, rows.directions, strict=True)]
-    )
-    return LevelData(paths, slopes.T @ np.linalg.solve(rows.covariance, slopes))
-
-
-def _posterior(fit: Fit) -> dict[str, np.ndarray]:
-    """Samples of level, runout and, where it explains the curves, shape."""
-    problem, state = fit.problem, fit.shape_state
-    moved = np.array([fit.laws.get(each.path, 0.0) for each in fit.model.unknowns])
-    found = level_samples(fit.model, fit.level_state, moved)
-    if fit.runout is not None:
-        preload = found.get("yoke.preload", np.full(SAMPLES, fit.gear.yoke.preload))
-        found |= runout_samples(fit.runout, fit.gear.pinion.runout_angle, fit.offset_sd, preload)
-    shaping = [j for j, each in enumerate(problem.unknowns) if each.path not in (*LEVEL, "pinion.runout")]
-    if state is not None and shaping and not unexplained(problem, state):
-        covariance = state.covariance[np.ix_(shaping, shaping)]
-        own = [problem.unknowns[j] for j in shaping]
-        found |= shape_samples(own, state.u[shaping], covariance, fit.by_law[shaping])
-    return found
-
-
-def _more_runs(fit: Fit) -> MoreRuns | None:
-    """What repeats of several tests would reach, where they determine preload and friction at all."""
-    half_intervals = {
-        each.path: (each.interval[1] - each.interval[0]) / 2 / each.value
-        for each in fit.estimates
-        if each.path in WANTED and each.verdict in (Verdict.FOUND, Verdict.BY_PRIOR)
-    }
-    if len(fit.levels) < 2 or not half_intervals:
-        return None
-    runs = min(each.runs for each in fit.levels)
-    slopes, (_, sd) = fit.model.slopes(fit.level_state.u), fit.model.priors()
-
-    def repeated(count: int) -> dict[str, float]:
-        covariance = level_rows(fit.levels, count / runs).covariance
-        information = np.diag(sd**-2.0) + slopes.T @ np.linalg.solve(covariance, slopes)
-        deviations = np.sqrt(np.diag(np.linalg.inv(information)))
-        return {each.path: float(deviations[j]) for j, each in enumerate(fit.model.unknowns)}
-
-    return more_runs(half_intervals, runs, repeated)
-
-
 def _levels(fit: Fit) -> list[Estimate]:
     """Estimates of the level's parameters; found is what wider priors hardly move."""
     wide, unknowns, found = _with_wide_priors(fit), fit.model.unknowns, []
@@ -606,25 +609,6 @@ def _runouts(fit: Fit, runout: Runout) -> list[Estimate]:
         ends = angle - NORMAL * sd, angle + NORMAL * sd
         found.append(Estimate.of("pinion.runout_angle", angle, ends, (0.0, np.pi), sd, 0.0, verdict))
     return found
-
-
-def _fitted_passes(fit: Fit) -> list[FittedPass]:
-    problem, state, drawn = fit.problem, fit.level_state, []
-    slopes, rows = fit.model.slopes(state.u), problem.rows
-    variances = np.einsum("ij,jk,ik->i", slopes, state.covariance, slopes)
-    of_rows = problem.rows_of(state.values)
-    for number, each in enumerate(problem.measurement.passes):
-        block, at = problem.block_of(number)
-        values = problem.prediction.part(at, state.values)
-        own = [i for i, test in enumerate(rows.tests) if test == each.test]
-        zero = rows.values[own[1]] - of_rows[own[1]] if len(own) == 2 else 0.0
-        half = NORMAL * float(np.sqrt(max(variances[own[0]], 0.0)))
-        name, test, white = problem.measurement.names[each.run], each.test, problem.whites[number]
-        model = block.at(values, each.direction, each.angle - fit.offset) + zero
-        band, by_angle = np.full(each.angle.size, half), test.of_kind.by_angle
-        measured = name, test.title, by_angle, each.direction, each.angle, each.value
-        drawn.append(FittedPass(*measured, model, band, white, test.unit))
-    return drawn
 
 
 def _warnings(fit: Fit) -> Iterator[str]:

@@ -157,6 +157,12 @@ class MeasuredColumn:
     size: float  # of the unit in SI
     assumed: str = ""  # what was taken for granted
 
+    @property
+    def words(self) -> str:
+        """What was read, and in which unit."""
+        why = f" ({self.assumed})" if self.assumed else ""
+        return f"{self.quantity} from column {self.title!r} in {self.unit} = {self.size:.6g} in SI{why}"
+
 
 def find_columns(
     path: object, table: Table, wanted: Iterable[str], chosen: Mapping[str, str]

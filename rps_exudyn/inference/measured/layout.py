@@ -195,7 +195,12 @@ def text_of(path: str | Path, content: bytes) -> tuple[str, str]:
             raise InputError(f"{path} is {what}.")
     if 0 not in content[:2000]:
         content = content.rstrip(b"\0")  # of a logger that was switched off
-    for encoding in _encodings(content):
+    head = content[:2000]
+    encodings = ["utf-8", "cp1252"]
+    if head.count(0) > len(head) // 4:  # every other byte of Latin letters in UTF-16
+        encodings = ["utf-16-le" if head[1::2].count(0) > head[::2].count(0) else "utf-16-be"]
+    encodings = [encoding for mark, encoding in _MARKS.items() if content.startswith(mark)][:1] or encodings
+    for encoding in encodings:
         try:
             text = content.decode(encoding)
         except UnicodeDecodeError:
@@ -205,13 +210,3 @@ def text_of(path: str | Path, content: bytes) -> tuple[str, str]:
     raise InputError(
         f"{path} cannot be read: it is no text in UTF-8, UTF-16 or Windows-1252; save it as UTF-8."
     )
-
-
-def _encodings(content: bytes) -> list[str]:
-    for mark, encoding in _MARKS.items():
-        if content.startswith(mark):
-            return [encoding]
-    head = content[:2000]
-    if head.count(0) > len(head) // 4:  # every other byte of Latin letters in UTF-16
-        return ["utf-16-le" if head[1::2].count(0) > head[::2].count(0) else "utf-16-be"]
-    return ["utf-8", "cp1252"]

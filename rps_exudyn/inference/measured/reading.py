@@ -147,7 +147,12 @@ def read_curve(
             f"{path} has both directions of the motion in rows that alternate; write all rows of one way, "
             f"then those back, with a falling {driven}."
         )
-    _check_directions(path, table, curve[0])
+    words = directions(table)
+    if words and len({each.direction for each in passes({"pinion_angle": curve[0]})}) == 1:
+        raise InputError(
+            f"{path} has several directions ({', '.join(short(word, 20) for word in words)}), but its "
+            "angle moves one way in all of them; it must decrease where the motion goes back."
+        )
     moves = in_motion(curve[0], beside.get("clock"))
     if not moves.all():
         resting = np.array(lines)[~moves].tolist()
@@ -158,9 +163,10 @@ def read_curve(
     if rows_of_step > 1:
         notes.append(f"{rows_of_step:.2g} rows of one {driven} are spread evenly to the next")
     signals = dict(zip(wanted, curve, strict=True))
-    taken = [_taken(column) for column in picked]
     beside["line"] = np.array(lines, dtype=float)[moves]
-    return MeasuredTorque(Path(path).stem, signals, (first, *taken, *notes), beside, left_out)
+    return MeasuredTorque(
+        Path(path).stem, signals, (first, *[column.words for column in picked], *notes), beside, left_out
+    )
 
 
 _NO_ANGLE = "and no pinion angle: give the gear whose travel per turn is known."
@@ -287,25 +293,6 @@ def _of_text(path: str | Path, table: Table, encoding: str, picked: list[Measure
         name: size * form.column(table.column(index))[is_kept] for name, (index, size) in table.beside.items()
     }
     return _Read(values[:, is_kept], first, notes, kept, beside)
-
-
-def _check_directions(path: str | Path, table: Table, driven: np.ndarray) -> None:
-    """Refuse a curve whose driven coordinate moves one way where a column has two.
-
-    Raises:
-        InputError: it does.
-    """
-    words = directions(table)
-    if len({each.direction for each in passes({"pinion_angle": driven})}) == 1 and words:
-        raise InputError(
-            f"{path} has several directions ({', '.join(short(word, 20) for word in words)}), but its "
-            "angle moves one way in all of them; it must decrease where the motion goes back."
-        )
-
-
-def _taken(column: MeasuredColumn) -> str:
-    why = f" ({column.assumed})" if column.assumed else ""
-    return f"{column.quantity} from column {column.title!r} in {column.unit} = {column.size:.6g} in SI{why}"
 
 
 def _format(
