@@ -84,19 +84,15 @@ SETTLED = 0.25  # of a pass, from its end, that shows the torque of a direction
 
 @dataclass(frozen=True)
 class BenchTest:
-    """One kind of test under one load."""
-
     kind: str
     load: float = 0.0  # that pulls the rack's end towards -X [N]
 
     @property
     def of_kind(self) -> BenchKind:
-        """What distinguishes its kind."""
         return KINDS[self.kind]
 
     @property
     def pushed(self) -> bool:
-        """Return whether the rack is driven."""
         return self.of_kind.quantities == PUSH
 
     @property
@@ -350,7 +346,6 @@ def _rows_left_out(
 
 
 def _rows(lines: np.ndarray) -> str:
-    """How many rows are left out, and which."""
     numbers = np.sort(lines).astype(int).tolist()
     return f"{are(len(numbers), 'row')} left out, {lines_in_words(numbers)}"
 

@@ -47,7 +47,6 @@ def _level(level: LevelEstimate) -> str:
 
 
 def _of_run(level: LevelEstimate) -> str:
-    """Half the interval of the level of this run."""
     half = level.run_interval[1] - level.value
     runs = "this run" if level.runs == 1 else f"these {level.runs} runs"
     return f"of {runs} +- {100 * half / abs(level.value):.2g} %"

@@ -78,12 +78,10 @@ class Estimate(JudgedRow):
 
     @property
     def path(self) -> str:
-        """Path of the parameter."""
         return self.name
 
     @property
     def interval(self) -> Ends:
-        """Its 95 % interval, SI."""
         return self.low, self.high
 
 
@@ -156,7 +154,6 @@ class Fit:
 
     @property
     def levels(self) -> Sequence[LevelEstimate]:
-        """The levels of all tests."""
         return self.problem.levels
 
     @property
@@ -366,7 +363,6 @@ BY_HAND = "the bar between centres under a dial gauge shows its bow"
 
 
 def shape_estimates(fit: Fit, state: FitState) -> list[Estimate]:
-    """Return the estimates of bow and angle error by the shape."""
     found, covariance = [], state.covariance
     for j, unknown in enumerate(fit.problem.unknowns):
         if unknown.path == "pinion.runout":
@@ -595,7 +591,6 @@ def _estimate(
 
 
 def _runouts(fit: Fit, runout: Runout) -> list[Estimate]:
-    """Estimates of the runout and, where it is found, of its direction."""
     unknown, other = (each for each in fit.problem.unknowns if each.path == "pinion.runout")
     law = -runout.size * fit.laws.get("yoke.preload", 0.0)
     low, high = runout.interval
@@ -612,7 +607,6 @@ def _runouts(fit: Fit, runout: Runout) -> list[Estimate]:
 
 
 def _warnings(fit: Fit) -> Iterator[str]:
-    """What is to be said of the steps and of the estimates themselves."""
     if not fit.converged:
         why = fit.level_state.why or (fit.shape_state.why if fit.shape_state else "")
         yield f"the fit did not converge ({why}); its last iteration is written, not an estimate"

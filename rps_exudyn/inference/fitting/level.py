@@ -119,7 +119,6 @@ class LevelEstimate:
 
     @property
     def both_ways(self) -> bool:
-        """Whether both directions were measured."""
         return len(self.directions) == 2
 
     def _interval(self, rows: Iterable[BudgetRow]) -> tuple[float, float]:
@@ -128,7 +127,6 @@ class LevelEstimate:
 
     @property
     def run_interval(self) -> tuple[float, float]:
-        """95 % interval of the level of this run."""
         return self._interval(row for row in self.budget if row.of_run)
 
     @property

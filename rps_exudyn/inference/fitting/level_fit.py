@@ -40,7 +40,6 @@ class LevelModel:
 
     @classmethod
     def of(cls, rows: LevelRows, unknowns: Sequence[Unknown], gear: SteeringGear) -> "LevelModel":
-        """The model without correction."""
         none = np.zeros(rows.values.size)
         return cls(rows, unknowns, gear, np.ones_like(none), none, none)
 

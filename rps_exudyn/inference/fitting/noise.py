@@ -190,7 +190,6 @@ class Regression:
 
     @property
     def freedom(self) -> int:
-        """Degrees of freedom."""
         return self.values.shape[1] * (self.effects.shape[0] - self.effects.shape[1])
 
 

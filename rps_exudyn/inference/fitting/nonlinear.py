@@ -113,7 +113,6 @@ def scanned(problem: Problem, gear: SteeringGear, start: FitState) -> FitState:
 
 
 def _simulated(problem: Problem, gear: SteeringGear, state: FitState) -> FitState:
-    """The state with the values simulated at its unknowns."""
     values = problem.prediction.simulated(gear.replace(settings_of(problem.unknowns, state.u)))
     return replace(state, values=values)
 

@@ -113,7 +113,6 @@ class Plan:
 
     @property
     def minutes(self) -> float:
-        """Time of all tests."""
         return sum(each.minutes for each in self.tests)
 
     @property
@@ -228,7 +227,6 @@ class _Design:
         return cls(models, means, slopes, by_law, sd, paths, minutes, 2 * len(tests))
 
     def cost(self, runs: Runs) -> float:
-        """Minutes of a programme."""
         made = [(self.minutes[test.kind], count) for test, count in runs.items() if count]
         return sum(each.setup + count * each.run for each, count in made)
 
@@ -261,7 +259,6 @@ def _reached(half_intervals: Mapping[str, float], targets: Mapping[str, float]) 
 
 
 def _excess(half_intervals: Mapping[str, float], targets: Mapping[str, float]) -> float:
-    """Sum of the logarithms of the half intervals over the wanted ones."""
     return float(sum(np.log(half_intervals[path] / target) for path, target in targets.items()))
 
 

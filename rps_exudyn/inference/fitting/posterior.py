@@ -51,7 +51,6 @@ def _values(unknowns: list[Unknown], drawn: np.ndarray) -> dict[str, np.ndarray]
 
 
 def _signs(seed: int) -> np.ndarray:
-    """As many +1 as -1, in any order, (SAMPLES,)."""
     return np.where(np.random.default_rng(seed).permutation(SAMPLES) % 2, 1.0, -1.0)
 
 

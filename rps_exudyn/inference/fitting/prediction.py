@@ -51,7 +51,6 @@ class CurveBlock:
 
     @property
     def size(self) -> int:
-        """Number of values."""
         return 2 * self.grid.size
 
     def at(self, values: np.ndarray, direction: int, angle: np.ndarray) -> np.ndarray:

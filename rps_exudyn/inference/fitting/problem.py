@@ -224,7 +224,6 @@ def linearised(problem: Problem, state: FitState) -> FitState:
 
 
 def pass_rows(problem: Problem, state: FitState, number: int) -> PassRows:
-    """Return residual and slopes of the shape of one pass at a state."""
     measured = problem.measurement.passes[number]
     block, at = problem.block_of(number)
     values = problem.prediction.part(at, state.values)

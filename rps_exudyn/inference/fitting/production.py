@@ -43,8 +43,6 @@ OnProgress = Callable[[int, int], None]
 
 @dataclass(frozen=True, eq=False)
 class MeasuredGear:
-    """Level and runout of one gear."""
-
     name: str
     level: float  # [N m]
     sd: float  # of one run, with repeatability, without the calibration that all share [N m]
@@ -65,7 +63,6 @@ class Limits:
     high: float
 
     def holds(self, value: np.ndarray) -> np.ndarray:
-        """Whether values lie within, (n,)."""
         return (value >= self.low) & (value <= self.high)
 
     def guarded(self, guard: float) -> "Limits":
@@ -92,7 +89,6 @@ class Drift:
 
     @property
     def alarms(self) -> np.ndarray:
-        """Numbers of the gears at which it is beyond."""
         return np.flatnonzero(np.abs(self.average - self.mean) > self.limit)
 
 
@@ -214,7 +210,6 @@ def _in_order(path: Path) -> tuple[list[int | str], ...]:
 
 
 def lot_of(gears: Sequence[MeasuredGear], gear: SteeringGear, refused: tuple[str, ...] = ()) -> ProductionLot:
-    """Return what measured gears show of their lot."""
     levels, own = (np.array([getattr(each, name) for each in gears]) for name in ("level", "sd"))
     y, s = np.log(levels), own / levels
     taus = np.linspace(0.0, 3 * max(float(np.std(y, ddof=1)), float(np.median(s))), CELLS)

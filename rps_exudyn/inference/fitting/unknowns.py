@@ -70,7 +70,6 @@ class Unknown:
 
     @property
     def is_nuisance(self) -> bool:
-        """Return whether it is no parameter of the gear."""
         return self.path in NUISANCES
 
     @property
@@ -125,7 +124,6 @@ def _positive(path: str, value: float, prior: tuple[float, float] | None) -> Unk
 
 
 def nuisance_unknowns(names: Iterable[str]) -> list[Unknown]:
-    """Return the nuisances of these names."""
     return [Unknown(name, "", 0.0, NUISANCES[name], 0.02) for name in names]
 
 
@@ -153,5 +151,4 @@ def settings_of(unknowns: list[Unknown], u: np.ndarray) -> dict[str, float]:
 
 
 def declared(path: str) -> Declared:
-    """Return the declaration of a parameter."""
     return SteeringGear.declared_at(path)[0]

@@ -12,7 +12,6 @@ import struct
 import sys
 import warnings
 import zlib
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -37,8 +36,6 @@ _CLOCKS = ("time", "t", "x")
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """A channel of a file."""
-
     name: str
     unit: str  # "" where the file states none
     values: np.ndarray  # shape (n,)
@@ -47,8 +44,6 @@ class Channel:
 
 @dataclass(frozen=True, eq=False)
 class Channels:
-    """The channels of a file of numbers."""
-
     what: str  # kind of file, for a reader
     channels: tuple[Channel, ...]
 
@@ -123,29 +118,27 @@ def channels_of(path: str | Path, content: bytes) -> Channels | None:
             f"{path} is a file of {what} without a channel of numbers; save angle and torque as a vector "
             "each, with its unit: as a property of the channel, or in its name (torque_Nm)."
         )
-    count = Counter(each.name.rpartition("/")[2] for each in found)
-    for i, each in enumerate(
-        found
-    ):  # channels of which several have one name keep their groups: "group/name"
-        name = each.name.rpartition("/")[2]
-        found[i] = replace(each, name=name if count[name] == 1 else each.name)
-    return Channels(f"channels of {what}", tuple(found))
+    short = [each.name.rpartition("/")[2] for each in found]  # "group/name" where several have one name
+    named = [
+        each if short.count(name) > 1 else replace(each, name=name)
+        for each, name in zip(found, short, strict=True)
+    ]
+    return Channels(f"channels of {what}", tuple(named))
 
 
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Keep what the libraries print of damaged files from the screen: warnings, messages of their loggers and
     errors of objects that are deleted half made."""
-    logger, hook = logging.getLogger("asammdf"), sys.unraisablehook
-    level = logger.level
-    logger.setLevel(logging.CRITICAL + 1)
+    hook, disabled = sys.unraisablehook, logging.root.manager.disable
+    logging.disable()
     sys.unraisablehook = lambda _: None
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             yield
     finally:
-        logger.setLevel(level)
+        logging.disable(disabled)
         sys.unraisablehook = hook
 
 

@@ -79,16 +79,13 @@ class Table:
 
     @property
     def width(self) -> int:
-        """Number of cells that most rows have."""
         return most_frequent([len(cells) for _, cells in self.rows])
 
     @cached_property
     def titles(self) -> list[Title]:
-        """Names and units of the columns."""
         return _titles(self.header[1], self.units[1] if self.units else []) if self.header else []
 
     def column(self, index: int) -> list[str]:
-        """Return the cells of a column."""
         return [cells[index] if index < len(cells) else "" for _, cells in self.rows]
 
     def names_quantity(self, quantity: str) -> bool:
@@ -148,8 +145,6 @@ def _divided(text: str) -> tuple[str, str]:
 
 @dataclass(frozen=True)
 class MeasuredColumn:
-    """A column of a file."""
-
     quantity: str
     index: int
     title: str

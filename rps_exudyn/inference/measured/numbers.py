@@ -40,7 +40,6 @@ def is_missing(cell: str) -> bool:
 
 
 def is_number(cell: str) -> bool:
-    """Return whether a cell begins as a number does."""
     return bool(parsed([cell])[0][0])
 
 
@@ -51,8 +50,6 @@ def is_placeholder(cell: str) -> bool:
 
 @dataclass(frozen=True)
 class Format:
-    """How a file writes numbers."""
-
     decimal: str  # "." or ","
     thousands: bool  # whether its other sign stands between thousands
     undecided: str = ""  # a number with a point that is taken for a decimal one, where none shows it
@@ -75,7 +72,6 @@ class Format:
 
     @property
     def words(self) -> str:
-        """The format in words."""
         sign, other = ("point", "comma") if self.decimal == "." else ("comma", "point")
         if self.thousands:
             return f"decimal {sign}, {other} between thousands"

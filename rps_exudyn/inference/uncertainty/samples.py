@@ -40,7 +40,6 @@ class Samples:
         return len(self.quantile)
 
     def some(self, chosen: np.ndarray) -> "Samples":
-        """Return some of the points."""
         return replace(self, quantile=self.quantile[chosen])
 
     @property
@@ -52,7 +51,6 @@ class Samples:
         }
 
     def settings(self) -> Iterator[dict[str, float]]:
-        """Yield path -> value of each point."""
         values = self.values
         for row in zip(*(column.tolist() for column in values.values()), strict=True):
             yield dict(zip(values, row, strict=True))

@@ -29,7 +29,6 @@ class Quantiles:
 
     @property
     def median(self) -> float:
-        """The median."""
         return float(self.values[MEDIAN])
 
     @property
