@@ -2,7 +2,7 @@
 
 import csv
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
@@ -52,12 +52,11 @@ def table_in(text: str) -> Table | None:
     return Table(best.separator, best.header, best.units, rows)
 
 
-def _lines(text: str) -> Iterator[Line]:
+def _lines(text: str) -> list[Line]:
     """Lines with their numbers; a quoted cell of a header that holds line ends stays in one line."""
-    lines, i = text.splitlines(), 0
+    lines, found, i = text.splitlines(), list[Line](), 0
     if '"' not in text:
-        yield from enumerate(lines, 1)
-        return
+        return list(enumerate(lines, 1))
     while i < len(lines):
         whole, last = lines[i], i
         while _OPEN_QUOTE.search(whole) and last < min(i + _HEAD_LINES, len(lines) - 1):
@@ -65,8 +64,9 @@ def _lines(text: str) -> Iterator[Line]:
             whole = f"{whole} {lines[last]}"
         if _OPEN_QUOTE.search(whole):  # no quote, but a sign for inches
             whole, last = lines[i], i
-        yield last + 1, whole
+        found.append((last + 1, whole))
         i = last + 1
+    return found
 
 
 def _divided(lines: list[Line], comments: list[Line], separator: str) -> _Division | None:

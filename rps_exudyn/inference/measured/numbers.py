@@ -82,7 +82,7 @@ class AmbiguousNumbersError(ValueError):
     """Raised where a comma may be decimal or stand between thousands; its text is an example."""
 
 
-_LEADING = re.compile(r"^([+-]?)[1-9]", re.M)
+_LEADING = re.compile(r"(?<![^\n+-])[1-9]")
 _SHAPE = str.maketrans("123456789", "000000000")
 
 
@@ -92,7 +92,7 @@ def format_of(numbers: Sequence[str]) -> Format:
     Raises:
         AmbiguousNumbersError: 1,234 and nothing else shows whether that is 1.234 or 1234.
     """
-    shapes = _LEADING.sub(r"\1x", "\n".join(numbers)).translate(_SHAPE).split("\n")
+    shapes = _LEADING.sub("x", "\n".join(numbers)).translate(_SHAPE).split("\n")
     decimal, grouped, either, pointed = set(), set(), "", ""
     for shape, digits in dict(zip(reversed(shapes), reversed(numbers), strict=True)).items():
         point, comma = digits.count("."), digits.count(",")
