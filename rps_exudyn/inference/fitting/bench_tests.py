@@ -204,15 +204,15 @@ def measurement_of(curves: Iterable[tuple[BenchTest, MeasuredTorque]]) -> Measur
         after, delay = (0.0, "") if test.pushed else _lateness(turned, curve.name)
         late += [delay] if delay else []
         turned = _joined(turned)
-        own = [_measured_pass(test, run, each, after) for each in turned]
-        kept = _are_whole(own)
-        rows = (*curve.left_out, *_rows_left_out(turned, own, kept, lines["line"], after))
+        of_file = [_measured_pass(test, run, each, after) for each in turned]
+        kept = _are_whole(of_file)
+        rows = (*curve.left_out, *_rows_left_out(turned, of_file, kept, lines["line"], after))
         left_out += [f"{curve.name}: {sentence}" for sentence in rows]
-        own = [each for each, is_kept in zip(own, kept, strict=True) if is_kept]
-        own, said = _with_signs(own, curve.name)
-        found += own
+        of_file = [each for each, is_kept in zip(of_file, kept, strict=True) if is_kept]
+        of_file, said = _with_signs(of_file, curve.name)
+        found += of_file
         names.append(curve.name)
-        count = "1 pass" if len(own) == 1 else f"{len(own)} passes"
+        count = "1 pass" if len(of_file) == 1 else f"{len(of_file)} passes"
         assumed += [f"{curve.name}: {sentence}" for sentence in (*curve.assumed, count, *said)]
     if not found:
         raise InputError("a fit needs at least one measured curve.")
@@ -385,12 +385,14 @@ def _factors(found: Sequence[MeasuredPass], name: str) -> tuple[dict[int, int], 
             and different sizes in both.
     """
     for sense in (1, -1):
-        own = [float(each.value.mean()) for each in found if each.direction == sense]
-        if own and -min(own) > UNSIGNED * max(own) > 0 > min(own) * max(own):
+        of_direction = [float(each.value.mean()) for each in found if each.direction == sense]
+        if of_direction and -min(of_direction) > UNSIGNED * max(of_direction) > 0 > min(of_direction) * max(
+            of_direction
+        ):
             raise InputError(
                 f"{name} has passes in one direction of the angle whose torques have opposite signs, "
-                f"{max(own):.3g} and {min(own):.3g} in SI; the angle must decrease where the motion goes "
-                f"back."
+                f"{max(of_direction):.3g} and {min(of_direction):.3g} in SI; the angle must decrease where "
+                f"the motion goes back."
             )
     means = _means(found)
     if len(means) == 2 and means[1] * means[-1] > 0:
@@ -418,9 +420,9 @@ def with_signs(curve: MeasuredTorque) -> MeasuredTorque:
     shortest = SHORTEST * max((float(np.ptp(each.angle)) for each in turned), default=0.0)
     turned = [each for each in turned if np.ptp(each.angle) > shortest]
     test = BenchTest("free")
-    own = [MeasuredPass(test, 0, p.direction, p.angle, p.signals["pinion_torque"]) for p in turned]
+    measured = [MeasuredPass(test, 0, p.direction, p.angle, p.signals["pinion_torque"]) for p in turned]
     try:
-        factors, said = _factors(own, curve.name)
+        factors, said = _factors(measured, curve.name)
     except InputError:
         return curve
     if not said:

@@ -377,7 +377,7 @@ def _travels(passes: list[MeasuredPass], gear: SteeringGear, most: float = MOST_
 def beyond_the_teeth(measurement: Measurement, gear: SteeringGear) -> list[str]:
     """What is to be said of files whose angles the given gear cannot turn, though another could."""
     said = []
-    for name, own in _by_file(measurement):
-        ratio = "" if own[0].test.pushed else ", and whether its encoder has a ratio"
-        said += [f"{name} {why}{ratio}" for why in _travels(own, gear, ALL_TEETH)]
+    for name, passes in _by_file(measurement):
+        ratio = "" if passes[0].test.pushed else ", and whether its encoder has a ratio"
+        said += [f"{name} {why}{ratio}" for why in _travels(passes, gear, ALL_TEETH)]
     return said

@@ -235,8 +235,8 @@ class Fit:
         """Of the unknowns in `correlated`, shape (n, n); those of level and shape are none."""
         covariance = self.level_state.covariance
         if self.shape_state is not None:
-            own = [j for j, each in enumerate(self.problem.unknowns) if not each.is_level]
-            shapes = self.shape_state.covariance[np.ix_(own, own)]
+            where = [j for j, each in enumerate(self.problem.unknowns) if not each.is_level]
+            shapes = self.shape_state.covariance[np.ix_(where, where)]
             zero = np.zeros((covariance.shape[0], shapes.shape[0]))
             covariance = np.block([[covariance, zero], [zero.T, shapes]])
         spread = np.sqrt(np.diag(covariance))
@@ -286,9 +286,9 @@ class Fit:
         for number, each in enumerate(problem.measurement.passes):
             block, at = problem.block_of(number)
             values = problem.prediction.part(at, state.values)
-            own = [i for i, test in enumerate(rows.tests) if test == each.test]
-            zero = rows.values[own[1]] - of_rows[own[1]] if len(own) == 2 else 0.0
-            half = NORMAL * float(np.sqrt(max(variances[own[0]], 0.0)))
+            of_test = [i for i, test in enumerate(rows.tests) if test == each.test]
+            zero = rows.values[of_test[1]] - of_rows[of_test[1]] if len(of_test) == 2 else 0.0
+            half = NORMAL * float(np.sqrt(max(variances[of_test[0]], 0.0)))
             name, test, white = problem.measurement.names[each.run], each.test, problem.whites[number]
             model = block.at(values, each.direction, each.angle - self.offset) + zero
             band, by_angle = np.full(each.angle.size, half), test.of_kind.by_angle
@@ -341,8 +341,8 @@ class Fit:
         shaping = [j for j, each in enumerate(problem.unknowns) if each.path not in (*LEVEL, "pinion.runout")]
         if state is not None and shaping and not unexplained(problem, state):
             covariance = state.covariance[np.ix_(shaping, shaping)]
-            own = [problem.unknowns[j] for j in shaping]
-            found |= shape_samples(own, state.u[shaping], covariance, self.by_law[shaping])
+            unknowns = [problem.unknowns[j] for j in shaping]
+            found |= shape_samples(unknowns, state.u[shaping], covariance, self.by_law[shaping])
         return found
 
     @property
@@ -492,9 +492,9 @@ def runout_in(
     Half the sum of both directions shows it. With a bow, which moves that sum over the travel, it is what the
     shape's steps found beside the bow, if they explain the curves.
     """
-    own = [each for each in problem.unknowns if each.path == "pinion.runout"]
+    components = [each for each in problem.unknowns if each.path == "pinion.runout"]
     free = [each for each in problem.levels if each.test.of_kind.by_angle and each.first is not None]
-    if not own or not free:
+    if not components or not free:
         return None
     if shape is not None and not unexplained(problem, shape):
         return runout_of(replace(free[0], first=_wave_of_shape(problem, shape, preload)), preload, preload_sd)
@@ -502,8 +502,10 @@ def runout_in(
     assert seen is not None
     if not use_prior or not seen.size:
         return runout_of(free[0], preload, preload_sd)
-    size = float(np.hypot(own[0].before, own[1].before))  # in whatever direction the curve shows
-    prior = Wave(preload * size * seen.vector / seen.size, preload * own[0].sd)
+    size = float(
+        np.hypot(components[0].before, components[1].before)
+    )  # in whatever direction the curve shows
+    prior = Wave(preload * size * seen.vector / seen.size, preload * components[0].sd)
     found = runout_of(free[0], preload, preload_sd, prior)
     return found and replace(found, angle_sd=seen.sd / seen.size)
 
@@ -635,16 +637,16 @@ def shape_claims(fit: Fit) -> dict[str, float]:
     problem, gear = fit.problem, fit.given
     held = {path: fit.gear.value_at(path) for path in (*VECTORS, *SIGNED, "rack.bow_angle")}
     names = [j for j, each in enumerate(problem.unknowns) if each.is_level]
-    own = replace(problem, unknowns=[problem.unknowns[j] for j in names])
+    level_problem = replace(problem, unknowns=[problem.unknowns[j] for j in names])
     gear = gear.replace(held | {"pinion.runout_angle": fit.gear.pinion.runout_angle})
     u, values = fit.series.u[names], fit.series.values
     state = FitState(u, values, fit.offset, np.zeros((values.size, u.size)))
     if not problem.with_offset or not names:
         return {}
     try:
-        slopes = first_slopes(own, gear, state)
+        slopes = first_slopes(level_problem, gear, state)
     except NoPredictionError:
         return {}
-    trusting = linearised(own, replace(state, slopes=slopes))
+    trusting = linearised(level_problem, replace(state, slopes=slopes))
     deviations = np.sqrt(np.diag(np.linalg.inv(trusting.information)))
-    return {each.path: float(deviations[j]) for j, each in enumerate(own.unknowns)}
+    return {each.path: float(deviations[j]) for j, each in enumerate(level_problem.unknowns)}

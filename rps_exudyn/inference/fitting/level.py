@@ -93,7 +93,7 @@ class LevelEstimate:
         repeat_sd: standard deviation of the mean of the runs from their scatter, declared or found.
         run_levels: of the runs, (runs,).
         first: the once-per-turn wave of the half sum, where a turn is covered.
-        own: waves of friction itself: the half difference's first and second order.
+        friction_waves: of friction itself: the half difference's first and second order.
         bend: quadratic part of the half difference along the travel, and its standard deviation.
         spikes: points that were left out.
         asks: what is to be asked of the user.
@@ -110,7 +110,7 @@ class LevelEstimate:
     repeat_sd: float
     run_levels: np.ndarray
     first: Wave | None
-    own: Mapping[int, Wave]
+    friction_waves: Mapping[int, Wave]
     bend: tuple[float, float]
     tooth_waves: Mapping[float, Wave]
     correlated: float
@@ -179,9 +179,9 @@ def _runs(test: BenchTest, passes: Sequence[MeasuredPass], gain: float) -> tuple
     directions = tuple(sense for sense in (1, -1) if ways[sense])
     paired = zip(*(ways[sense] for sense in directions), strict=False)
     runs = []
-    for own in paired:
+    for passes_of_run in paired:
         cleaned, spikes, steps, shown, white = [], 0, [], [], []
-        for each in own:
+        for each in passes_of_run:
             angle, value = each.every_row
             step = resolution_of(value)
             regular = is_regular(value, step)
@@ -272,7 +272,7 @@ def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: fl
         repeat_sd=0.0,
         run_levels=levels,
         first=_first(law, both, count, step * dithered, value) if covers(span, 1) else None,
-        own=_own_waves(law, span, count),
+        friction_waves=_friction_waves(law, span, count),
         bend=_bend(law, count),
         tooth_waves=_tooth_waves(groups, law, both, teeth),
         correlated=law.correlated,
@@ -377,7 +377,7 @@ def _first(law: AveragedLaw, both: bool, runs: int, step: float, level: float) -
     return Wave(vectors.mean(axis=0), sd if both else float(np.hypot(sd, ZERO * abs(level))), quantile)
 
 
-def _own_waves(law: AveragedLaw, span: float, runs: int) -> dict[int, Wave]:
+def _friction_waves(law: AveragedLaw, span: float, runs: int) -> dict[int, Wave]:
     """First and second order of the half difference, as far as the travel shows them."""
     found = {}
     effects = law.differences[0].regression.effects.shape[1]
@@ -444,13 +444,13 @@ def _with_repeatability(found: list[LevelEstimate]) -> list[LevelEstimate]:
     parts = [float(np.var(each.run_levels, ddof=1)) / each.value**2 for each in repeated]
     pooled = sum(part * (each.runs - 1) for part, each in zip(parts, repeated, strict=True))
     pooled = pooled / freedom if freedom else 0.0
-    own = dict(zip([each.test for each in repeated], parts, strict=True))
+    scatters = dict(zip([each.test for each in repeated], parts, strict=True))
     done = []
     for each in found:
         scatter = pooled
         if each.runs > 1 and len(repeated) > 1:
             most = pooled * float(chdtri(each.runs - 1, UNLIKE))
-            scatter = own[each.test] if own[each.test] * (each.runs - 1) > most else pooled
+            scatter = scatters[each.test] if scatters[each.test] * (each.runs - 1) > most else pooled
         one = each.noise_sd**2 + each.drift_sd**2
         declared = (REPEATABILITY * each.value) ** 2 + each.runs * one
         known = freedom if each.runs > 1 else 0

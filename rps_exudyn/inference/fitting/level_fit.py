@@ -85,15 +85,15 @@ class LevelModel:
         known = self.rows.covariance + np.outer(apart, apart) + near
         if self.numerical is None:
             return known
-        own = np.fmax(np.abs(self.numerical), FLOOR / FACTOR * np.abs(self.rows.values))
-        return known + np.outer(self.numerical, self.numerical) + np.diag(own**2)
+        of_row = np.fmax(np.abs(self.numerical), FLOOR / FACTOR * np.abs(self.rows.values))
+        return known + np.outer(self.numerical, self.numerical) + np.diag(of_row**2)
 
     def with_priors(self, factor: float, nuisances: float | None = None) -> "LevelModel":
         """The same with deviations of all priors times a factor, at least the declared ones: what somebody
         gave for known is no finding. `nuisances` is the factor of theirs."""
-        own = factor if nuisances is None else nuisances
+        nuisance_factor = factor if nuisances is None else nuisances
         sds = [
-            each.sd * own if each.is_nuisance else max(factor * each.sd, LEVEL[each.path].sd)
+            each.sd * nuisance_factor if each.is_nuisance else max(factor * each.sd, LEVEL[each.path].sd)
             for each in self.unknowns
         ]
         wider = [replace(each, sd=sd) for each, sd in zip(self.unknowns, sds, strict=True)]

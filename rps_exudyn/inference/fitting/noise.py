@@ -148,14 +148,14 @@ def parts_of(passes: Sequence[tuple[np.ndarray, np.ndarray]], low: float, high: 
     for angle, value in passes:
         inside = (angle >= low - 1e-9) & (angle <= high + 1e-9)
         where = np.clip(np.searchsorted(edges, angle[inside], side="right") - 1, 0, count - 1)
-        own = np.bincount(where, minlength=count)
-        points.append(own)
-        angles.append(np.bincount(where, weights=angle[inside], minlength=count) / np.maximum(own, 1))
-        means.append(np.bincount(where, weights=value[inside], minlength=count) / np.maximum(own, 1))
+        counts = np.bincount(where, minlength=count)
+        points.append(counts)
+        angles.append(np.bincount(where, weights=angle[inside], minlength=count) / np.maximum(counts, 1))
+        means.append(np.bincount(where, weights=value[inside], minlength=count) / np.maximum(counts, 1))
     full = np.min(points, axis=0) > 0
     middle = np.mean(angles, axis=0)
     place = (middle - (low + high) / 2) / (high - low)
-    inverse = np.mean([1 / np.maximum(own, 1) for own in points], axis=0)
+    inverse = np.mean([1 / np.maximum(counts, 1) for counts in points], axis=0)
     return Parts(middle[full], place[full], 1 / inverse[full], np.array(means)[:, full])
 
 
@@ -288,8 +288,8 @@ class AveragedLaw:
             explained = np.linalg.solve(each.normal, moment[:, :, None])[:, :, 0]
             spread = each.by_place @ place - np.einsum("cp,cp->c", moment, explained)
             variance = self.variance * np.maximum(tilt - tilt**2 * spread, 0.0)
-            own = float(self.weights @ (slope**2).sum(axis=1))
-            squares += own + slope.shape[1] * float(self.weights @ variance)
+            of_slopes = float(self.weights @ (slope**2).sum(axis=1))
+            squares += of_slopes + slope.shape[1] * float(self.weights @ variance)
             runs += slope.shape[1]
         return squares / max(runs, 1)
 

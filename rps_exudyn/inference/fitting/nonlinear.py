@@ -191,8 +191,8 @@ def _named(problem: Problem, best: FitState, ends: list[FitState]) -> list[Other
         worse = end.chi_squared - best.chi_squared
         if worse < CLOSE and _distance(end.u, best.u, errors, shaping) > SAME:
             settings = settings_of(problem.unknowns, end.u)
-            own = {path: value for path, value in settings.items() if path not in LEVEL}
-            found.append(OtherShape(own, worse))
+            of_shape = {path: value for path, value in settings.items() if path not in LEVEL}
+            found.append(OtherShape(of_shape, worse))
     return found
 
 

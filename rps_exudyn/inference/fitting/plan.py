@@ -9,7 +9,7 @@ Optimum Experimental Designs, ch. 12). The order is that of the largest gain of 
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 
@@ -30,7 +30,6 @@ MOST_RUNS = 10  # of a test
 LARGEST_WANTED = 1.0  # half of an interval, of the value
 USUAL_TARGETS = {"yoke.preload": 0.20, "mesh.friction": 0.35, "yoke.friction": 0.40}
 """Path -> half of the 95 % interval, of the value, where nothing else is wanted."""
-
 
 MINUTES = {name: kind.minutes for name, kind in KINDS.items()}
 """Kind of test -> its time; estimates of a bench's staff are to replace them (`read_minutes`)."""
@@ -161,7 +160,7 @@ def plan(
     chosen = whole = dict.fromkeys(tests, MOST_RUNS)
     if _reached(design.half_intervals(whole), targets):
         chosen = _exchanged(design, _reduced(design, whole, targets), targets)
-    return Plan(targets, tuple(_in_order(design, chosen, targets)), design.simulations)
+    return Plan(targets, tuple(_in_order(design, chosen, targets)), 2 * len(tests))
 
 
 def programme(
@@ -178,7 +177,7 @@ def programme(
         test, _ = named_test(f"{name.strip()}=none")
         runs[test] = runs.get(test, 0) + int(count or 1)
     design = _Design.of(gear or SteeringGear(), list(runs), minutes or MINUTES, None)
-    return Plan({}, tuple(_in_order(design, runs, {})), design.simulations)
+    return Plan({}, tuple(_in_order(design, runs, {})), 2 * len(runs))
 
 
 Runs = Mapping[BenchTest, int]
@@ -188,14 +187,11 @@ Runs = Mapping[BenchTest, int]
 class _Design:
     """Levels of all tests at the expected gear, by closed form and simulation, and their times."""
 
-    models: Mapping[BenchTest, LevelModel]  # one test each, corrected by its simulation
-    means: Mapping[BenchTest, np.ndarray]  # towards +X and -X
-    slopes: Mapping[BenchTest, np.ndarray]  # of its rows, (rows, unknowns)
-    by_law: Mapping[BenchTest, np.ndarray]  # change of its rows by the other contact law, (rows,)
-    beliefs: np.ndarray  # deviations (unknowns,)
-    paths: tuple[str, ...]  # of the unknowns
+    model: LevelModel  # of one run of each test, corrected by its simulation; two rows a test
+    means: Mapping[BenchTest, list[float]]  # towards +X and -X
+    slopes: np.ndarray  # of the rows, (rows, unknowns)
+    by_law: np.ndarray  # change of the rows by the other contact law, (rows,)
     minutes: Mapping[str, Minutes]
-    simulations: int
 
     @classmethod
     def of(
@@ -208,42 +204,38 @@ class _Design:
         unknowns = [*unknowns_of(gear, LEVEL, {}), *nuisance_unknowns([BY_LOAD, WITHOUT_YOKE])]
         u = np.array([each.before for each in unknowns])
         other = gear.replace({"mesh.law": "line" if gear.mesh.law == "teeth" else "teeth"})
-        models, means, slopes, by_law = {}, {}, {}, {}
+        means, by_law = {}, {}
         for number, test in enumerate(tests):
             prediction = Prediction.of([test])
             (block,) = prediction.blocks
             try:
-                own, changed = (block.means(prediction.simulated(each)) for each in (gear, other))
+                expected, changed = (block.means(prediction.simulated(each)) for each in (gear, other))
             except NoPredictionError as error:
                 raise InputError(f"no plan for the expected gear: {error}.") from None
-            rows = expected_rows({test: own.tolist()}, {test: 1})
-            model = LevelModel.of(rows, unknowns, gear).corrected(u, rows.values)
-            models[test], means[test], slopes[test] = model, own, model.slopes(u)
-            by_law[test] = rows.directions @ (changed - own)
+            means[test], by_law[test] = expected.tolist(), changed - expected
             if on_progress is not None:
                 on_progress(number + 1, len(tests))
-        sd = np.array([each.sd for each in unknowns])
-        paths = tuple(each.path for each in unknowns)
-        return cls(models, means, slopes, by_law, sd, paths, minutes, 2 * len(tests))
+        rows = expected_rows(means, dict.fromkeys(tests, 1))
+        model = LevelModel.of(rows, unknowns, gear).corrected(u, rows.values)
+        changes = [way @ by_law[test] for test, way in zip(rows.tests, rows.directions, strict=True)]
+        return cls(model, means, model.slopes(u), np.array(changes), minutes)
 
     def cost(self, runs: Runs) -> float:
         made = [(self.minutes[test.kind], count) for test, count in runs.items() if count]
         return sum(each.setup + count * each.run for each, count in made)
 
     def information(self, runs: Runs) -> tuple[np.ndarray, np.ndarray]:
-        """Information of a programme (n, n) with the beliefs, and what the other law moves (n,)."""
+        """Information of a programme (n, n) with the priors, and what the other law moves (n,)."""
         made = {test: count for test, count in runs.items() if count}
-        belief = np.diag(self.beliefs**-2.0)
+        _, sd = self.model.priors()
         if not made:
-            return belief, np.zeros(self.beliefs.size)
-        rows = expected_rows({test: self.means[test].tolist() for test in made}, made)
-        each = [self.models[test] for test in made]
-        corrections = ([getattr(one, name) for one in each] for name in ("factors", "terms", "near"))
-        model = LevelModel(rows, each[0].unknowns, each[0].gear, *map(np.concatenate, corrections))
-        slopes = np.vstack([self.slopes[test] for test in made])
-        moved = np.concatenate([self.by_law[test] for test in made])
-        weighted = np.linalg.solve(model.covariance, np.column_stack([slopes, moved]))
-        information = belief + slopes.T @ weighted[:, :-1]
+            return np.diag(sd**-2.0), np.zeros(sd.size)
+        where = [i for test in made for i, each in enumerate(self.model.rows.tests) if each == test]
+        corrections = {name: getattr(self.model, name)[where] for name in ("factors", "terms", "near")}
+        model = replace(self.model, rows=expected_rows(self.means, made), **corrections)
+        slopes = np.asfortranarray(self.slopes[where])
+        weighted = np.linalg.solve(model.covariance, np.column_stack([slopes, self.by_law[where]]))
+        information = np.diag(sd**-2.0) + slopes.T @ weighted[:, :-1]
         return information, np.linalg.solve(information, slopes.T @ weighted[:, -1])
 
     def half_intervals(self, runs: Runs) -> dict[str, float]:
@@ -251,7 +243,11 @@ class _Design:
         information, law = self.information(runs)
         sd = np.sqrt(np.diag(np.linalg.inv(information)))
         half = np.exp(NORMAL * sd + np.abs(law)) - 1
-        return {path: float(one) for path, one in zip(self.paths, half, strict=True) if path in LEVEL}
+        return {
+            each.path: float(one)
+            for each, one in zip(self.model.unknowns, half, strict=True)
+            if not each.is_nuisance
+        }
 
 
 def _reached(half_intervals: Mapping[str, float], targets: Mapping[str, float]) -> bool:
@@ -287,7 +283,7 @@ def _left(test: BenchTest, count: int) -> set[int]:
 
 def _exchanged(design: _Design, runs: Runs, targets: Mapping[str, float]) -> dict[BenchTest, int]:
     """The programme with runs of one test exchanged for those of others, while that is cheaper."""
-    now = {**dict.fromkeys(design.models, 0), **runs}
+    now = {**dict.fromkeys(design.means, 0), **runs}
     while True:
         cheapest, best = design.cost(now), None
         for less, more, added in product(now, now, (1, 2, 3)):
@@ -300,7 +296,7 @@ def _exchanged(design: _Design, runs: Runs, targets: Mapping[str, float]) -> dic
                     cheapest, best = cost, tried
         if best is None:
             return {test: count for test, count in now.items() if count}
-        now = {**dict.fromkeys(design.models, 0), **_reduced(design, best, targets)}
+        now = {**dict.fromkeys(design.means, 0), **_reduced(design, best, targets)}
 
 
 def _in_order(design: _Design, runs: Runs, targets: Mapping[str, float]) -> Iterator[PlannedTest]:

@@ -8,7 +8,6 @@ counts for bow and angle error alone.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -49,54 +48,44 @@ class LevelRows:
         )
 
 
-class _Row(NamedTuple):
-    test: BenchTest
-    direction: tuple[float, float]
-    value: float
-    variance: float  # of its own
-
-
+_Row = tuple[BenchTest, tuple[float, float], float, float]  # test, direction, value, its own variance
 ACROSS, ALONG = (0.5, -0.5), (0.5, 0.5)  # weights of both directions' means
 
 
 def level_rows(levels: Sequence[LevelEstimate], runs: float = 1) -> LevelRows:
     """Return the rows of all tests; as if each run had been repeated `runs` times."""
-    rows = []
+    rows: list[_Row] = []
     for each in levels:
         if each.both_ways and each.half_sum is not None:
-            zero = ZERO * each.value / np.sqrt(each.runs)
-            along = float(np.hypot(zero, each.noise_sd))
-            rows.append(_Row(each.test, ACROSS, each.value, each.data_sd**2 / runs))
-            rows.append(_Row(each.test, ALONG, each.half_sum, along**2 / runs))
+            along = float(np.hypot(ZERO * each.value / np.sqrt(each.runs), each.noise_sd))
+            rows.append((each.test, ACROSS, each.value, each.data_sd**2 / runs))
+            rows.append((each.test, ALONG, each.half_sum, along**2 / runs))
         else:
-            sense = each.directions[0]
-            direction = (float(sense > 0), -float(sense < 0))
-            rows.append(_Row(each.test, direction, each.value, each.data_sd**2 / runs))
+            direction = (1.0, 0.0) if each.directions[0] > 0 else (0.0, -1.0)
+            rows.append((each.test, direction, each.value, each.data_sd**2 / runs))
     return _joined(rows)
 
 
 def expected_rows(means: Mapping[BenchTest, Sequence[float]], runs: Mapping[BenchTest, int]) -> LevelRows:
     """Return the rows that tests would give, with the declared repeatability and zero, so many runs of each
     test both ways; `means` are those towards +X and -X."""
-    rows = []
+    rows: list[_Row] = []
     for test, count in runs.items():
         across, along = (means[test][0] - means[test][1]) / 2, (means[test][0] + means[test][1]) / 2
-        rows.append(_Row(test, ACROSS, across, (REPEATABILITY * across) ** 2 / count))
-        rows.append(_Row(test, ALONG, along, (ZERO * across) ** 2 / count))
+        rows.append((test, ACROSS, across, (REPEATABILITY * across) ** 2 / count))
+        rows.append((test, ALONG, along, (ZERO * across) ** 2 / count))
     return _joined(rows)
 
 
 def _joined(rows: Sequence[_Row]) -> LevelRows:
     """Rows with what they share: calibration of a sensor, and what a model of weights may be wrong by."""
-    y = np.array([row.value for row in rows])
-    models = np.array([MODEL if row.test.of_kind.weighted else 0.0 for row in rows])
-    pushed = np.array([row.test.pushed for row in rows])
+    tests, directions, values, variances = zip(*rows, strict=True)
+    y, pushed = np.array(values), np.array([test.pushed for test in tests])
+    models = np.array([MODEL if test.of_kind.weighted else 0.0 for test in tests])
     same_sensor = pushed[:, None] == pushed[None, :]
-    own = np.diag(np.array([row.variance for row in rows]) + (models * y) ** 2)
-    covariance = own + CALIBRATION**2 * np.outer(y, y) * same_sensor
-    return LevelRows(
-        tuple(row.test for row in rows), np.array([row.direction for row in rows]), y, covariance
-    )
+    independent = np.diag(np.array(variances) + (models * y) ** 2)
+    covariance = independent + CALIBRATION**2 * np.outer(y, y) * same_sensor
+    return LevelRows(tests, np.array(directions), y, covariance)
 
 
 @dataclass(frozen=True, eq=False)
@@ -285,12 +274,12 @@ def found_offset(problem: Problem, values: np.ndarray) -> tuple[float, float]:
         gradient, information = 0.0, 0.0
         for number, slow in zip(numbers, slows, strict=True):
             each, (block, at) = problem.measurement.passes[number], problem.block_of(number)
-            own, angle = problem.prediction.part(at, values), each.angle - offset
-            left = each.value - block.at(own, each.direction, angle)
+            block_values, angle = problem.prediction.part(at, values), each.angle - offset
+            left = each.value - block.at(block_values, each.direction, angle)
             left = left - slow @ (slow.T @ left)
             white = max(problem.whites[number], 1.4826 * float(np.median(np.abs(left))))
             weights = robust_weights(left, white) / white**2
-            turn = -_slope(block, own, each.direction, angle)
+            turn = -_slope(block, block_values, each.direction, angle)
             turn = turn - slow @ (slow.T @ turn)
             gradient += float(turn @ (weights * left))
             information += float(turn @ (weights * turn))

@@ -210,8 +210,8 @@ def _in_order(path: Path) -> tuple[list[int | str], ...]:
 
 
 def lot_of(gears: Sequence[MeasuredGear], gear: SteeringGear, refused: tuple[str, ...] = ()) -> ProductionLot:
-    levels, own = (np.array([getattr(each, name) for each in gears]) for name in ("level", "sd"))
-    y, s = np.log(levels), own / levels
+    levels, deviations = (np.array([getattr(each, name) for each in gears]) for name in ("level", "sd"))
+    y, s = np.log(levels), deviations / levels
     taus = np.linspace(0.0, 3 * max(float(np.std(y, ddof=1)), float(np.median(s))), CELLS)
     variances = s**2 + taus[:, None] ** 2  # (cells, gears)
     weights = 1 / variances

@@ -12,9 +12,10 @@ import struct
 import sys
 import warnings
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from graphlib import CycleError, TopologicalSorter
 from io import BytesIO
 from itertools import chain, islice, repeat
 from math import prod
@@ -44,6 +45,7 @@ class Channel:
 
 @dataclass(frozen=True, eq=False)
 class Channels:
+    path: str | Path
     what: str  # kind of file, for a reader
     channels: tuple[Channel, ...]
 
@@ -59,18 +61,18 @@ class Channels:
         Raises:
             InputError: it has another number of values, and no instants.
         """
-        own, other = self.channels[index], self.channels[driven]
-        same_clock = (own.clock is None) == (other.clock is None) and (
-            own.clock is None or other.clock is None or np.array_equal(own.clock, other.clock)
+        channel, other = self.channels[index], self.channels[driven]
+        same_clock = (channel.clock is None) == (other.clock is None) and (
+            channel.clock is None or other.clock is None or np.array_equal(channel.clock, other.clock)
         )
-        if own.values.size == other.values.size and same_clock:
-            return own.values
-        if own.clock is None or other.clock is None or not (np.diff(own.clock) > 0).all():
+        if channel.values.size == other.values.size and same_clock:
+            return channel.values
+        if channel.clock is None or other.clock is None or not (np.diff(channel.clock) > 0).all():
             raise InputError(
-                f"its channels {other.name} and {own.name} have {other.values.size} and {own.values.size} "
-                "values and no common time; export them at one rate"
+                f"{self.path}: its channels {other.name} and {channel.name} have {other.values.size} and "
+                f"{channel.values.size} values and no common time; export them at one rate."
             )
-        return np.interp(other.clock, own.clock, own.values, left=np.nan, right=np.nan)
+        return np.interp(other.clock, channel.clock, channel.values, left=np.nan, right=np.nan)
 
 
 def channels_of(path: str | Path, content: bytes) -> Channels | None:
@@ -123,7 +125,7 @@ def channels_of(path: str | Path, content: bytes) -> Channels | None:
         each if short.count(name) > 1 else replace(each, name=name)
         for each, name in zip(found, short, strict=True)
     ]
-    return Channels(f"channels of {what}", tuple(named))
+    return Channels(path, f"channels of {what}", tuple(named))
 
 
 @contextmanager
@@ -157,9 +159,9 @@ def _mdf(content: bytes) -> Iterator[Channel]:
     with MDF(BytesIO(content)) as file:
         groups = [each.channel_group for each in file.groups]
         _check_size(sum(each.cycles_nr * (each.samples_byte_nr + 1) for each in groups))
-        for group, own in enumerate(file.groups):
+        for group, records in enumerate(file.groups):
             master = file.masters_db.get(group)
-            for index, channel in enumerate(own.channels):
+            for index, channel in enumerate(records.channels):
                 if index == master:
                     continue
                 signal = file.get(group=group, index=index, ignore_invalidation_bits=False)
@@ -187,20 +189,13 @@ def _check_blocks(content: bytes) -> None:
         ValueError: they lead back.
         MemoryError: they unpack to more.
     """
-    size = 0
-    open_blocks: set[int] = set()
-    done: set[int] = set()
-    stack = [(_HEADER_BLOCK, False)]
-    while stack:
-        place, is_left = stack.pop()
-        if is_left:
-            open_blocks.discard(place)
-            done.add(place)
+    size, left = 0, [_HEADER_BLOCK]
+    links: dict[int, Sequence[int]] = {}  # address of a block -> addresses of those that it refers to
+    while left:
+        place = left.pop()
+        if place in links or not 0 < place <= len(content) - _BLOCK.size:
             continue
-        if place in open_blocks:
-            raise ValueError("blocks that refer to themselves")
-        if place in done or not 0 < place <= len(content) - _BLOCK.size:
-            continue
+        links[place] = ()
         name, _, count = _BLOCK.unpack_from(content, place)
         begin = place + _BLOCK.size
         if name == _PACKED:
@@ -208,12 +203,13 @@ def _check_blocks(content: bytes) -> None:
             if kind > 1:
                 raise ValueError("a compression that is not zlib's")
             size += len(_unpacked(memoryview(content)[begin + _PACKED_HEAD.size :][:length], size))
-        if name[:2] != b"##" or name in _REFERRING or begin + 8 * count > len(content):
-            done.add(place)
-            continue
-        open_blocks.add(place)
-        stack.append((place, True))
-        stack += [(link, False) for link in struct.unpack_from(f"<{count}Q", content, begin) if link]
+        if name[:2] == b"##" and name not in _REFERRING and begin + 8 * count <= len(content):
+            links[place] = struct.unpack_from(f"<{count}Q", content, begin)
+            left += links[place]
+    try:
+        TopologicalSorter(links).prepare()
+    except CycleError:
+        raise ValueError("blocks that refer to themselves") from None
 
 
 def _unpacked(data: memoryview, size: int) -> memoryview:
@@ -276,13 +272,15 @@ def _variables(group: str, table: Mapping[str, object]) -> Iterator[Channel]:
                 yield from _variables(f"{group}{name}/", value)
                 continue
             stated = next((value[key] for key in _UNITS if isinstance(value.get(key), str)), "")
-            own = next((each for key in _CLOCKS if (each := _numbers(value.get(key, ""))) is not None), None)
-            own = own if own is not None and own.size == values.size else None
-            yield Channel(f"{group}{name}", str(stated), values, own)
+            instants = next(
+                (each for key in _CLOCKS if (each := _numbers(value.get(key, ""))) is not None), None
+            )
+            instants = instants if instants is not None and instants.size == values.size else None
+            yield Channel(f"{group}{name}", str(stated), values, instants)
         elif (values := _numbers(value)) is not None:
             stated = units.get(name, "") if isinstance(units, Mapping) else ""
-            own = clock if clock is not None and clock.size == values.size else None
-            yield Channel(f"{group}{name}", stated if isinstance(stated, str) else "", values, own)
+            instants = clock if clock is not None and clock.size == values.size else None
+            yield Channel(f"{group}{name}", stated if isinstance(stated, str) else "", values, instants)
 
 
 _MATRIX, _COMPRESSED = 14, 15  # kinds of elements in MAT files that hold further ones

@@ -118,8 +118,8 @@ def _names_in(
 
 def _are_units(cells: Sequence[str]) -> bool:
     """Return whether cells hold nothing but units, behind a word for unit or not."""
-    own = cells[1:] if re.fullmatch(r"(units?|einheit(en)?|unité|unidad)\W*", cells[0], re.I) else cells
-    return all(is_unit(cell) or is_missing(cell) for cell in own) and any(is_unit(cell) for cell in own)
+    units = cells[1:] if re.fullmatch(r"(units?|einheit(en)?|unité|unidad)\W*", cells[0], re.I) else cells
+    return all(is_unit(cell) or is_missing(cell) for cell in units) and any(is_unit(cell) for cell in units)
 
 
 def _first_of_numbers(lines: list[Line], counts: list[int], separator: str) -> int | None:

@@ -37,6 +37,7 @@ from rps_exudyn.inference.measured.numbers import (
     parsed,
 )
 from rps_exudyn.inference.measured.turning import (
+    NO_ANGLE,
     angle_by_speed,
     counted_on,
     directions,
@@ -120,14 +121,14 @@ def read_curve(
         beside.setdefault("speed", rack_speed if wanted[0] in PUSH else rack_speed / gain)
     if instead == "rack_displacement":
         if gain is None:
-            raise InputError(f"{path} holds the rack's travel {_NO_ANGLE}")
+            raise InputError(f"{path} holds the rack's travel {NO_ANGLE}")
         curve[0] /= gain
         turn = 2e3 * np.pi * gain
         notes.append(
             f"the pinion angle follows from the rack's travel, {turn:.4g} mm per turn of the gear given"
         )
     elif instead == "speed":
-        curve = np.array([_angle_by_speed(path, beside, curve[0]), curve[0]])
+        curve = np.array([angle_by_speed(path, beside, curve[0]), curve[0]])
         notes.append("the pinion angle is the sum of speed times time, from 0 on")
         if all((each >= 0).all() or (each <= 0).all() for each in (beside["speed"], curve[1])):
             notes.append(ONE_WAY)
@@ -169,7 +170,6 @@ def read_curve(
     )
 
 
-_NO_ANGLE = "and no pinion angle: give the gear whose travel per turn is known."
 ONE_WAY = "speed and torque have one sign: read as one direction, which is wrong if the motion turned back"
 
 
@@ -186,23 +186,6 @@ def _columns_instead(
     return tuple(wanted), ""
 
 
-def _angle_by_speed(path: str | Path, beside: Mapping[str, np.ndarray], torque: np.ndarray) -> np.ndarray:
-    if "clock" not in beside:
-        raise InputError(
-            f"{path} has a speed and neither a pinion angle nor times; name a column time [s] or "
-            "pinion_angle [deg]."
-        )
-    if "speed" not in beside:
-        raise InputError(f"{path} holds the rack's speed {_NO_ANGLE}")
-    try:
-        return angle_by_speed(beside["clock"], beside["speed"], torque)
-    except ValueError as error:
-        raise InputError(
-            f"{path} has times and speeds instead of a pinion angle, but {error}; write a pinion_angle "
-            "[deg], or speeds that are negative where the pinion turns back."
-        ) from None
-
-
 class _Read(NamedTuple):
     values: np.ndarray  # in the columns' units, shape (columns, n)
     first: str  # what was assumed of the file
@@ -214,21 +197,17 @@ class _Read(NamedTuple):
 def _of_channels(path: str | Path, channels: Channels, picked: list[MeasuredColumn]) -> _Read:
     """The numbers of channels, at the instants of the first one."""
     driven = picked[0].index
-
-    def numbers(index: int) -> np.ndarray:
-        try:
-            return channels.column(index, driven)
-        except InputError as error:
-            raise InputError(f"{path}: {' '.join(error.problems)}.") from None
-
-    values = np.array([numbers(column.index) for column in picked])
+    values = np.array([channels.column(column.index, driven) for column in picked])
     known = np.isfinite(values).all(axis=0)
     rows, missing = ((np.flatnonzero(which) + 1).tolist() for which in (known, ~known))
-    notes = [
-        f"{are(len(missing), 'row', ' without a value')} left out: "
-        f"{lines_in_words(missing).replace('line', 'row')}"
-    ][: len(missing)]
-    beside = {name: size * numbers(index)[known] for name, (index, size) in channels.table.beside.items()}
+    notes = []
+    if missing:
+        where = lines_in_words(missing).replace("line", "row")
+        notes.append(f"{are(len(missing), 'row', ' without a value')} left out: {where}")
+    beside = {
+        name: size * channels.column(index, driven)[known]
+        for name, (index, size) in channels.table.beside.items()
+    }
     clock = channels.channels[driven].clock
     if clock is not None:
         beside.setdefault("clock", clock[known])
@@ -299,9 +278,9 @@ def _format(
     path: str | Path, table: Table, columns: list[MeasuredColumn], cells: Sequence[Sequence[str]]
 ) -> Format:
     units = {"", *(column.unit for column in columns)}
-    own = [digits for column in cells for digits, _, tail in parsed(column) if digits and tail in units]
+    numbers = [digits for column in cells for digits, _, tail in parsed(column) if digits and tail in units]
     try:
-        return format_of(own)
+        return format_of(numbers)
     except AmbiguousNumbersError as either:
         with suppress(AmbiguousNumbersError):  # numbers beside the curve may show it; dates and times do not
             beside = [cell for _, row in table.rows for cell in row if cell.count(".") < 2]

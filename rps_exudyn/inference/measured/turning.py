@@ -2,10 +2,13 @@
 whose angle does not show the direction."""
 
 import re
+from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 
 from rps_exudyn.analysis.passes import passes
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.inference.measured.columns import Table
 from rps_exudyn.inference.measured.numbers import is_missing
 
@@ -120,30 +123,43 @@ def directions(table: Table) -> list[str]:
 
 # --- Times and speeds instead of an angle
 
+NO_ANGLE = "and no pinion angle: give the gear whose travel per turn is known."
 TO_REST = 0.05  # of the usual speed, between two parts of a motion
 OTHER_SIGN = 0.1  # of the rows, whose torque has the other sign
 
 
-def angle_by_speed(clock: np.ndarray, speed: np.ndarray, torque: np.ndarray) -> np.ndarray:
-    """Return angles [rad] from times [s], speeds [rad/s] and torques, all of shape (n,), from 0 on.
+def angle_by_speed(path: str | Path, beside: Mapping[str, np.ndarray], torque: np.ndarray) -> np.ndarray:
+    """Return angles [rad] from `clock` [s], `speed` [rad/s] and torques, all of shape (n,), from 0 on.
 
     Raises:
-        ValueError: the times do not rise, or the speed has no sign although the motion turns back; its text
-            is the cause.
+        InputError: the times do not rise, or the speed has no sign although the motion turns back.
     """
-    steps = np.diff(clock)
-    if not (np.isfinite(clock).all() and np.isfinite(speed).all() and (steps >= 0).all() and steps.any()):
-        raise ValueError("its times do not rise, or a speed is missing")
-    if not speed.any():
-        raise ValueError("its speed is 0")
-    moving = np.flatnonzero(np.abs(speed) >= 0.5 * np.median(np.abs(speed[speed != 0])))
-    inner = speed[moving[0] : moving[-1] + 1]
-    if (inner >= 0).all() or (inner <= 0).all():
+    if "clock" not in beside:
+        raise InputError(
+            f"{path} has a speed and neither a pinion angle nor times; name a column time [s] or "
+            "pinion_angle [deg]."
+        )
+    if "speed" not in beside:
+        raise InputError(f"{path} holds the rack's speed {NO_ANGLE}")
+    speed, steps, why = beside["speed"], np.diff(beside["clock"]), ""
+    if not (np.isfinite(beside["clock"]).all() and np.isfinite(speed).all()) or not (
+        (steps >= 0).all() and steps.any()
+    ):
+        why = "its times do not rise, or a speed is missing"
+    elif not speed.any():
+        why = "its speed is 0"
+    else:
+        moving = np.flatnonzero(np.abs(speed) >= 0.5 * np.median(np.abs(speed[speed != 0])))
+        inner, signs = speed[moving[0] : moving[-1] + 1], np.sign(torque[moving])
         stops = np.abs(inner).min() < TO_REST * np.median(np.abs(inner))
-        signs = np.sign(torque[moving])
         other = min((signs > 0).mean(), (signs < 0).mean())
-        if stops or other > OTHER_SIGN:
-            raise ValueError("its speed has one sign although the motion turns back")
+        if ((inner >= 0).all() or (inner <= 0).all()) and (stops or other > OTHER_SIGN):
+            why = "its speed has one sign although the motion turns back"
+    if why:
+        raise InputError(
+            f"{path} has times and speeds instead of a pinion angle, but {why}; write a pinion_angle [deg], "
+            "or speeds that are negative where the pinion turns back."
+        )
     return np.concatenate([[0.0], np.cumsum((speed[1:] + speed[:-1]) / 2 * steps)])
 
 

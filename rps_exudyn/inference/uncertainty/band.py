@@ -140,8 +140,8 @@ class Band:
     def _numerical(self, name: str) -> dict[str, Any]:
         if (found := self.drawn.numerical.get(name)) is None:
             return {}
-        own, *of_quantiles = _plain([found.of_sample, *found.of_quantiles])
-        return {"numerical_error": own, "numerical_errors_of_quantiles": of_quantiles}
+        of_sample, *of_quantiles = _plain([found.of_sample, *found.of_quantiles])
+        return {"numerical_error": of_sample, "numerical_errors_of_quantiles": of_quantiles}
 
 
 def band_of_runs(

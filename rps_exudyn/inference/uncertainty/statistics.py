@@ -169,10 +169,10 @@ class Polynomials:
 
     def _together(self, group: Sequence[int], coefficients: np.ndarray, noise: float) -> float:
         """Variance of the sum of a group's polynomials, without what chance adds."""
-        own = [1 + i * self.degree + d for i in group for d in range(self.degree)]
-        terms, inverse = self.terms[:, own], self.inverse[own]
+        columns = [1 + i * self.degree + d for i in group for d in range(self.degree)]
+        terms, inverse = self.terms[:, columns], self.inverse[columns]
         chance = noise * float(np.sum((terms.T @ terms) * (inverse @ inverse.T))) / len(terms)
-        return float(np.var(terms @ coefficients[own])) - chance
+        return float(np.var(terms @ coefficients[columns])) - chance
 
 
 def contributions(
