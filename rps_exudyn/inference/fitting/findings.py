@@ -12,8 +12,9 @@ from rps_exudyn.inference.fitting.bench_tests import BenchTest
 from rps_exudyn.inference.fitting.fitted import Fit
 from rps_exudyn.inference.fitting.identifiability import MOST_RUNS, NARROWED, SEPARATING, WANTED
 from rps_exudyn.inference.fitting.level import LevelEstimate
-from rps_exudyn.inference.fitting.unknowns import LEVEL, declared
+from rps_exudyn.inference.fitting.unknowns import LEVEL
 from rps_exudyn.inference.uncertainty.joint import posterior_table
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.judged_row import Verdict
 from rps_exudyn.scenes.rack_on_rollers import SCENE as RACK_ON_ROLLERS
 from rps_exudyn.solvers.closed_form import mesh_torque_per_force, torque_per_preload
@@ -27,7 +28,7 @@ TESTS = {
 
 def shown(path: str, value: float) -> str:
     """A value of a parameter with four digits, in its unit."""
-    unit = declared(path.partition(" ")[0]).unit
+    unit = SteeringGear.declared_at(path.partition(" ")[0])[0].unit
     if unit is None or not unit.display:
         return f"{value:.4g}"
     return f"{units.displayed(value, unit.si, unit.display):.4g} {units.pretty(unit.display)}"

@@ -33,7 +33,6 @@ from rps_exudyn.inference.fitting.prediction import (
     NoPredictionError,
     Prediction,
     formula_means,
-    within_the_teeth,
 )
 from rps_exudyn.inference.fitting.problem import FitState, Problem, found_offset, level_rows, white_noise
 from rps_exudyn.inference.fitting.series import Series
@@ -47,6 +46,7 @@ from rps_exudyn.inference.fitting.unknowns import (
     settings_of,
     unknowns_of,
 )
+from rps_exudyn.parameters.fidelity import MEAN_STEP
 from rps_exudyn.parameters.gear import SteeringGear, check_gear
 from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.scenes.checks.before_run import largest_angle
@@ -187,7 +187,8 @@ def _problem(
     if gear.rack.bow or "rack.bow" in free:
         angles = np.concatenate([each.angle for each in turning]) if turning else np.array([-np.pi, np.pi])
         half = TURN / gear.pinion.teeth / 2  # by which an offset may shift them
-        whole = within_the_teeth(gear, float(angles.min()) - half, float(angles.max()) + half)
+        farthest = largest_angle(gear) * (1 - 1e-6) - 2 * MEAN_STEP  # where the rack has teeth
+        whole = max(float(angles.min()) - half, -farthest), min(float(angles.max()) + half, farthest)
     unknowns = unknowns_of(gear, free, priors)
     if not unknowns:
         raise InputError("a fit needs at least one free parameter that its curves depend on.")

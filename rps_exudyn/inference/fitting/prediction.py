@@ -20,7 +20,6 @@ from rps_exudyn.inference.fitting.bench_tests import BenchTest
 from rps_exudyn.inference.fitting.unknowns import BY_LOAD, LARGEST, LOAD_OF_NUISANCE, WITHOUT_YOKE
 from rps_exudyn.parameters.fidelity import FOR_MEANS, MEAN_STEP, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.checks.before_run import largest_angle
 from rps_exudyn.scenes.ladder import gear_at, model_at
 from rps_exudyn.scenes.maneuver import steady_maneuver
 from rps_exudyn.scenes.rack_on_rollers import SCENE as RACK_ON_ROLLERS
@@ -196,9 +195,3 @@ def formula_means(gear: SteeringGear, test: BenchTest) -> tuple[float, float]:
     if test.pushed:
         return pushing_force(gear, +1), pushing_force(gear, -1)
     return mean_state(gear, +1, test.load).torque, mean_state(gear, -1, test.load).torque
-
-
-def within_the_teeth(gear: SteeringGear, low: float, high: float) -> tuple[float, float]:
-    """Return a range of pinion angles [rad] as far as the rack has teeth."""
-    farthest = largest_angle(gear) * (1 - 1e-6) - 2 * MEAN_STEP
-    return max(low, -farthest), min(high, farthest)

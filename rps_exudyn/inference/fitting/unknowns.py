@@ -13,7 +13,6 @@ from typing import NamedTuple
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.parameters.declaration import Declared
 from rps_exudyn.parameters.gear import SteeringGear
 
 SMALLEST = 1e-9  # of a length, so that a vector of none has a period of a turn as well [m]
@@ -148,7 +147,3 @@ def settings_of(unknowns: list[Unknown], u: np.ndarray) -> dict[str, float]:
         else:
             settings[unknown.path] = value
     return settings
-
-
-def declared(path: str) -> Declared:
-    return SteeringGear.declared_at(path)[0]

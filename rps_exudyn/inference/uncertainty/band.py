@@ -10,7 +10,7 @@ the error bars of its runs, and the error of the contact law.
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -247,7 +247,7 @@ def runs_of(
     numbers = dict(zip(names, np.array([seen.rows[row] for row in done]).T, strict=True))
     bars = {name: np.array([seen.bars[row].get(name, np.nan) for row in done]) for name in nominal.errors}
     bars = {name: each for name, each in bars.items() if name in numbers}
-    drawn = Drawn(points.some(np.array(done)), numbers, bars, dict(causes.most_common()))
+    drawn = Drawn(replace(points, quantile=points.quantile[done]), numbers, bars, dict(causes.most_common()))
     curves = [seen.curves[row] for row in done if row in seen.curves] if seen.curves else []
     return Runs(drawn, np.array(curves) if curves else None, interrupted)
 

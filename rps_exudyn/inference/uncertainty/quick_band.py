@@ -16,8 +16,8 @@ from rps_exudyn.inference.uncertainty.statistics import (
     LEVELS,
     RESAMPLES,
     SEED,
+    Polynomials,
     Quantiles,
-    contributions,
     quantiles,
 )
 from rps_exudyn.parameters.distribution import Distribution
@@ -84,7 +84,7 @@ def quick_band(
     at_runs = done.drawn.numbers[FIGURE] / formula_torques(gear, done.drawn.samples)
     means, resampled = _corrected(done.drawn.samples.quantile, at_runs, points.quantile, formula)
     band, of_mean = done.band(nominal, inputs), quantiles(means, resampled=resampled)
-    mean = contributions(points.quantile, means, points.inputs.groups)
+    mean = Polynomials.at(points.quantile, points.inputs.groups).contributions(means)
     return replace(
         band,
         method=f"closed form at {POINTS} points, corrected by {len(done.drawn.samples)} runs",

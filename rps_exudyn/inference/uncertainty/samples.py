@@ -1,7 +1,7 @@
 """Draws of the uncertain inputs, and the runs of a scene at them."""
 
 from collections.abc import Generator, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Literal
 
@@ -38,9 +38,6 @@ class Samples:
 
     def __len__(self) -> int:
         return len(self.quantile)
-
-    def some(self, chosen: np.ndarray) -> "Samples":
-        return replace(self, quantile=self.quantile[chosen])
 
     @property
     def values(self) -> dict[str, np.ndarray]:

@@ -173,10 +173,3 @@ class Polynomials:
         terms, inverse = self.terms[:, columns], self.inverse[columns]
         chance = noise * float(np.sum((terms.T @ terms) * (inverse @ inverse.T))) / len(terms)
         return float(np.var(terms @ coefficients[columns])) - chance
-
-
-def contributions(
-    u: np.ndarray, numbers: np.ndarray, groups: Mapping[str, Sequence[int]]
-) -> Contributions | None:
-    """Return what each group of inputs contributes to the variance of one figure, see `Polynomials`."""
-    return Polynomials.at(u, groups).contributions(numbers)
