@@ -43,21 +43,13 @@ class Minutes:
 
 @dataclass(frozen=True)
 class BenchKind:
-    """What distinguishes one kind of test.
+    """What distinguishes one kind of test."""
 
-    Attributes:
-        by_angle: whether its curves are compared angle by angle; others are by their means.
-        turns_about: whether the motion turns back, so that friction turns about.
-        weighted: whether a weight at the rack's end belongs to it.
-        minutes: estimated time of the test.
-        quantities: driven coordinate and measured torque or force, by `results.quantities`.
-    """
-
-    by_angle: bool = False
-    turns_about: bool = False
-    weighted: bool = False
-    minutes: Minutes = Minutes(5, 5)
-    quantities: tuple[str, str] = TORQUE
+    by_angle: bool = False  # its curves are compared angle by angle; others by their means
+    turns_about: bool = False  # the motion turns back, so that friction turns about
+    weighted: bool = False  # a weight at the rack's end belongs to it
+    minutes: Minutes = Minutes(5, 5)  # estimated time of the test
+    quantities: tuple[str, str] = TORQUE  # driven coordinate and measured torque or force
 
 
 KINDS = {

@@ -53,19 +53,12 @@ def undetermined(sd: float, before: float) -> Verdict:
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate(JudgedRow):
-    """One parameter, by the name of its path, with its 95 % interval.
+    """One parameter, by the name of its path, with its 95 % interval."""
 
-    Attributes:
-        prior: its value before the fit, SI.
-        prior_sd: relative where the parameter is positive, else SI.
-        sd: the same, after the fit.
-        by_law: difference by the other contact law, likewise.
-    """
-
-    prior: float
-    prior_sd: float
-    sd: float
-    by_law: float
+    prior: float  # its value before the fit, SI
+    prior_sd: float  # relative where the parameter is positive, else SI
+    sd: float  # the same, after the fit
+    by_law: float  # difference by the other contact law, likewise
 
     @classmethod
     def of(

@@ -44,19 +44,12 @@ OVERLAP = 0.5  # least part of the shorter pass that both directions cover
 
 @dataclass(frozen=True)
 class BudgetRow:
-    """One contribution to the interval of a level.
+    """One contribution to the interval of a level."""
 
-    Attributes:
-        name: what contributes.
-        half: half of its 95 % interval, in the unit of the level.
-        of_run: whether it belongs to the level of this run; others are of the gear's alone.
-        basis: where it is from.
-    """
-
-    name: str
-    half: float
-    of_run: bool
-    basis: str
+    name: str  # what contributes
+    half: float  # half of its 95 % interval, in the unit of the level
+    of_run: bool  # whether it belongs to the level of this run; others are of the gear's alone
+    basis: str  # where it is from
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,42 +73,25 @@ class Wave:
 
 @dataclass(frozen=True, eq=False)
 class LevelEstimate:
-    """The level of one test: half the difference of both directions, or the only direction's mean.
+    """The level of one test: half the difference of both directions, or the only direction's mean."""
 
-    Attributes:
-        test: what was measured.
-        value: level, in the test's unit.
-        half_sum: half the sum of both directions; None of one direction.
-        directions: +1, -1, or both.
-        runs: how many.
-        budget: contributions to the interval.
-        noise_sd, drift_sd: standard deviations of the level.
-        repeat_sd: standard deviation of the mean of the runs from their scatter, declared or found.
-        run_levels: of the runs, (runs,).
-        first: the once-per-turn wave of the half sum, where a turn is covered.
-        friction_waves: of friction itself: the half difference's first and second order.
-        bend: quadratic part of the half difference along the travel, and its standard deviation.
-        spikes: points that were left out.
-        asks: what is to be asked of the user.
-    """
-
-    test: BenchTest
-    value: float
-    half_sum: float | None
-    directions: tuple[int, ...]
-    runs: int
-    budget: tuple[BudgetRow, ...]
-    noise_sd: float
-    drift_sd: float
-    repeat_sd: float
-    run_levels: np.ndarray
-    first: Wave | None
-    friction_waves: Mapping[int, Wave]
-    bend: tuple[float, float]
-    tooth_waves: Mapping[float, Wave]
-    correlated: float
-    spikes: int
-    asks: tuple[str, ...] = ()
+    test: BenchTest  # what was measured
+    value: float  # level, in the test's unit
+    half_sum: float | None  # half the sum of both directions; None of one direction
+    directions: tuple[int, ...]  # +1, -1, or both
+    runs: int  # how many
+    budget: tuple[BudgetRow, ...]  # contributions to the interval
+    noise_sd: float  # standard deviation of the level
+    drift_sd: float  # likewise
+    repeat_sd: float  # of the mean of the runs from their scatter, declared or found
+    run_levels: np.ndarray  # of the runs, (runs,)
+    first: Wave | None  # the once-per-turn wave of the half sum, where a turn is covered
+    friction_waves: Mapping[int, Wave]  # of friction itself: the half difference's first and second order
+    bend: tuple[float, float]  # quadratic part of the half difference along the travel, and its deviation
+    tooth_waves: Mapping[float, Wave]  # by their order over the number of teeth
+    correlated: float  # probability that noise keeps its sign over some degrees
+    spikes: int  # points that were left out
+    asks: tuple[str, ...] = ()  # what is to be asked of the user
 
     @property
     def both_ways(self) -> bool:

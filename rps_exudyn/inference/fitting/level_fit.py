@@ -164,12 +164,9 @@ def fitted_levels(
     Return the corrected model, and the state with the values that were simulated last.
 
     Args:
-        model: rows and priors; `corrected` if it has a correction from another gear or fit.
-        prediction: simulates the tests.
+        model: `corrected` if it has a correction from another gear or fit.
         rows_of: simulated values (m,) -> rows (rows,).
-        with_runout: gear and simulated values -> the gear with the runout that the half sum shows with its
-            preload.
-        begin: unknowns to begin at.
+        with_runout: gear and simulated values -> the gear with the runout that the half sum shows.
         agreed: standard errors between two simulations that end the fit.
 
     Raises:

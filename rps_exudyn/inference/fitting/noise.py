@@ -94,19 +94,12 @@ def is_regular(values: np.ndarray, resolution: float) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """Values of a run in parts of its travel; rows of `values` are compared, for instance both halves.
+    """Values of a run in parts of its travel; rows of `values` are compared, for instance both halves."""
 
-    Attributes:
-        angle: mean angle of the points in each part [rad], shape (k,).
-        place: the same along the travel, from -1/2 to 1/2.
-        points: values of a pass in each part.
-        values: shape (rows, k).
-    """
-
-    angle: np.ndarray
-    place: np.ndarray
-    points: np.ndarray
-    values: np.ndarray
+    angle: np.ndarray  # mean angle of the points in each part [rad], shape (k,)
+    place: np.ndarray  # the same along the travel, from -1/2 to 1/2
+    points: np.ndarray  # values of a pass in each part
+    values: np.ndarray  # shape (rows, k)
 
     @property
     def span(self) -> float:
@@ -176,17 +169,11 @@ def covers(span: float, order: float) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Regression:
-    """Columns of values on fixed effects, over the parts of one or several runs alike.
+    """Columns of values on fixed effects, over the parts of one or several runs alike."""
 
-    Attributes:
-        parts: of the runs.
-        effects: shape (k, p).
-        values: shape (k, runs).
-    """
-
-    parts: Parts
-    effects: np.ndarray
-    values: np.ndarray
+    parts: Parts  # of the runs
+    effects: np.ndarray  # shape (k, p)
+    values: np.ndarray  # shape (k, runs)
 
     @property
     def freedom(self) -> int:

@@ -57,14 +57,8 @@ def _signs(seed: int) -> np.ndarray:
 def runout_samples(
     runout: Runout, angle: float, offset_sd: float, preload: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """Return path -> values of runout and direction, by P e over the preload of each sample (SAMPLES,) [N].
-
-    Args:
-        runout: as it was measured.
-        angle: its direction in the fitted gear [rad].
-        offset_sd: deviation of the measured angle's offset [rad].
-        preload: of the samples.
-    """
+    """Return path -> values of runout and direction, by P e over the preload of each sample (SAMPLES,) [N];
+    `angle` is the direction in the fitted gear, `offset_sd` the deviation of the measured angle's offset."""
     seen = float(np.hypot(*runout.vector))
     across = runout.angle_sd * seen
     along = (runout.stored_interval[1] - (runout.stored if runout.is_found else seen)) / NORMAL

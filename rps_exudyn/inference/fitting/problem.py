@@ -25,19 +25,12 @@ LINEAR_TO = 1.345  # in standard deviations: residuals up to here count fully
 
 @dataclass(frozen=True, eq=False)
 class LevelRows:
-    """Measured levels as rows of least squares.
+    """Measured levels as rows of least squares."""
 
-    Attributes:
-        tests: of the rows.
-        directions: weights of the mean values towards +X and -X that make each row, shape (rows, 2).
-        values: shape (rows,).
-        covariance: with calibration and what the model may be wrong by, shape (rows, rows).
-    """
-
-    tests: tuple[BenchTest, ...]
-    directions: np.ndarray
-    values: np.ndarray
-    covariance: np.ndarray
+    tests: tuple[BenchTest, ...]  # of the rows
+    directions: np.ndarray  # weights of the means towards +X and -X that make each row, shape (rows, 2)
+    values: np.ndarray  # shape (rows,)
+    covariance: np.ndarray  # with calibration and what the model may be wrong by, shape (rows, rows)
 
     @property
     def scaled(self) -> np.ndarray:
@@ -105,33 +98,22 @@ def _nothing() -> np.ndarray:
 class FitState:
     """What a search holds on its way, of the level or of the shape, and where it ended.
 
-    Attributes:
-        u: unknowns, shape (unknowns,).
-        values: of the model, all blocks, shape (m,).
-        offset: of the measured angle [rad].
-        slopes: of the values by the unknowns, shape (m, unknowns).
-        information: inverse covariance of the unknowns; of a shape's search, of the offset as well.
-        gradient: in the normal equations of the next step, shape (size,).
-        chi_squared: the loss of means, shapes and priors, in squares of standard deviations.
-        rows: residuals of the shapes, of each pass.
-        converged: whether the search reached its minimum.
-        why: why not; "" where it did.
+    Information and covariance are those of the unknowns, in a search of the shape beside the offset.
     """
 
-    u: np.ndarray
-    values: np.ndarray = field(default_factory=_nothing)
-    offset: float = 0.0
-    slopes: np.ndarray = field(default_factory=_nothing)
-    information: np.ndarray = field(default_factory=_nothing)
-    gradient: np.ndarray = field(default_factory=_nothing)
-    chi_squared: float = np.inf
-    rows: Sequence[PassRows] = ()
-    converged: bool = False
-    why: str = ""
+    u: np.ndarray  # unknowns, shape (unknowns,)
+    values: np.ndarray = field(default_factory=_nothing)  # of the model, all blocks, shape (m,)
+    offset: float = 0.0  # of the measured angle [rad]
+    slopes: np.ndarray = field(default_factory=_nothing)  # of the values by the unknowns, shape (m, unknowns)
+    information: np.ndarray = field(default_factory=_nothing)  # shape (size, size)
+    gradient: np.ndarray = field(default_factory=_nothing)  # of the next step, shape (size,)
+    chi_squared: float = np.inf  # the loss of means, shapes and priors, in squares of standard deviations
+    rows: Sequence[PassRows] = ()  # residuals of the shapes, of each pass
+    converged: bool = False  # whether the search reached its minimum
+    why: str = ""  # why not; "" where it did
 
     @property
     def covariance(self) -> np.ndarray:
-        """Covariance of the unknowns, and of the offset."""
         return np.asarray(np.linalg.inv(self.information))
 
 

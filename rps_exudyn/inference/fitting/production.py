@@ -94,27 +94,16 @@ class Drift:
 
 @dataclass(frozen=True, eq=False)
 class ProductionLot:
-    """What a lot of measured gears shows.
+    """What a lot of measured gears shows."""
 
-    Attributes:
-        gears: in the order of their names.
-        refused: files that were not read, and why.
-        mean, mean_sd: of the levels, with calibration [N m].
-        scatter: of the levels between gears, without measurement: median and 95 % interval, of the mean.
-        expected: levels of the gears, drawn towards the mean as far as they are uncertain [N m], (n,).
-        parameters: path -> mean of the lot and its deviation (of the logarithm), from what is believed
-        before. alone: path -> scatter of the parameter that would make all of the levels' scatter, of its
-        value.
-    """
-
-    gears: tuple[MeasuredGear, ...]
-    refused: tuple[str, ...]
-    mean: float
-    mean_sd: float
-    scatter: tuple[float, float, float]
-    expected: np.ndarray
-    parameters: dict[str, tuple[float, float]]
-    alone: dict[str, float]
+    gears: tuple[MeasuredGear, ...]  # in the order of their names
+    refused: tuple[str, ...]  # files that were not read, and why
+    mean: float  # of the levels, with calibration [N m]
+    mean_sd: float  # its deviation [N m]
+    scatter: tuple[float, float, float]  # between gears: median and 95 % interval, of the mean
+    expected: np.ndarray  # levels drawn towards the mean as far as they are uncertain [N m], (n,)
+    parameters: dict[str, tuple[float, float]]  # path -> mean and deviation (logarithm)
+    alone: dict[str, float]  # path -> its scatter if no other parameter scatters
     drift: Drift
 
     @property
