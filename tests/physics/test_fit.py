@@ -270,7 +270,7 @@ def test_signs_of_a_bench_are_turned_and_said() -> None:
 
 
 def test_a_fit_that_did_not_converge_calls_nothing_known() -> None:
-    lost = replace(free_fit(), level_state=replace(free_fit().level_state, converged=False))
+    lost = replace(free_fit(), ended=replace(free_fit().ended, converged=False))
     names = [row.value for row in fit_head(lost).rows]
     assert "known" in [row.value for row in fit_head(free_fit()).rows]
     assert "no estimate" in names

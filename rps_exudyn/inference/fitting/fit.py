@@ -297,7 +297,7 @@ def _by_other_law(fit: Fit) -> tuple[np.ndarray, list[str]]:
         if shape is not None:
             moved, _ = fit_shape(problem, other, shape.u, search=False)
             by_law, shape = moved.u - shape.u, moved
-        model, begin = replace(fit.model, gear=other), fit.level_state.u
+        model, begin = replace(fit.model, gear=other), fit.ended.u
         _, state, *_ = _fit_levels(
             problem, model, other, begin, shape, fit.use_runout_prior, corrected=True, agreed=np.inf
         )

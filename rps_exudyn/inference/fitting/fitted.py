@@ -103,7 +103,7 @@ class Fit:
         given: the gear before the fit.
         gear: the gear with the estimates in place.
         model: levels and their model, as the last simulation corrects it.
-        level_state: where the search of the levels ended.
+        ended: where the search of the levels ended.
         shape_state: where that of the shape ended; None without a bow or an angle error.
         other_shapes: other gears that explain the curves nearly as well.
         use_runout_prior: whether an own prior of the runout counts.
@@ -125,12 +125,12 @@ class Fit:
         True
     """
 
-    problem: Problem
+    problem: Problem = field(repr=False)
     given: SteeringGear
     gear: SteeringGear
     model: LevelModel = field(repr=False)
-    level_state: FitState = field(repr=False)
-    shape_state: FitState | None
+    ended: FitState = field(repr=False)
+    shape_state: FitState | None = field(repr=False)
     other_shapes: Sequence[OtherShape]
     use_runout_prior: bool
     offset: float
@@ -143,11 +143,11 @@ class Fit:
     @property
     def converged(self) -> bool:
         """Whether the search reached its minimum."""
-        return self.level_state.converged and (self.shape_state is None or self.shape_state.converged)
+        return self.ended.converged and (self.shape_state is None or self.shape_state.converged)
 
     @property
-    def levels(self) -> Sequence[LevelEstimate]:
-        return self.problem.levels
+    def levels(self) -> tuple[LevelEstimate, ...]:
+        return tuple(self.problem.levels)
 
     @property
     def level(self) -> LevelEstimate | None:
@@ -157,15 +157,15 @@ class Fit:
     @cached_property
     def runout(self) -> Runout | None:
         """Size and direction of the pinion's runout; None where no curve shows a turn."""
-        sds = np.sqrt(np.diag(self.level_state.covariance))
+        sds = np.sqrt(np.diag(self.ended.covariance))
         sd = dict(zip([each.path for each in self.model.unknowns], sds.tolist(), strict=True))
         preload, preload_sd = self.gear.yoke.preload, sd.get("yoke.preload", 0.0)
         return runout_in(self.problem, preload, preload_sd, self.use_runout_prior, self.shape_state)
 
     @cached_property
-    def refusals(self) -> list[Refusal]:
+    def refusals(self) -> tuple[Refusal, ...]:
         """Why nothing counts as found although its interval is narrow."""
-        return refusals(self.problem, self.model, self.level_state)
+        return tuple(refusals(self.problem, self.model, self.ended))
 
     @cached_property
     def estimates(self) -> list[Estimate]:
@@ -211,7 +211,7 @@ class Fit:
         unclear = [each.path for each in self.estimates if each.verdict in unsure and each.path in LEVEL]
         where = [paths.index(path) for path in unclear]
         prior = np.array([self.model.unknowns[j].sd for j in where])
-        found = combination_of(unclear, self.level_state.covariance[np.ix_(where, where)], prior)
+        found = combination_of(unclear, self.ended.covariance[np.ix_(where, where)], prior)
         return [found] if found else []
 
     @cached_property
@@ -226,7 +226,7 @@ class Fit:
     @cached_property
     def correlations(self) -> np.ndarray:
         """Of the unknowns in `correlated`, shape (n, n); those of level and shape are none."""
-        covariance = self.level_state.covariance
+        covariance = self.ended.covariance
         if self.shape_state is not None:
             where = [j for j, each in enumerate(self.problem.unknowns) if not each.is_level]
             shapes = self.shape_state.covariance[np.ix_(where, where)]
@@ -259,7 +259,7 @@ class Fit:
         if len(self.levels) < 2 or not half_intervals:
             return None
         runs = min(each.runs for each in self.levels)
-        slopes, (_, sd) = self.model.slopes(self.level_state.u), self.model.priors()
+        slopes, (_, sd) = self.model.slopes(self.ended.u), self.model.priors()
 
         def repeated(count: int) -> dict[str, float]:
             covariance = level_rows(self.levels, count / runs).covariance
@@ -272,7 +272,7 @@ class Fit:
     @cached_property
     def passes(self) -> list[FittedPass]:
         """Measured and fitted curves of each pass."""
-        problem, state, drawn = self.problem, self.level_state, []
+        problem, state, drawn = self.problem, self.ended, []
         slopes, rows = self.model.slopes(state.u), problem.rows
         variances = np.einsum("ij,jk,ik->i", slopes, state.covariance, slopes)
         of_rows = problem.rows_of(state.values)
@@ -312,13 +312,13 @@ class Fit:
     @cached_property
     def series(self) -> Series:
         """What the fit of the next gear may begin with."""
-        fitted = dict(zip([each.path for each in self.model.unknowns], self.level_state.u, strict=True))
+        fitted = dict(zip([each.path for each in self.model.unknowns], self.ended.u, strict=True))
         unknowns = self.problem.unknowns
         u = np.zeros(len(unknowns)) if self.shape_state is None else self.shape_state.u
         u = with_runout_of(self.gear, self.problem, u)
         u = np.array([fitted.get(each.path, value) for each, value in zip(unknowns, u, strict=True)])
         paths, law = tuple(each.path for each in unknowns), self.given.mesh.contact_law
-        return Series(law, paths, titles(self.problem), u, self.level_state.values, self.by_law)
+        return Series(law, paths, titles(self.problem), u, self.ended.values, self.by_law)
 
     @cached_property
     def posterior(self) -> dict[str, np.ndarray]:
@@ -327,7 +327,7 @@ class Fit:
             return {}
         problem, state = self.problem, self.shape_state
         moved = np.array([self.laws.get(each.path, 0.0) for each in self.model.unknowns])
-        found = level_samples(self.model, self.level_state, moved)
+        found = level_samples(self.model, self.ended, moved)
         if self.runout is not None:
             preload = found.get("yoke.preload", np.full(SAMPLES, self.gear.yoke.preload))
             found |= runout_samples(self.runout, self.gear.pinion.runout_angle, self.offset_sd, preload)
@@ -539,24 +539,24 @@ def _levels(fit: Fit) -> list[Estimate]:
         if unknown.is_nuisance:
             continue
         law = fit.laws[unknown.path]
-        verdict = _verdict(unknown, direction, fit.level_state, wide, law)
+        verdict = _verdict(unknown, direction, fit.ended, wide, law)
         if verdict is Verdict.FOUND and fit.refusals and unknown.path != "bearing.friction_torque":
             verdict = Verdict.BY_PRIOR
         if unknown.path == "bush.drag" and has_yoke_out and verdict is not Verdict.FOUND:
             verdict = Verdict.BY_RATIO
-        found.append(_estimate(unknown, unknown.path, direction, fit.level_state, law, verdict))
+        found.append(_estimate(unknown, unknown.path, direction, fit.ended, law, verdict))
         if verdict is Verdict.BY_RATIO:
             direction = direction + np.eye(len(paths))[paths.index(WITHOUT_YOKE)]
-            verdict = _verdict(unknown, direction, fit.level_state, wide, law)
+            verdict = _verdict(unknown, direction, fit.ended, wide, law)
             if verdict is Verdict.FOUND:
-                found.append(_estimate(unknown, DRAG_WITHOUT_YOKE, direction, fit.level_state, law, verdict))
+                found.append(_estimate(unknown, DRAG_WITHOUT_YOKE, direction, fit.ended, law, verdict))
     return found
 
 
 def _with_wide_priors(fit: Fit) -> FitState:
     """The end with priors three times as wide, parameters that were not freed doubted as well; of the fit's
     unknowns."""
-    u, paths = fit.level_state.u, [each.path for each in fit.model.unknowns]
+    u, paths = fit.ended.u, [each.path for each in fit.model.unknowns]
     held = [path for path in LEVEL if path not in paths and fit.gear.value_at(path) > 0]
     doubted = unknowns_of(fit.gear, held, {})
     model = replace(fit.model, unknowns=[*fit.model.unknowns, *doubted]).with_priors(WIDER)
@@ -603,7 +603,7 @@ def _runouts(fit: Fit, runout: Runout) -> list[Estimate]:
 
 def _warnings(fit: Fit) -> Iterator[str]:
     if not fit.converged:
-        why = fit.level_state.why or (fit.shape_state.why if fit.shape_state else "")
+        why = fit.ended.why or (fit.shape_state.why if fit.shape_state else "")
         yield f"the fit did not converge ({why}); its last iteration is written, not an estimate"
     for each in fit.estimates:
         if each.path in LEVEL and abs(np.log(each.value / each.prior)) > FAR_FROM_PRIOR * each.prior_sd:
