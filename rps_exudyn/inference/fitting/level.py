@@ -248,7 +248,7 @@ def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: fl
         repeat_sd=0.0,
         run_levels=levels,
         first=_first(law, both, count, step * dithered, value) if covers(span, 1) else None,
-        friction_waves=_friction_waves(law, span, count),
+        friction_waves=_friction_waves(law, span),
         bend=_bend(law, count),
         tooth_waves=_tooth_waves(groups, law, both, teeth),
         correlated=law.correlated,
@@ -353,7 +353,7 @@ def _first(law: AveragedLaw, both: bool, runs: int, step: float, level: float) -
     return Wave(vectors.mean(axis=0), sd if both else float(np.hypot(sd, ZERO * abs(level))), quantile)
 
 
-def _friction_waves(law: AveragedLaw, span: float, runs: int) -> dict[int, Wave]:
+def _friction_waves(law: AveragedLaw, span: float) -> dict[int, Wave]:
     """First and second order of the half difference, as far as the travel shows them."""
     found = {}
     effects = law.differences[0].regression.effects.shape[1]
@@ -438,13 +438,10 @@ def _with_repeatability(found: list[LevelEstimate]) -> list[LevelEstimate]:
         basis = f"{100 * REPEATABILITY:.2g} % declared"
         if known:
             basis += f", and {100 * np.sqrt(scatter):.2g} % found with {known} degrees of freedom"
-        calibration, declared_as = (
-            NORMAL * CALIBRATION * abs(each.value),
-            f"{100 * CALIBRATION:.2g} % declared",
-        )
+        calibration = NORMAL * CALIBRATION * abs(each.value)
         rows = (
             BudgetRow("repeatability", _students(DECLARED + known) * sd, False, basis),
-            BudgetRow("calibration", calibration, False, declared_as),
+            BudgetRow("calibration", calibration, False, f"{100 * CALIBRATION:.2g} % declared"),
         )
         done.append(replace(each, budget=(*each.budget, *rows), repeat_sd=sd))
     return done

@@ -48,7 +48,12 @@ def table_in(text: str) -> Table | None:
     )
     if best is None:
         return None
-    rows = [(number, _cells(line, best.separator)) for number, line in lines[best.begin :]]
+    numbers, texts = zip(*lines[best.begin :], strict=True)
+    if best.separator in ("  ", " ") or '"' in text:
+        cells = [_cells(line, best.separator) for line in texts]
+    else:
+        cells = _plain_cells("\n".join(texts), best.separator)
+    rows = list(zip(numbers, cells, strict=True))
     return Table(best.separator, best.header, best.units, rows)
 
 
@@ -158,14 +163,23 @@ def _cells(line: str, separator: str) -> list[str]:
         held = re.sub(r"(?<=\S) (?=[\[(])", "\0", held)
         between = r"\s{2,}|\t" if separator == "  " else r"\s+"
         return [cell.replace("\0", " ") for cell in re.split(between, held)]
+    if '"' not in line:
+        return _plain_cells(line, separator)[0]
     cells = line.split(separator)
-    if '"' in line:
-        with suppress(csv.Error, StopIteration):
-            cells = next(csv.reader([line], delimiter=separator, skipinitialspace=True))
+    with suppress(csv.Error, StopIteration):
+        cells = next(csv.reader([line], delimiter=separator, skipinitialspace=True))
     cells = [cell.strip() for cell in cells]
     while len(cells) > 1 and not cells[-1]:  # a separator at the end of a line
         cells.pop()
     return cells
+
+
+def _plain_cells(text: str, separator: str) -> list[list[str]]:
+    """The cells of each line of a text without quotes, all at once."""
+    sign, blank = re.escape(separator), r"[^\S\n\t]" if separator == "\t" else r"[^\S\n]"
+    text = re.sub(rf"^{blank}+|{blank}+$|{blank}*(?={sign})|(?<={sign}){blank}+", "", text, flags=re.M)
+    text = re.sub(rf"(?:{sign})+$", "", text, flags=re.M)  # a separator at the end of a line
+    return [line.split(separator) for line in text.split("\n")]
 
 
 # --- The text of a file whose encoding nobody states
