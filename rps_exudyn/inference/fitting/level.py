@@ -151,9 +151,9 @@ class _Run:
 
 
 def _runs(test: BenchTest, passes: Sequence[MeasuredPass], gain: float) -> tuple[list[_Run], tuple[int, ...]]:
-    ways = {sense: [each for each in passes if each.direction == sense] for sense in (1, -1)}
-    directions = tuple(sense for sense in (1, -1) if ways[sense])
-    paired = zip(*(ways[sense] for sense in directions), strict=False)
+    by_direction = {sense: [each for each in passes if each.direction == sense] for sense in (1, -1)}
+    directions = tuple(sense for sense in (1, -1) if by_direction[sense])
+    paired = zip(*(by_direction[sense] for sense in directions), strict=False)
     runs = []
     for passes_of_run in paired:
         cleaned, spikes, steps, shown, white = [], 0, [], [], []
@@ -477,7 +477,7 @@ def runout_of(
     level: LevelEstimate, preload: float, preload_sd: float, prior: Wave | None = None
 ) -> Runout | None:
     """Return the runout from a free turning and the preload [N] with the deviation of its logarithm; None
-    where no turn was covered. `prior` is what is believed of the half sum's wave before."""
+    where no turn was covered. `prior` is the half sum's wave expected before."""
     wave = level.first
     if wave is None:
         return None

@@ -217,7 +217,9 @@ class _Design:
                 on_progress(number + 1, len(tests))
         rows = expected_rows(means, dict.fromkeys(tests, 1))
         model = LevelModel.of(rows, unknowns, gear).corrected(u, rows.values)
-        changes = [way @ by_law[test] for test, way in zip(rows.tests, rows.directions, strict=True)]
+        changes = [
+            direction @ by_law[test] for test, direction in zip(rows.tests, rows.directions, strict=True)
+        ]
         return cls(model, means, model.slopes(u), np.array(changes), minutes)
 
     def cost(self, runs: Runs) -> float:
