@@ -22,6 +22,7 @@ from rps_exudyn.analysis.passes import Pass, passes
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError, are, lines_in_words
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.inference.fitting.noise import robust_deviation
 from rps_exudyn.inference.measured.reading import PUSH, TORQUE, read_curve
 from rps_exudyn.inference.measured.turning import speeds
 from rps_exudyn.parameters.gear import SteeringGear
@@ -226,7 +227,7 @@ def _lateness(turned: Sequence[Pass], name: str) -> tuple[float, str]:
             continue
         ends = [each.signals["value"][-max(3, int(SETTLED * each.angle.size)) :] for each in (before, after)]
         first, last = (float(np.median(end)) for end in ends)
-        if abs(last - first) < 4 * max(1.4826 * float(np.median(np.abs(np.diff(end)))) for end in ends):
+        if abs(last - first) < 4 * max(robust_deviation(np.diff(end)) for end in ends):
             continue  # noise hides when it changes
         middle = (first + last) / 2
         has_changed = [(each.signals["value"] - middle) * (last - first) > 0 for each in (before, after)]

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from rps_exudyn.analysis.measured import TURN
 from rps_exudyn.base.errors import InputError, check_kind
 from rps_exudyn.base.units import shown
 from rps_exudyn.gears.gear_pair import GearPair
@@ -28,12 +29,7 @@ from rps_exudyn.inference.fitting.fitted import Fit, runout_in, with_runout_of
 from rps_exudyn.inference.fitting.level import levels_of
 from rps_exudyn.inference.fitting.level_fit import AGREED, LevelModel, fitted_levels, stepped
 from rps_exudyn.inference.fitting.nonlinear import OtherShape, fit_shape
-from rps_exudyn.inference.fitting.prediction import (
-    TURN,
-    NoPredictionError,
-    Prediction,
-    formula_means,
-)
+from rps_exudyn.inference.fitting.prediction import NoPredictionError, Prediction, formula_means
 from rps_exudyn.inference.fitting.problem import FitState, Problem, found_offset, level_rows, white_noise
 from rps_exudyn.inference.fitting.series import Series
 from rps_exudyn.inference.fitting.unknowns import (

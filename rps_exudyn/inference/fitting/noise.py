@@ -64,10 +64,15 @@ def _round_step(value: float) -> float:
     return max(steps, default=0.0)
 
 
+def robust_deviation(values: np.ndarray) -> float:
+    """Return the standard deviation about zero of normal values (n,), by their median size."""
+    return 1.4826 * float(np.median(np.abs(values)))
+
+
 def white_deviation(values: np.ndarray) -> float:
     """Return the standard deviation of white noise that second differences of values (n,) show, robustly."""
     second = np.diff(values, 2)
-    return float(1.4826 * np.median(np.abs(second)) / np.sqrt(6.0)) if second.size > 4 else 0.0
+    return float(robust_deviation(second) / np.sqrt(6.0)) if second.size > 4 else 0.0
 
 
 def is_regular(values: np.ndarray, resolution: float) -> np.ndarray:
@@ -78,7 +83,7 @@ def is_regular(values: np.ndarray, resolution: float) -> np.ndarray:
     smooth = np.median(np.lib.stride_tricks.sliding_window_view(held, WINDOW), axis=1)
     away = np.abs(values - smooth)
     rough = ROUGH * float(np.abs(values).mean())
-    far = away > SPIKE * max(1.4826 * float(np.median(away)), resolution / np.sqrt(12.0), rough)
+    far = away > SPIKE * max(robust_deviation(away), resolution / np.sqrt(12.0), rough)
     begins = np.flatnonzero(far & ~np.append(False, far[:-1]))
     ends = np.flatnonzero(far & ~np.append(far[1:], False))
     regular = ~far

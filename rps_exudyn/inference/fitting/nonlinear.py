@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rps_exudyn.inference.fitting.noise import robust_deviation
 from rps_exudyn.inference.fitting.prediction import NoPredictionError
 from rps_exudyn.inference.fitting.problem import FitState, Problem, found_offset, linearised
 from rps_exudyn.inference.fitting.unknowns import LEVEL, settings_of
@@ -159,7 +160,7 @@ def _widened(problem: Problem, state: FitState) -> Problem:
     free = [i for i, each in enumerate(problem.measurement.passes) if each.test.of_kind.by_angle]
     whites = list(problem.whites)
     for number, row in zip(free, rows, strict=True):
-        whites[number] = max(whites[number], 1.4826 * float(np.median(np.abs(row.deviation))))
+        whites[number] = max(whites[number], robust_deviation(row.deviation))
     return replace(problem, whites=whites)
 
 

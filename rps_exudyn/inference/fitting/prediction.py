@@ -13,6 +13,7 @@ from functools import partial
 
 import numpy as np
 
+from rps_exudyn.analysis.measured import TURN
 from rps_exudyn.analysis.torque import mean
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
@@ -32,7 +33,6 @@ from rps_exudyn.solvers.closed_form import GRAVITY, mean_state, pushing_force
 from rps_exudyn.solvers.prescribed_motion import DrivenBody
 from rps_exudyn.solvers.temperature_and_wear import tested_gear
 
-TURN = 2 * np.pi
 SEEN = 4e-6  # of a runout, that changes means by a percent of what 20 um do [m]
 
 

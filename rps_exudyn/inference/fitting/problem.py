@@ -13,7 +13,7 @@ import numpy as np
 
 from rps_exudyn.inference.fitting.bench_tests import BenchTest, MeasuredPass, Measurement
 from rps_exudyn.inference.fitting.level import CALIBRATION, REPEATABILITY, ZERO, LevelEstimate
-from rps_exudyn.inference.fitting.noise import white_deviation
+from rps_exudyn.inference.fitting.noise import robust_deviation, white_deviation
 from rps_exudyn.inference.fitting.prediction import CurveBlock, Prediction
 from rps_exudyn.inference.fitting.unknowns import Unknown
 
@@ -259,7 +259,7 @@ def found_offset(problem: Problem, values: np.ndarray) -> tuple[float, float]:
             block_values, angle = problem.prediction.part(at, values), each.angle - offset
             left = each.value - block.at(block_values, each.direction, angle)
             left = left - slow @ (slow.T @ left)
-            white = max(problem.whites[number], 1.4826 * float(np.median(np.abs(left))))
+            white = max(problem.whites[number], robust_deviation(left))
             weights = robust_weights(left, white) / white**2
             turn = -_slope(block, block_values, each.direction, angle)
             turn = turn - slow @ (slow.T @ turn)

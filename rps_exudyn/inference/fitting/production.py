@@ -38,7 +38,6 @@ WEIGHT = 0.2  # of a new gear in the moving average
 FALSE_ALARMS = 0.01  # of lots without drift
 DRAWN = 4000  # lots without drift that show the quantile
 FREE = BenchTest("free")
-OnProgress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +154,7 @@ def judge_lot(
     gear: SteeringGear | None = None,
     *,
     jobs: int = 1,
-    on_progress: OnProgress | None = None,
+    on_progress: Callable[[int, int], None] | None = None,
 ) -> ProductionLot:
     """Return what the free torques of a folder's files show, one gear a file, in the order of their names.
 

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from rps_exudyn.analysis.measured import TURN
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.inference.measured.columns import Table
 from rps_exudyn.inference.measured.numbers import is_missing
 
-TURN = 2 * np.pi
 NEAR_TURN = 0.5  # of a turn: a larger step is no motion but the count beginning anew ...
 FEW_STEPS = 3.0  # ... if what is left of it is at most so many usual steps
 _DIRECTION = re.compile(r"dir|direction|richtung|drehrichtung|laufrichtung|sense|way", re.I)
