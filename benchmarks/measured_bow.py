@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from benchmarks.topic import Topic, begun, load_data, markdown, save_data
 from rps_exudyn.inference.fitting.bench_tests import measurement_of
 from rps_exudyn.inference.fitting.fit import fit
-from rps_exudyn.inference.fitting.unknowns import CURVED, USUAL
+from rps_exudyn.inference.fitting.unknowns import SHAPE_PARAMETERS, USUAL
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.judged_row import Verdict
@@ -25,7 +25,9 @@ ANGLE_ERROR, BOW, RUNOUT, OFFSET = np.radians(0.05), 70e-6, 14e-6, np.radians(2.
 WHOLE = 3.8  # turns
 
 
-def run(folder: Path, seeds: int = 24, turns: float = WHOLE, free: tuple[str, ...] = CURVED) -> None:
+def run(
+    folder: Path, seeds: int = 24, turns: float = WHOLE, free: tuple[str, ...] = SHAPE_PARAMETERS
+) -> None:
     """Fit a gear of each seed; keep and draw the errors. A run that was stopped goes on where it was."""
     cases = kept(folder / DATA, seeds, turns)
     for seed in range(len(cases), seeds):
@@ -73,7 +75,7 @@ def case(seed: int, turns: float, free: tuple[str, ...]) -> dict[str, Any]:
             "verdict": str(each.verdict),
         }
         for each in found.estimates
-        if each.path in CURVED or each.path.startswith(("pinion.runout", "rack.bow"))
+        if each.path in SHAPE_PARAMETERS or each.path.startswith(("pinion.runout", "rack.bow"))
     }
     kept = {name: getattr(found, name) for name in ("converged", "simulations", "cpu_s")}
     return {"estimates": estimates, "seed": seed, **kept}
@@ -125,7 +127,7 @@ def picture(cases: list[dict[str, Any]]) -> Figure:
     """Fitted over true angle error and bow of the fits that converged, with the 95 % intervals that are
     printed; hollow where none is."""
     cases = [each for each in cases if each["converged"]]
-    shown = [path for path in CURVED if path in cases[0]["estimates"]]
+    shown = [path for path in SHAPE_PARAMETERS if path in cases[0]["estimates"]]
     figure, axes = style.panels([3.0] * len(shown), width=6.0, common_abscissa=False)
     for panel, path in zip(axes, shown, strict=True):
         unit, size = SHOWN[path]

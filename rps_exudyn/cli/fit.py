@@ -28,7 +28,7 @@ from rps_exudyn.cli.output import (
 
 if TYPE_CHECKING:
     from rps_exudyn.inference.fitting.fitted import Fit
-    from rps_exudyn.inference.fitting.production import Limits, Production
+    from rps_exudyn.inference.fitting.production import Limits, ProductionLot
 
 PAGES = (".html", ".htm", ".json")
 _PRIOR = re.compile(r"(?P<value>.+?)\s*(?:\+-|\+/-|±)\s*(?P<sd>.+)")
@@ -255,7 +255,12 @@ def print_plan(targets: list[str], gear: GearOptions, minutes: Path | None, as_j
     status = FAILED if found.missed else DONE
     if as_json:
         tests = [
-            {"test": each.test.title, "runs": each.runs, "minutes": each.minutes, "halves": dict(each.halves)}
+            {
+                "test": each.test.title,
+                "runs": each.runs,
+                "minutes": each.minutes,
+                "halves": dict(each.half_intervals),
+            }
             for each in found.tests
         ]
         print_json(
@@ -270,7 +275,7 @@ def print_plan(targets: list[str], gear: GearOptions, minutes: Path | None, as_j
             each.test.title,
             f"{each.runs}",
             f"{each.minutes:.0f}",
-            *(f"+-{100 * each.halves[path]:.3g} %" for path in wanted),
+            *(f"+-{100 * each.half_intervals[path]:.3g} %" for path in wanted),
         )
         for each in found.tests
     ]
@@ -327,7 +332,7 @@ def judge_batch(
         InputError: a folder, a tolerance or a file that cannot be.
     """
     from rps_exudyn.inference.fitting.findings import shown
-    from rps_exudyn.inference.fitting.production import GUARD, production_batch
+    from rps_exudyn.inference.fitting.production import GUARD, judge_lot
 
     limits = parse_tolerance(tolerance) if tolerance is not None else None
     out, plot = asked
@@ -335,7 +340,7 @@ def judge_batch(
         if path is not None:
             check_writable(path, suffixes)
     with shown_progress(asked=False):
-        found = production_batch(folder, gear.load(), jobs=jobs)
+        found = judge_lot(folder, gear.load(), jobs=jobs)
     guard = GUARD * found.sd
     risks = [] if limits is None else [found.risks(limits, each) for each in (0.0, guard)]
     rows = list(batch_rows(found, limits, guard))
@@ -400,16 +405,14 @@ BATCH_COLUMNS = (
 )  # fmt: skip
 
 
-def batch_rows(found: "Production", limits: "Limits | None", guard: float) -> Iterator[tuple[str, ...]]:
+def batch_rows(found: "ProductionLot", limits: "Limits | None", guard: float) -> Iterator[tuple[str, ...]]:
     """The row of each gear, by `BATCH_COLUMNS`; the verdict is that of limits with guard bands."""
-    from rps_exudyn.inference.fitting.production import interval_of
-
     alarms, accepted = set(found.drift.alarms.tolist()), limits and limits.guarded(guard)
     for i, each in enumerate(found.gears):
         runout, verdict = each.runout, ""
         if accepted is not None:
             verdict = "accepted" if accepted.low <= each.level <= accepted.high else "rejected"
-        numbers = (each.level, *interval_of(each), found.expected[i], found.drift.average[i])
+        numbers = (each.level, *each.interval, found.expected[i], found.drift.average[i])
         yield (
             each.name,
             *(f"{number:.6g}" for number in numbers),

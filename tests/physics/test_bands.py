@@ -17,7 +17,7 @@ from rps_exudyn.inference.uncertainty.input_sets import SETS, carried, uncertain
 from rps_exudyn.inference.uncertainty.joint import correlated
 from rps_exudyn.inference.uncertainty.quick_band import formula_torques, quick_band
 from rps_exudyn.inference.uncertainty.samples import Samples
-from rps_exudyn.inference.uncertainty.statistics import LEVELS, contributions, numerical_error, quantiles
+from rps_exudyn.inference.uncertainty.statistics import LEVELS, Polynomials, numerical_error, quantiles
 from rps_exudyn.parameters.distribution import KINDS, Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import CORRELATION, POSTERIOR, SteeringGear
@@ -84,18 +84,18 @@ def test_contributions_of_a_sum_and_of_a_product() -> None:
     """a^2 / sum a^2 for a sum; a product of two centred inputs has none alone."""
     u = Samples.drawn({str(i): Distribution("uniform", 0, 1) for i in range(4)}, 1024, 3).quantile
     x, names = 2 * u - 1, {name: [i] for i, name in enumerate("abcd")}
-    added = contributions(u, 3 * x[:, 0] + 2 * x[:, 1] ** 3 + x[:, 2], names)
+    added = Polynomials.at(u, names).contributions(3 * x[:, 0] + 2 * x[:, 1] ** 3 + x[:, 2])
     variances = np.array([9 / 3, 4 / 7, 1 / 3])
     assert added is not None
     assert [added.fractions[name] for name in "abc"] == pytest.approx(variances / variances.sum(), abs=0.02)
     assert added.fractions["d"] < 0.001
     assert added.together < 1e-6
-    together = contributions(u, x[:, 0] * x[:, 1], names)
+    together = Polynomials.at(u, names).contributions(x[:, 0] * x[:, 1])
     assert together is not None
     assert max(together.fractions.values()) < 0.02  # four errors of chance
     assert together.together > 0.95
-    assert contributions(u, np.ones(1024), names) is None
-    whole = contributions(u[:9], x[:9, 0] * x[:9, 1], {"all": [0, 1, 2, 3]})
+    assert Polynomials.at(u, names).contributions(np.ones(1024)) is None
+    whole = Polynomials.at(u[:9], {"all": [0, 1, 2, 3]}).contributions(x[:9, 0] * x[:9, 1])
     assert whole is not None
     assert whole.fractions == {"all": 1.0}  # nothing else varies
 
@@ -236,7 +236,7 @@ def test_inputs_that_vary_together_have_one_contribution() -> None:
     }
     points = Samples.drawn(uncertain_inputs(SteeringGear(), None, carried(tables, {})), 512, seed=2)
     torques = formula_torques(SteeringGear(), points)
-    found = contributions(points.quantile, torques, points.inputs.groups)
+    found = Polynomials.at(points.quantile, points.inputs.groups).contributions(torques)
     assert found is not None
     drag = np.var(0.0055747 * points.values["bush.drag"])
     assert found.fractions["bush.drag"] == pytest.approx(drag / np.var(torques), abs=0.01)

@@ -19,7 +19,7 @@ from rps_exudyn.inference.fitting.fit import fit
 from rps_exudyn.inference.fitting.fitted import Estimate, Fit, shape_claims, with_others
 from rps_exudyn.inference.fitting.identifiability import LevelData, advice_of, more_runs
 from rps_exudyn.inference.fitting.level_fit import LevelModel, fitted_levels
-from rps_exudyn.inference.fitting.nonlinear import OtherEnd
+from rps_exudyn.inference.fitting.nonlinear import OtherShape
 from rps_exudyn.inference.fitting.posterior import SAMPLES
 from rps_exudyn.inference.fitting.series import read_series, write_series
 from rps_exudyn.inference.fitting.unknowns import LEVEL, NUISANCES, USUAL, settings_of, unknowns_of
@@ -115,13 +115,11 @@ def test_interval_without_noise_is_that_of_the_numerical_error() -> None:
     drag = [each for each in problem.unknowns if each.path == "bush.drag"]
     model = LevelModel.of(rows, drag, SteeringGear())
     begin = np.array([drag[0].before])
-    done = fitted_levels(model, problem.prediction, problem.rows_of, lambda gear, _: gear, begin)
-    assert done.end.converged
-    of_level = float(np.abs(done.model.slopes(done.end.u)[0, 0]) * np.sqrt(done.end.covariance[0, 0]))
-    coarse = replace(problem.prediction, level=0).simulated(
-        done.model.gear.replace(settings_of(drag, done.end.u))
-    )
-    change = problem.rows_of(done.values - coarse)[0]
+    model, state = fitted_levels(model, problem.prediction, problem.rows_of, lambda gear, _: gear, begin)
+    assert state.converged
+    of_level = float(np.abs(model.slopes(state.u)[0, 0]) * np.sqrt(state.covariance[0, 0]))
+    coarse = replace(problem.prediction, level=0).simulated(model.gear.replace(settings_of(drag, state.u)))
+    change = problem.rows_of(state.values - coarse)[0]
     assert of_level > 0.99 * max(
         abs(change), FLOOR / FACTOR * rows.values[0]
     )  # 0.99: the prior knows a little
@@ -272,7 +270,7 @@ def test_signs_of_a_bench_are_turned_and_said() -> None:
 
 
 def test_a_fit_that_did_not_converge_calls_nothing_known() -> None:
-    lost = replace(free_fit(), converged=False)
+    lost = replace(free_fit(), ended=replace(free_fit().ended, converged=False))
     names = [row.value for row in fit_head(lost).rows]
     assert "known" in [row.value for row in fit_head(free_fit()).rows]
     assert "no estimate" in names
@@ -358,7 +356,7 @@ def test_a_runout_is_found_beside_a_bow() -> None:
 def test_other_ends_widen_an_interval_and_leave_the_direction_open() -> None:
     size = Estimate.of("rack.bow", 1e-4, (0.9e-4, 1.1e-4), (0.0, 1e-4), 5e-6, 0.0, Verdict.NOT_ZERO)
     angle = Estimate.of("rack.bow_angle", 1.0, (0.9, 1.1), (0.0, np.pi), 0.05, 0.0, Verdict.NOT_ZERO)
-    near, far = (OtherEnd({"rack.bow": 1.3e-4, "rack.bow_angle": 2.0}, worse) for worse in (1.0, 8.0))
+    near, far = (OtherShape({"rack.bow": 1.3e-4, "rack.bow_angle": 2.0}, worse) for worse in (1.0, 8.0))
     assert with_others(size, [near]).interval == (0.9e-4, 1.3e-4)
     assert with_others(angle, [near]).verdict is Verdict.OPEN
     assert with_others(angle, [far]) == angle
@@ -427,7 +425,7 @@ def test_samples_of_a_fit_are_its_intervals(tmp_path: Path) -> None:
         assert ends[1] - ends[0] == pytest.approx(np.log(each.interval[1] / each.interval[0]), rel=0.08)
     torques = formula_torques(gear, Samples.drawn(inputs, 512, seed=1))
     assert found.level is not None
-    half = 1.96 * float(found.ended.levels.model.rows.covariance[0, 0]) ** 0.5
+    half = 1.96 * float(found.model.rows.covariance[0, 0]) ** 0.5
     low, middle, high = np.quantile(torques, (0.025, 0.5, 0.975))
     assert (high - low) / 2 / middle == pytest.approx(half / found.level.value, rel=0.1)
     assert middle == pytest.approx(found.level.value, rel=0.01)

@@ -56,7 +56,7 @@ def test_a_plan_keeps_its_promise_on_synthetic_benches(changed: dict[str, float]
     assert not planned.missed
     printed = halves_of_fit({each.test.title: each.runs for each in planned.tests}, 3, gear)
     for path, half in printed.items():
-        assert half == pytest.approx(planned.halves[path], rel=0.2), path
+        assert half == pytest.approx(planned.half_intervals[path], rel=0.2), path
 
 
 def test_rollers_beat_weights_in_both_frictions() -> None:
@@ -64,7 +64,7 @@ def test_rollers_beat_weights_in_both_frictions() -> None:
     rollers, weights = programme(WITH_ROLLERS), programme(BY_WEIGHTS)
     assert rollers.minutes < 0.7 * weights.minutes
     for path in ("mesh.friction", "yoke.friction"):
-        assert rollers.halves[path] < 0.6 * weights.halves[path]
+        assert rollers.half_intervals[path] < 0.6 * weights.half_intervals[path]
 
 
 def test_no_run_of_a_plan_can_be_left_out() -> None:
@@ -75,7 +75,7 @@ def test_no_run_of_a_plan_can_be_left_out() -> None:
             continue
         fewer = {**runs, title: runs[title] - 1}
         without = programme([f"{name} x {count}" for name, count in fewer.items() if count])
-        assert any(without.halves[path] > target for path, target in USUAL_TARGETS.items()), title
+        assert any(without.half_intervals[path] > target for path, target in USUAL_TARGETS.items()), title
 
 
 def test_times_decide_which_test_is_planned(tmp_path: Path) -> None:

@@ -13,8 +13,8 @@ from rps_exudyn.inference.fitting.production import (
     GUARD,
     Limits,
     MeasuredGear,
-    batch_of,
     drift_of,
+    lot_of,
 )
 from rps_exudyn.parameters.gear import SteeringGear
 from shell import Command
@@ -36,14 +36,14 @@ def test_the_scatter_between_gears_is_found_without_that_of_the_measurement() ->
     "measurement."""
     held = sum(
         found.scatter[1] <= SCATTER <= found.scatter[2]
-        for found in (batch_of(drawn(seed), SteeringGear()) for seed in range(40))
+        for found in (lot_of(drawn(seed), SteeringGear()) for seed in range(40))
     )
     assert held >= 34
-    assert batch_of(drawn(1, scatter=0.0), SteeringGear()).scatter[0] < 0.7 * OWN
+    assert lot_of(drawn(1, scatter=0.0), SteeringGear()).scatter[0] < 0.7 * OWN
 
 
 def test_a_gears_level_is_drawn_to_the_mean_as_far_as_it_is_uncertain() -> None:
-    found = batch_of(drawn(2), SteeringGear())
+    found = lot_of(drawn(2), SteeringGear())
     levels = np.array([each.level for each in found.gears])
     share = np.log(found.expected / found.mean) / np.log(levels / found.mean)
     assert share == pytest.approx(found.scatter[0] ** 2 / (found.scatter[0] ** 2 + OWN**2), rel=1e-6)
@@ -51,7 +51,7 @@ def test_a_gears_level_is_drawn_to_the_mean_as_far_as_it_is_uncertain() -> None:
 
 def test_both_risks_are_those_of_drawn_gears() -> None:
     """Against two million drawn gears; guard bands lower the consumer's risk and raise the producer's."""
-    found, tolerance = batch_of(drawn(3), SteeringGear()), Limits(0.55, 0.75)
+    found, tolerance = lot_of(drawn(3), SteeringGear()), Limits(0.55, 0.75)
     random = np.random.default_rng(0)
     true = found.mean * (1 + found.scatter[0] * random.standard_normal(2_000_000))
     shown = true + np.hypot(found.sd, 0.005 * found.mean) * random.standard_normal(true.size)
@@ -71,7 +71,7 @@ def test_drift_is_seen_and_false_alarms_are_rare() -> None:
         drift_of(np.array([g.level for g in drawn(seed)]), seed).alarms.size > 0 for seed in range(100)
     )
     assert false <= 100 * FALSE_ALARMS + 6
-    seen = sum(batch_of(drawn(seed, slope=0.30), SteeringGear()).drift.alarms.size > 0 for seed in range(20))
+    seen = sum(lot_of(drawn(seed, slope=0.30), SteeringGear()).drift.alarms.size > 0 for seed in range(20))
     assert seen >= 18
 
 

@@ -22,6 +22,7 @@ from rps_exudyn.analysis.passes import Pass, passes
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError, are, lines_in_words
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.inference.fitting.noise import robust_deviation
 from rps_exudyn.inference.measured.reading import PUSH, TORQUE, read_curve
 from rps_exudyn.inference.measured.turning import speeds
 from rps_exudyn.parameters.gear import SteeringGear
@@ -43,21 +44,13 @@ class Minutes:
 
 @dataclass(frozen=True)
 class BenchKind:
-    """What distinguishes one kind of test.
+    """What distinguishes one kind of test."""
 
-    Attributes:
-        by_angle: whether its curves are compared angle by angle; others are by their means.
-        turns_about: whether the motion turns back, so that friction turns about.
-        weighted: whether a weight at the rack's end belongs to it.
-        minutes: estimated time of the test.
-        quantities: driven coordinate and measured torque or force, by `results.quantities`.
-    """
-
-    by_angle: bool = False
-    turns_about: bool = False
-    weighted: bool = False
-    minutes: Minutes = Minutes(5, 5)
-    quantities: tuple[str, str] = TORQUE
+    by_angle: bool = False  # its curves are compared angle by angle; others by their means
+    turns_about: bool = False  # the motion turns back, so that friction turns about
+    weighted: bool = False  # a weight at the rack's end belongs to it
+    minutes: Minutes = Minutes(5, 5)  # estimated time of the test
+    quantities: tuple[str, str] = TORQUE  # driven coordinate and measured torque or force
 
 
 KINDS = {
@@ -84,19 +77,15 @@ SETTLED = 0.25  # of a pass, from its end, that shows the torque of a direction
 
 @dataclass(frozen=True)
 class BenchTest:
-    """One kind of test under one load."""
-
     kind: str
     load: float = 0.0  # that pulls the rack's end towards -X [N]
 
     @property
     def of_kind(self) -> BenchKind:
-        """What distinguishes its kind."""
         return KINDS[self.kind]
 
     @property
     def pushed(self) -> bool:
-        """Return whether the rack is driven."""
         return self.of_kind.quantities == PUSH
 
     @property
@@ -120,17 +109,12 @@ class MeasuredPass:
     angle: np.ndarray  # pinion angle, or displacement of a rack push, rising [rad] or [m], shape (n,)
     value: np.ndarray  # torque [N m] or force [N], shape (n,)
     speeds: np.ndarray = field(default_factory=lambda: np.zeros(0))  # [rad/s] or [m/s], where it is recorded
-    recorded: tuple[np.ndarray, np.ndarray] | None = None  # angle and value of every row, if there are more
+    rows: tuple[np.ndarray, np.ndarray] | None = None  # angle and value of every row, if they are more
 
     @property
-    def raw_angle(self) -> np.ndarray:
-        """Angle of every row, rising."""
-        return self.recorded[0] if self.recorded else self.angle
-
-    @property
-    def raw_value(self) -> np.ndarray:
-        """Value of every row."""
-        return self.recorded[1] if self.recorded else self.value
+    def every_row(self) -> tuple[np.ndarray, np.ndarray]:
+        """Angles, rising, and values of every row."""
+        return self.rows or (self.angle, self.value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,15 +197,15 @@ def measurement_of(curves: Iterable[tuple[BenchTest, MeasuredTorque]]) -> Measur
         after, delay = (0.0, "") if test.pushed else _lateness(turned, curve.name)
         late += [delay] if delay else []
         turned = _joined(turned)
-        own = [_measured_pass(test, run, each, after) for each in turned]
-        kept = _are_whole(own)
-        rows = (*curve.left_out, *_rows_left_out(turned, own, kept, lines["line"], after))
+        of_file = [_measured_pass(test, run, each, after) for each in turned]
+        kept = _are_whole(of_file)
+        rows = (*curve.left_out, *_rows_left_out(turned, of_file, kept, lines["line"], after))
         left_out += [f"{curve.name}: {sentence}" for sentence in rows]
-        own = [each for each, is_kept in zip(own, kept, strict=True) if is_kept]
-        own, said = _with_signs(own, curve.name)
-        found += own
+        of_file = [each for each, is_kept in zip(of_file, kept, strict=True) if is_kept]
+        of_file, said = _with_signs(of_file, curve.name)
+        found += of_file
         names.append(curve.name)
-        count = "1 pass" if len(own) == 1 else f"{len(own)} passes"
+        count = "1 pass" if len(of_file) == 1 else f"{len(of_file)} passes"
         assumed += [f"{curve.name}: {sentence}" for sentence in (*curve.assumed, count, *said)]
     if not found:
         raise InputError("a fit needs at least one measured curve.")
@@ -243,7 +227,7 @@ def _lateness(turned: Sequence[Pass], name: str) -> tuple[float, str]:
             continue
         ends = [each.signals["value"][-max(3, int(SETTLED * each.angle.size)) :] for each in (before, after)]
         first, last = (float(np.median(end)) for end in ends)
-        if abs(last - first) < 4 * max(1.4826 * float(np.median(np.abs(np.diff(end)))) for end in ends):
+        if abs(last - first) < 4 * max(robust_deviation(np.diff(end)) for end in ends):
             continue  # noise hides when it changes
         middle = (first + last) / 2
         has_changed = [(each.signals["value"] - middle) * (last - first) > 0 for each in (before, after)]
@@ -298,9 +282,12 @@ def _are_parts(first: Pass, second: Pass, turned: Sequence[Pass]) -> bool:
 
 def _are_whole(found: Sequence[MeasuredPass]) -> list[bool]:
     """Which passes cover most of what the longest one their way covers."""
-    covered = [(each.direction, float(np.ptp(each.angle))) for each in found]
-    longest = {sense: max(angle for way, angle in covered if way == sense) for sense, _ in covered}
-    return [angle > WHOLE * longest[sense] for sense, angle in covered]
+    covered = np.array([np.ptp(each.angle) for each in found])
+    senses = np.array([each.direction for each in found])
+    return [
+        bool(angle > WHOLE * covered[senses == sense].max())
+        for angle, sense in zip(covered, senses, strict=True)
+    ]
 
 
 def _measured_pass(test: BenchTest, run: int, turned: Pass, after: float = 0.0) -> MeasuredPass:
@@ -308,13 +295,13 @@ def _measured_pass(test: BenchTest, run: int, turned: Pass, after: float = 0.0) 
     angle, value = turned.angle[inside], turned.signals["value"][inside]
     order = np.argsort(angle)
     angle, value = angle[order], value[order]
-    recorded = None
+    rows = None
     if angle.size > MOST_POINTS:
-        recorded = angle, value
+        rows = angle, value
         parts = np.array_split(np.arange(angle.size), MOST_POINTS)
         angle = np.array([angle[part].mean() for part in parts])
         value = np.array([np.median(value[part]) for part in parts])
-    return MeasuredPass(test, run, turned.direction, angle, value, speeds(turned.signals), recorded)
+    return MeasuredPass(test, run, turned.direction, angle, value, speeds(turned.signals), rows)
 
 
 def _sliding(test: BenchTest, turned: Pass, after: float) -> np.ndarray:
@@ -352,7 +339,6 @@ def _rows_left_out(
 
 
 def _rows(lines: np.ndarray) -> str:
-    """How many rows are left out, and which."""
     numbers = np.sort(lines).astype(int).tolist()
     return f"{are(len(numbers), 'row')} left out, {lines_in_words(numbers)}"
 
@@ -370,7 +356,12 @@ def _with_signs(found: list[MeasuredPass], name: str) -> tuple[list[MeasuredPass
             return [replace(each, test=turned) for each in found], ["the weight pulls the rack towards +X"]
         return found, []
     factors, said = _factors(found, name)
-    return [_turned(each, factors[each.direction]) for each in found], said
+    signed = []
+    for each in found:
+        sign, rows = factors[each.direction], each.rows
+        rows = rows and (rows[0], sign * rows[1])
+        signed.append(replace(each, value=sign * each.value, rows=rows))
+    return signed, said
 
 
 def _means(found: Sequence[MeasuredPass]) -> dict[int, float]:
@@ -383,11 +374,27 @@ def _factors(found: Sequence[MeasuredPass], name: str) -> tuple[dict[int, int], 
     """Factors that give torques of both directions the signs of result files, and what is said of it.
 
     Raises:
-        InputError: the means are no friction about zero.
+        InputError: the means are no friction about zero: they have both signs in one direction, or one sign
+            and different sizes in both.
     """
+    for sense in (1, -1):
+        of_direction = [float(each.value.mean()) for each in found if each.direction == sense]
+        if of_direction and -min(of_direction) > UNSIGNED * max(of_direction) > 0 > min(of_direction) * max(
+            of_direction
+        ):
+            raise InputError(
+                f"{name} has passes in one direction of the angle whose torques have opposite signs, "
+                f"{max(of_direction):.3g} and {min(of_direction):.3g} in SI; the angle must decrease where "
+                f"the motion goes back."
+            )
     means = _means(found)
-    _check_signs(found, means, name)
     if len(means) == 2 and means[1] * means[-1] > 0:
+        sizes = sorted(abs(mean) for mean in means.values())
+        if sizes[0] < UNSIGNED * sizes[1]:
+            raise InputError(
+                f"{name} has means of {means[1]:.3g} and {means[-1]:.3g} in both directions, in SI: they are "
+                f"neither absolute values nor centred on zero; subtract the sensor's zero."
+            )
         sign = 1 if means[1] > 0 else -1
         said = "torques with one sign in both directions are read as against the motion"
         return {1: sign, -1: -sign}, [said]
@@ -406,9 +413,9 @@ def with_signs(curve: MeasuredTorque) -> MeasuredTorque:
     shortest = SHORTEST * max((float(np.ptp(each.angle)) for each in turned), default=0.0)
     turned = [each for each in turned if np.ptp(each.angle) > shortest]
     test = BenchTest("free")
-    own = [MeasuredPass(test, 0, p.direction, p.angle, p.signals["pinion_torque"]) for p in turned]
+    measured = [MeasuredPass(test, 0, p.direction, p.angle, p.signals["pinion_torque"]) for p in turned]
     try:
-        factors, said = _factors(own, curve.name)
+        factors, said = _factors(measured, curve.name)
     except InputError:
         return curve
     if not said:
@@ -419,33 +426,6 @@ def with_signs(curve: MeasuredTorque) -> MeasuredTorque:
     signs = np.array([factors[int(each)] for each in directions])[np.maximum(place, 0)]
     torque = signs * curve.signals["pinion_torque"]
     return replace(curve, signals={**curve.signals, "pinion_torque": torque}, assumed=(*curve.assumed, *said))
-
-
-def _check_signs(found: Sequence[MeasuredPass], means: dict[int, float], name: str) -> None:
-    """Refuse means of passes that are no friction about zero.
-
-    Raises:
-        InputError: they have both signs in one direction, or one sign and different sizes in both.
-    """
-    for sense in (1, -1):
-        own = [float(each.value.mean()) for each in found if each.direction == sense]
-        if own and -min(own) > UNSIGNED * max(own) > 0 > min(own) * max(own):
-            raise InputError(
-                f"{name} has passes in one direction of the angle whose torques have opposite signs, "
-                f"{max(own):.3g} and {min(own):.3g} in SI; the angle must decrease where the motion goes "
-                f"back."
-            )
-    forth, back = (abs(means.get(sense, np.nan)) for sense in (1, -1))
-    if len(means) == 2 and means[1] * means[-1] > 0 and min(forth, back) < UNSIGNED * max(forth, back):
-        raise InputError(
-            f"{name} has means of {means[1]:.3g} and {means[-1]:.3g} in both directions, in SI: they are "
-            f"neither absolute values nor centred on zero; subtract the sensor's zero."
-        )
-
-
-def _turned(each: MeasuredPass, sign: int) -> MeasuredPass:
-    recorded = each.recorded and (each.recorded[0], sign * each.recorded[1])
-    return replace(each, value=sign * each.value, recorded=recorded)
 
 
 def mixed_speeds(measurement: Measurement, gain: float) -> list[str]:

@@ -14,8 +14,8 @@ from rps_exudyn.base.errors import are
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.inference.fitting.bench_tests import mixed_speeds
 from rps_exudyn.inference.fitting.level import ZERO, LevelEstimate
-from rps_exudyn.inference.fitting.level_fit import BETWEEN_MODELS, LevelFit, stepped
-from rps_exudyn.inference.fitting.problem import MODEL, Problem
+from rps_exudyn.inference.fitting.level_fit import BETWEEN_MODELS, LevelModel, stepped
+from rps_exudyn.inference.fitting.problem import MODEL, FitState, Problem
 from rps_exudyn.inference.fitting.unknowns import BY_LOAD
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import GRAVITY, runout_harmonics
@@ -37,15 +37,20 @@ class Refusal:
     sentence: str
 
 
-def refusals(problem: Problem, levels: LevelFit) -> list[Refusal]:
+def refusals(problem: Problem, model: LevelModel, state: FitState) -> list[Refusal]:
     """Return what contradicts the model: the data as a whole, and the load tests."""
     by_load = (
         "half the torque difference changes with the weight although no flank lifts: friction depends on the "
         "load, or the runs differ by more than the declared repeatability"
     )
     checks = (
-        (_data_probability(levels), UNLIKELY, "chi-squared", "levels of the tests contradict each other"),
-        (_load_probability(problem, levels), BY_CHANCE, "weights", by_load),
+        (
+            _data_probability(model, state),
+            UNLIKELY,
+            "chi-squared",
+            "levels of the tests contradict each other",
+        ),
+        (_load_probability(problem, model, state), BY_CHANCE, "weights", by_load),
     )
     said = "no parameter counts as found: {} (probability {:.2g}, limit {:g})"
     return [
@@ -55,46 +60,45 @@ def refusals(problem: Problem, levels: LevelFit) -> list[Refusal]:
     ]
 
 
-def _data_probability(levels: LevelFit) -> float:
-    """Probability of a larger chi squared, with hardly any belief in the unknowns but the nuisances."""
+def _data_probability(model: LevelModel, state: FitState) -> float:
+    """Probability of a larger chi squared, with hardly any prior of the unknowns but the nuisances."""
     from scipy.special import chdtrc
 
-    model = levels.model
     freedom = model.rows.values.size - sum(not each.is_nuisance for each in model.unknowns)
     if freedom < 1:
         return 1.0
-    open_model = model.believing(OPENED, nuisances=1.0)
-    end = stepped(open_model, levels.end.u)
+    open_model = model.with_priors(OPENED, nuisances=1.0)
+    end = stepped(open_model, state.u)
     return float(chdtrc(freedom, open_model.cost(end.u))) if end.converged else 1.0
 
 
-def _load_probability(problem: Problem, levels: LevelFit) -> float:
+def _load_probability(problem: Problem, model: LevelModel, state: FitState) -> float:
     """Probability of a larger slope of the half difference over the weight, below lifting."""
     from scipy.special import ndtr
 
-    model, u = levels.model, levels.end.u.copy()
+    u = state.u.copy()
     for j, each in enumerate(model.unknowns):
         u[j] = 0.0 if each.path == BY_LOAD else u[j]
     rows, predicted, formula = model.rows, model.at(u), model.by_formula(u)
     both = {each.test for each in problem.levels if each.both_ways}
-    own = [i for i, way in enumerate(rows.ways) if rows.tests[i] in both and way[1] < 0]
-    free = [i for i in own if rows.tests[i].kind == "free"]
+    chosen = [i for i, direction in enumerate(rows.directions) if rows.tests[i] in both and direction[1] < 0]
+    free = [i for i in chosen if rows.tests[i].kind == "free"]
     if not free:
         return 1.0
     level = formula[free[0]]
-    own = [i for i in own if i in free or rows.tests[i].of_kind.weighted]
-    own = [i for i in own if abs(formula[i] / level - 1) < FLAT_LOAD]
-    if len(own) < 2:
+    chosen = [i for i in chosen if i in free or rows.tests[i].of_kind.weighted]
+    chosen = [i for i in chosen if abs(formula[i] / level - 1) < FLAT_LOAD]
+    if len(chosen) < 2:
         return 1.0
-    masses = np.array([abs(rows.tests[i].load) / GRAVITY for i in own])
+    masses = np.array([abs(rows.tests[i].load) / GRAVITY for i in chosen])
     deviations = {each.test: each.data_sd / each.value for each in problem.levels}
-    model_sd = np.array([MODEL if rows.tests[i].of_kind.weighted else 0.0 for i in own])
-    sd = np.hypot([deviations[rows.tests[i]] for i in own], model_sd)
-    apart = np.where(np.isin(own, free), 0.0, BETWEEN_MODELS * (model.factors[own] - 1))
-    ratio = rows.values[own] / predicted[own]
+    model_sd = np.array([MODEL if rows.tests[i].of_kind.weighted else 0.0 for i in chosen])
+    sd = np.hypot([deviations[rows.tests[i]] for i in chosen], model_sd)
+    apart = np.where(np.isin(chosen, free), 0.0, BETWEEN_MODELS * (model.factors[chosen] - 1))
+    ratio = rows.values[chosen] / predicted[chosen]
     if not (ratio > 0).all():
         return 0.0
-    effects = np.column_stack([np.ones(len(own)), masses])
+    effects = np.column_stack([np.ones(len(chosen)), masses])
     weighted = np.linalg.solve(np.diag(sd**2) + np.outer(apart, apart), effects)
     normal = effects.T @ weighted
     slope = np.linalg.solve(normal, weighted.T @ np.log(ratio))[1]
@@ -141,7 +145,7 @@ def _rig(level: LevelEstimate, gear: SteeringGear) -> Iterator[str]:
             "by a bow, by warming or by the sensor"
         )
     for order, name in ((1, "a coupling or a wheel out of true"), (2, "a cardan joint or a bent coupling")):
-        wave = level.own.get(order)
+        wave = level.friction_waves.get(order)
         if wave is None:
             continue
         vector, sd = wave.vector, wave.sd
@@ -172,12 +176,12 @@ def _rig(level: LevelEstimate, gear: SteeringGear) -> Iterator[str]:
 def encoder_doubts(level: LevelEstimate, teeth: int) -> Iterator[str]:
     """What is to be said if the teeth show at another order of the angle than their number."""
     waves = level.tooth_waves
-    own = waves.get(1.0)
+    at_teeth = waves.get(1.0)
     others = {ratio: wave for ratio, wave in waves.items() if ratio != 1.0 and wave.size > ENCODER * wave.sd}
-    if own is None or not others:
+    if at_teeth is None or not others:
         return
     ratio = max(others, key=lambda each: others[each].size)
-    wrong = not own.is_seen if ratio > 1 else others[ratio].size > 1.5 * own.size
+    wrong = not at_teeth.is_seen if ratio > 1 else others[ratio].size > 1.5 * at_teeth.size
     if wrong:
         yield (
             f"the teeth show {ratio * teeth:.3g} times per turn of the angle, the given pinion has {teeth}: "

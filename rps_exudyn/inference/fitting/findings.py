@@ -9,11 +9,12 @@ import numpy as np
 from rps_exudyn.base import units
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.inference.fitting.bench_tests import BenchTest
-from rps_exudyn.inference.fitting.fitted import Estimate, Fit
+from rps_exudyn.inference.fitting.fitted import Fit
 from rps_exudyn.inference.fitting.identifiability import MOST_RUNS, NARROWED, SEPARATING, WANTED
 from rps_exudyn.inference.fitting.level import LevelEstimate
-from rps_exudyn.inference.fitting.unknowns import LEVEL, declared
+from rps_exudyn.inference.fitting.unknowns import LEVEL
 from rps_exudyn.inference.uncertainty.joint import posterior_table
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.judged_row import Verdict
 from rps_exudyn.scenes.rack_on_rollers import SCENE as RACK_ON_ROLLERS
 from rps_exudyn.solvers.closed_form import mesh_torque_per_force, torque_per_preload
@@ -27,16 +28,10 @@ TESTS = {
 
 def shown(path: str, value: float) -> str:
     """A value of a parameter with four digits, in its unit."""
-    unit = declared(path.partition(" ")[0]).unit
+    unit = SteeringGear.declared_at(path.partition(" ")[0])[0].unit
     if unit is None or not unit.display:
         return f"{value:.4g}"
     return f"{units.displayed(value, unit.si, unit.display):.4g} {units.pretty(unit.display)}"
-
-
-def interval_shown(each: Estimate) -> str:
-    """The 95 % interval of an estimate, in its unit."""
-    low, high = (shown(each.path, value) for value in each.interval)
-    return f"{low.split()[0]} to {high}"
 
 
 def level_sentence(fit: Fit) -> str:
@@ -53,7 +48,6 @@ def _level(level: LevelEstimate) -> str:
 
 
 def _of_run(level: LevelEstimate) -> str:
-    """Half the interval of the level of this run."""
     half = level.run_interval[1] - level.value
     runs = "this run" if level.runs == 1 else f"these {level.runs} runs"
     return f"of {runs} +- {100 * half / abs(level.value):.2g} %"
@@ -164,14 +158,6 @@ def test_words(test: BenchTest) -> str:
     return TESTS.get(test.kind, test.title)
 
 
-def verdict_sentence(each: Estimate) -> str:
-    """The verdict on one parameter, in words."""
-    if each.verdict is Verdict.MAYBE_ZERO:
-        most = max(abs(end) for end in each.interval)
-        return f"not different from zero (at most {shown(each.path, most)})"
-    return str(each.verdict)
-
-
 KNOWN = (Verdict.FOUND, Verdict.NOT_ZERO, Verdict.BY_PRIOR, Verdict.BY_RATIO)
 
 
@@ -180,17 +166,19 @@ def rows(fit: Fit) -> list[tuple[str, str, str, str, str]]:
     none at all, nor a verdict, of a fit that did not converge."""
     table = []
     for each in fit.estimates:
-        known = fit.converged and each.verdict in KNOWN
-        interval = interval_shown(each) if known else ""
+        low, high = (shown(each.path, end) for end in each.interval)
+        interval = f"{low.split()[0]} to {high}" if fit.converged and each.verdict in KNOWN else ""
         if each.path.partition(" ")[0] in LEVEL:
             expected = f"{shown(each.path, each.prior)} +- {100 * each.prior_sd:.2g} %"
         elif each.path.endswith("_angle"):
             expected = "any"
         else:
             expected = f"{shown(each.path, each.prior)} +- {shown(each.path, each.prior_sd)}"
-        value = shown(each.path, each.value)
-        verdict = verdict_sentence(each) if fit.converged else "last iteration, no estimate"
-        table.append((each.path, value, interval, expected, verdict))
+        verdict = str(each.verdict) if fit.converged else "last iteration, no estimate"
+        if fit.converged and each.verdict is Verdict.MAYBE_ZERO:
+            most = shown(each.path, max(abs(end) for end in each.interval))
+            verdict = f"not different from zero (at most {most})"
+        table.append((each.path, shown(each.path, each.value), interval, expected, verdict))
     return table
 
 

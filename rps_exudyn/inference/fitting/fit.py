@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from rps_exudyn.analysis.measured import TURN
 from rps_exudyn.base.errors import InputError, check_kind
 from rps_exudyn.base.units import shown
 from rps_exudyn.gears.gear_pair import GearPair
@@ -24,22 +25,16 @@ from rps_exudyn.inference.fitting.bench_tests import (
     measurement_of,
     read_measurement,
 )
-from rps_exudyn.inference.fitting.fitted import Ended, Fit, outcome_of, runout_in, with_runout_of
+from rps_exudyn.inference.fitting.fitted import Fit, runout_in, with_runout_of
 from rps_exudyn.inference.fitting.level import levels_of
-from rps_exudyn.inference.fitting.level_fit import AGREED, LevelFit, LevelModel, fitted_levels, stepped
-from rps_exudyn.inference.fitting.nonlinear import OtherEnd, Solved, is_curved, shape_of
-from rps_exudyn.inference.fitting.prediction import (
-    TURN,
-    NoPredictionError,
-    Prediction,
-    formula_means,
-    within_the_teeth,
-)
-from rps_exudyn.inference.fitting.problem import Problem, found_offset, level_rows, white_noise
+from rps_exudyn.inference.fitting.level_fit import AGREED, LevelModel, fitted_levels, stepped
+from rps_exudyn.inference.fitting.nonlinear import OtherShape, fit_shape
+from rps_exudyn.inference.fitting.prediction import NoPredictionError, Prediction, formula_means
+from rps_exudyn.inference.fitting.problem import FitState, Problem, found_offset, level_rows, white_noise
 from rps_exudyn.inference.fitting.series import Series
 from rps_exudyn.inference.fitting.unknowns import (
     BY_LOAD,
-    CURVED,
+    SHAPE_PARAMETERS,
     SMALLEST,
     USUAL,
     WITHOUT_YOKE,
@@ -47,6 +42,7 @@ from rps_exudyn.inference.fitting.unknowns import (
     settings_of,
     unknowns_of,
 )
+from rps_exudyn.parameters.fidelity import MEAN_STEP
 from rps_exudyn.parameters.gear import SteeringGear, check_gear
 from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.scenes.checks.before_run import largest_angle
@@ -111,8 +107,8 @@ def fit(
     check_kind("like", like, Fit | Series | None, "the fit of another gear")
     measurement = files if isinstance(files, Measurement) else read_measurement(files, columns, gear)
     check_sizes(measurement, gear)
-    free = (*USUAL, *free) if free and {*free} <= {*CURVED} else free
-    free, warnings = _tellable(measurement, gear, list(free))
+    free = (*USUAL, *free) if free and {*free} <= {*SHAPE_PARAMETERS} else free
+    free, warnings = identifiable_parameters(measurement, gear, list(free))
     warnings += beyond_the_teeth(measurement, gear)
     warnings += [
         f"the prior of {path} is not used, because it is not fitted: name it by --free, or set its value"
@@ -121,27 +117,30 @@ def fit(
     ]
     problem = _problem(measurement, gear, free, priors or {})
     before = like.series if isinstance(like, Fit) else like
-    if before is not None and (why := before.misfit(problem, gear.mesh.contact_law)):
+    if before is not None and (why := before.reason_not_usable(problem, gear.mesh.contact_law)):
         warnings.append(f"the fit of the series is not used: {why}")
         before = None
     with CaseRunner(jobs, time_limit) as problem.prediction.runner:
         try:
-            ended = _ended(problem, gear, before, "pinion.runout" in (priors or {}))
+            found = _searched(problem, gear, before, "pinion.runout" in (priors or {}))
         except NoPredictionError as error:
             raise InputError(
                 f"the fit finds no equilibrium at its initial guess: {error}; give a gear that runs, by "
                 f"--gear."
             ) from None
         if before is not None:
-            ended = replace(ended, by_law=before.by_law)
+            found = replace(found, by_law=before.by_law)
         elif other_law:
-            by_law, said = _by_other_law(ended, gear)
-            ended = replace(ended, by_law=by_law)
+            by_law, said = _by_other_law(found)
+            found = replace(found, by_law=by_law)
             warnings += said
-    return outcome_of(ended, gear, warnings, began)
+    simulations, spent = problem.prediction.simulations, cpu_time() - began
+    return replace(found, remarks=tuple(warnings), simulations=simulations, cpu_s=spent)
 
 
-def _tellable(measurement: Measurement, gear: SteeringGear, free: list[str]) -> tuple[list[str], list[str]]:
+def identifiable_parameters(
+    measurement: Measurement, gear: SteeringGear, free: list[str]
+) -> tuple[list[str], list[str]]:
     """The freed parameters that curves of this length determine, and remarks on the others.
 
     Raises:
@@ -167,7 +166,7 @@ def _tellable(measurement: Measurement, gear: SteeringGear, free: list[str]) -> 
         if turning:
             needed = f"{np.degrees(LEAST_TURN * TURN):.4g} deg"
             warnings.append(f"pinion.runout is not fitted: that needs {needed} of free turning")
-    if not turning and (shapes := [path for path in CURVED if path in free]):
+    if not turning and (shapes := [path for path in SHAPE_PARAMETERS if path in free]):
         free = [path for path in free if path not in shapes]
         warnings.append(f"{' and '.join(shapes)} not fitted: that needs a curve of free turning")
     return free, warnings
@@ -184,7 +183,8 @@ def _problem(
     if gear.rack.bow or "rack.bow" in free:
         angles = np.concatenate([each.angle for each in turning]) if turning else np.array([-np.pi, np.pi])
         half = TURN / gear.pinion.teeth / 2  # by which an offset may shift them
-        whole = within_the_teeth(gear, float(angles.min()) - half, float(angles.max()) + half)
+        farthest = largest_angle(gear) * (1 - 1e-6) - 2 * MEAN_STEP  # where the rack has teeth
+        whole = max(float(angles.min()) - half, -farthest), min(float(angles.max()) + half, farthest)
     unknowns = unknowns_of(gear, free, priors)
     if not unknowns:
         raise InputError("a fit needs at least one free parameter that its curves depend on.")
@@ -201,78 +201,82 @@ def _problem(
     )
 
 
-def _ended(problem: Problem, gear: SteeringGear, before: Series | None, believed: bool) -> Ended:
-    """Fit the levels, and before them the shape where a bow or an angle error is freed; `believed`: whether
+def _searched(problem: Problem, gear: SteeringGear, before: Series | None, use_prior: bool) -> Fit:
+    """Fit the levels, and before them the shape where a bow or an angle error is freed; `use_prior`: whether
     an own prior of the runout counts.
 
     Raises:
         NoPredictionError: there is no equilibrium where the fit begins.
     """
-    unknowns = problem.unknowns
-    own = [j for j, each in enumerate(unknowns) if each.is_level]
+    given, unknowns = gear, problem.unknowns
+    of_level = [j for j, each in enumerate(unknowns) if each.is_level]
     tests = problem.measurement.tests
     needed = [BY_LOAD] if any(test.of_kind.weighted for test in tests) else []
     needed += [WITHOUT_YOKE] if any(test.kind == "yoke-out" for test in tests) else []
-    of_level = [*(unknowns[j] for j in own), *nuisance_unknowns(needed)]
-    begin = np.array([each.before for each in of_level])
+    fitted = [*(unknowns[j] for j in of_level), *nuisance_unknowns(needed)]
+    begin = np.array([each.before for each in fitted])
+    model = LevelModel.of(problem.rows, fitted, gear)
     if before is not None:
-        begin[: len(own)] = before.u[own]
-    model = LevelModel.of(problem.rows, of_level, gear)
-    if before is not None:
+        begin[: len(of_level)] = before.u[of_level]
         model = model.corrected(begin, problem.rows_of(before.values))
-    shape: Solved | None = None
-    others: list[OtherEnd] = []
-    if is_curved(problem):
+    shape: FitState | None = None
+    others: list[OtherShape] = []
+    if problem.needs_shape_fit:
         u = np.array([each.before for each in unknowns]) if before is None else before.u.copy()
         if before is None:
-            u[own] = stepped(model, begin).u[: len(own)]
-            free = _with_runout(problem, gear.replace(settings_of(unknowns, u)), 0.0, believed, None)
+            u[of_level] = stepped(model, begin).u[: len(of_level)]
+            free = _with_runout(problem, gear.replace(settings_of(unknowns, u)), 0.0, use_prior, None)
             u = with_runout_of(free, problem, u)
-        shape, others = shape_of(problem, gear, u, search=before is None)
-        begin[: len(own)] = shape.state.u[own]
-    fitted, gear, offset = _levels(problem, model, gear, begin, shape, believed, corrected=before is not None)
-    return Ended(problem, fitted, gear, offset, shape, others, believed, np.zeros(len(unknowns)))
+        shape, others = fit_shape(problem, gear, u, search=before is None)
+        begin[: len(of_level)] = shape.u[of_level]
+    model, state, gear, offset = _fit_levels(
+        problem, model, gear, begin, shape, use_prior, corrected=before is not None
+    )
+    by_law = np.zeros(len(unknowns))
+    return Fit(problem, given, gear, model, state, shape, others, use_prior, *offset, by_law)
 
 
-def _levels(
+def _fit_levels(
     problem: Problem,
     model: LevelModel,
     gear: SteeringGear,
     begin: np.ndarray,
-    shape: Solved | None,
-    believed: bool,
+    shape: FitState | None,
+    use_prior: bool,
     *,
     corrected: bool,
     agreed: float = AGREED,
-) -> tuple[LevelFit, SteeringGear, tuple[float, float]]:
-    """Fit the levels beside the shape's end; return the fit, the fitted gear, and the angle's offset."""
+) -> tuple[LevelModel, FitState, SteeringGear, tuple[float, float]]:
+    """Fit the levels beside the shape's end; return model, state, fitted gear, and the angle's offset."""
     if shape is not None:
-        held = settings_of(problem.unknowns, shape.state.u)
-        gear = gear.replace({path: value for path, value in held.items() if path.startswith(CURVED)})
+        held = settings_of(problem.unknowns, shape.u)
+        gear = gear.replace(
+            {path: value for path, value in held.items() if path.startswith(SHAPE_PARAMETERS)}
+        )
         model = replace(model, gear=gear)
 
     def offset_of(values: np.ndarray | None) -> tuple[float, float]:
         if shape is not None:
-            return shape.state.offset, float(np.sqrt(shape.covariance[-1, -1]))
+            return shape.offset, float(np.sqrt(shape.covariance[-1, -1]))
         if values is None or not problem.with_offset:
             return 0.0, 0.0
         return found_offset(problem, values)
 
     def with_runout(fitted: SteeringGear, values: np.ndarray | None) -> SteeringGear:
-        return _with_runout(problem, fitted, offset_of(values)[0], believed, shape)
+        return _with_runout(problem, fitted, offset_of(values)[0], use_prior, shape)
 
-    done = fitted_levels(
+    model, state = fitted_levels(
         model, problem.prediction, problem.rows_of, with_runout, begin, corrected=corrected, agreed=agreed
     )
-    fitted = with_runout(gear.replace(settings_of(list(model.unknowns), done.end.u)), done.values)
-    return done, fitted, offset_of(done.values)
+    fitted = with_runout(gear.replace(settings_of(list(model.unknowns), state.u)), state.values)
+    return model, state, fitted, offset_of(state.values)
 
 
 def _with_runout(
-    problem: Problem, gear: SteeringGear, offset: float, believed: bool, shape: Solved | None
+    problem: Problem, gear: SteeringGear, offset: float, use_prior: bool, shape: FitState | None
 ) -> SteeringGear:
     """The gear with the runout that free torques show with its preload."""
-    runout = runout_in(problem, gear.yoke.preload, 0.0, believed, shape)
+    runout = runout_in(problem, gear.yoke.preload, 0.0, use_prior, shape)
     if runout is None:
         return gear
     e_c, e_s = -runout.vector[1], -runout.vector[0]  # of -P (e_c sin + e_s cos) over the measured angle
@@ -280,26 +284,25 @@ def _with_runout(
     return gear.replace({"pinion.runout": max(runout.size, SMALLEST), "pinion.runout_angle": angle})
 
 
-def _by_other_law(ended: Ended, gear: SteeringGear) -> tuple[np.ndarray, list[str]]:
+def _by_other_law(fit: Fit) -> tuple[np.ndarray, list[str]]:
     """How far another contact law moves the unknowns, and a remark if that is unknown."""
-    law, problem, shape = OTHER_LAW[gear.mesh.contact_law], ended.problem, ended.shape
-    other, by_law, said = gear.replace({"mesh.law": law}), np.zeros(len(ended.problem.unknowns)), []
-    own = [j for j, each in enumerate(problem.unknowns) if each.is_level]
+    law, problem, shape = OTHER_LAW[fit.given.mesh.contact_law], fit.problem, fit.shape_state
+    other, by_law = fit.given.replace({"mesh.law": law}), fit.by_law.copy()
+    of_level = [j for j, each in enumerate(problem.unknowns) if each.is_level]
     try:
         if shape is not None:
-            moved, _ = shape_of(problem, other, shape.state.u, search=False)
-            by_law = moved.state.u - shape.state.u
-            shape = moved
-        model, begin = replace(ended.levels.model, gear=other), ended.levels.end.u
-        fitted, *_ = _levels(
-            problem, model, other, begin, shape, ended.believed, corrected=True, agreed=np.inf
+            moved, _ = fit_shape(problem, other, shape.u, search=False)
+            by_law, shape = moved.u - shape.u, moved
+        model, begin = replace(fit.model, gear=other), fit.ended.u
+        _, state, *_ = _fit_levels(
+            problem, model, other, begin, shape, fit.use_runout_prior, corrected=True, agreed=np.inf
         )
     except NoPredictionError as error:
         return by_law, [f"the fit by mesh.law = {law} has no equilibrium: {error}"]
-    by_law[own] = (fitted.end.u - begin)[: len(own)]
-    if not fitted.end.converged:
-        said.append(f"the fit by mesh.law = {law} did not converge: {fitted.end.why}")
-    return by_law, said
+    by_law[of_level] = (state.u - begin)[: len(of_level)]
+    if not state.converged:
+        return by_law, [f"the fit by mesh.law = {law} did not converge: {state.why}"]
+    return by_law, []
 
 
 # --- Whether measured values can be those of a gear like the one that is expected: the wrong unit shows here
@@ -316,7 +319,7 @@ def check_sizes(measurement: Measurement, gear: SteeringGear) -> None:
         InputError: one sentence for each file that holds such.
     """
     if problems := _wrong_sizes(measurement, gear):
-        raise InputError(problems)
+        raise InputError([f"{problem}." for problem in problems])
 
 
 def doubts(curve: MeasuredTorque, gear: SteeringGear) -> list[str]:
@@ -325,13 +328,13 @@ def doubts(curve: MeasuredTorque, gear: SteeringGear) -> list[str]:
         measurement = measurement_of([(BenchTest("free"), curve)])
     except InputError as error:
         return [problem.removesuffix(".") for problem in error.problems]
-    wrong = [problem.removesuffix(".") for problem in _wrong_sizes(measurement, gear)]
-    return [*wrong, *([] if wrong else beyond_the_teeth(measurement, gear)), *measurement.late]
+    wrong = _wrong_sizes(measurement, gear)
+    return [*(wrong or beyond_the_teeth(measurement, gear)), *measurement.late]
 
 
 def _wrong_sizes(measurement: Measurement, gear: SteeringGear) -> list[str]:
     return [
-        f"{name} {why}."
+        f"{name} {why}"
         for name, passes in _by_file(measurement)
         for why in (*_sizes(passes, gear), *_travels(passes, gear))
     ]
@@ -371,7 +374,7 @@ def _travels(passes: list[MeasuredPass], gear: SteeringGear, most: float = MOST_
 def beyond_the_teeth(measurement: Measurement, gear: SteeringGear) -> list[str]:
     """What is to be said of files whose angles the given gear cannot turn, though another could."""
     said = []
-    for name, own in _by_file(measurement):
-        ratio = "" if own[0].test.pushed else ", and whether its encoder has a ratio"
-        said += [f"{name} {why}{ratio}" for why in _travels(own, gear, ALL_TEETH)]
+    for name, passes in _by_file(measurement):
+        ratio = "" if passes[0].test.pushed else ", and whether its encoder has a ratio"
+        said += [f"{name} {why}{ratio}" for why in _travels(passes, gear, ALL_TEETH)]
     return said

@@ -21,17 +21,17 @@ from rps_exudyn.inference.fitting.identifiability import (
     more_runs,
 )
 from rps_exudyn.inference.fitting.level import LevelEstimate, Runout, Wave, runout_of
-from rps_exudyn.inference.fitting.level_fit import LevelEnd, LevelFit, stepped
+from rps_exudyn.inference.fitting.level_fit import LevelModel, stepped
 from rps_exudyn.inference.fitting.noise import NORMAL
-from rps_exudyn.inference.fitting.nonlinear import OtherEnd, Solved, first_slopes
+from rps_exudyn.inference.fitting.nonlinear import OtherShape, first_slopes
 from rps_exudyn.inference.fitting.posterior import SAMPLES, level_samples, runout_samples, shape_samples
 from rps_exudyn.inference.fitting.prediction import NoPredictionError
-from rps_exudyn.inference.fitting.problem import Problem, State, level_rows, linearised, white_noise
+from rps_exudyn.inference.fitting.problem import FitState, Problem, level_rows, linearised, white_noise
 from rps_exudyn.inference.fitting.series import Series, titles
 from rps_exudyn.inference.fitting.unknowns import (
-    CURVED,
     LEVEL,
     NUISANCES,
+    SHAPE_PARAMETERS,
     SIGNED,
     VECTORS,
     WITHOUT_YOKE,
@@ -41,7 +41,6 @@ from rps_exudyn.inference.fitting.unknowns import (
 )
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.judged_row import JudgedRow, Verdict
-from rps_exudyn.simulate.cases.run_cases import cpu_time
 
 Ends = tuple[float, float]
 UNMOVED = 0.97  # of the prior's deviation: what is left of it where the data determine nothing
@@ -54,19 +53,12 @@ def undetermined(sd: float, before: float) -> Verdict:
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate(JudgedRow):
-    """One parameter, by the name of its path, with its 95 % interval.
+    """One parameter, by the name of its path, with its 95 % interval."""
 
-    Attributes:
-        prior: its value before the fit, SI.
-        prior_sd: relative where the parameter is positive, else SI.
-        sd: the same, after the fit.
-        by_law: difference by the other contact law, likewise.
-    """
-
-    prior: float
-    prior_sd: float
-    sd: float
-    by_law: float
+    prior: float  # its value before the fit, SI
+    prior_sd: float  # relative where the parameter is positive, else SI
+    sd: float  # the same, after the fit
+    by_law: float  # difference by the other contact law, likewise
 
     @classmethod
     def of(
@@ -79,12 +71,10 @@ class Estimate(JudgedRow):
 
     @property
     def path(self) -> str:
-        """Path of the parameter."""
         return self.name
 
     @property
     def interval(self) -> Ends:
-        """Its 95 % interval, SI."""
         return self.low, self.high
 
 
@@ -109,28 +99,20 @@ class Fit:
     """What follows from measured curves for a gear. All values are SI.
 
     Attributes:
-        gear: the gear with the estimates in place.
+        problem: the data and unknowns of the fit.
         given: the gear before the fit.
-        level: of the free torque: half the difference of both directions [N m].
-        levels: the levels of all tests.
-        runout: size and direction of the pinion's runout; None where no curve shows a turn.
-        estimates: value, 95 % interval and verdict of each fitted parameter.
-        combinations: products that the data determine where they do not determine each factor.
-        correlations: of the unknowns in `correlated`, shape (n, n).
-        correlated: paths of these n unknowns.
-        advice: the test that would determine most of the rest.
-        repeats: how many more runs narrow the intervals.
+        gear: the gear with the estimates in place.
+        model: levels and their model, as the last simulation corrects it.
+        ended: where the search of the levels ended.
+        shape_state: where that of the shape ended; None without a bow or an angle error.
+        other_shapes: other gears that explain the curves nearly as well.
+        use_runout_prior: whether an own prior of the runout counts.
         offset: of the measured pinion angle [rad].
         offset_sd: its standard deviation [rad].
-        passes: measured and fitted curves of each pass, shape (angles,).
-        assumed: what the files leave open, and what was assumed of it.
-        warnings: what makes the estimates doubtful.
-        converged: whether the iteration reached its minimum.
+        by_law: what another contact law moves, shape (unknowns,).
+        remarks: what was to be said before the search ended.
         simulations: how many gears were simulated.
         cpu_s: CPU time, of all processes [s].
-        ended: where the steps ended: unknowns, measurement, priors, covariance.
-        series: what the fit of the next gear may begin with.
-        refusals: why nothing counts as found although its interval is narrow.
 
     Examples:
         >>> curve = rps.run("free-pinion-torque", fidelity="quasi-static")
@@ -143,28 +125,61 @@ class Fit:
         True
     """
 
-    gear: SteeringGear
+    problem: Problem = field(repr=False)
     given: SteeringGear
-    level: LevelEstimate | None
-    levels: tuple[LevelEstimate, ...]
-    runout: Runout | None
-    estimates: list[Estimate]
-    combinations: list[Combination]
-    correlations: np.ndarray
-    correlated: list[str]
-    advice: Advice | None
-    repeats: MoreRuns | None
+    gear: SteeringGear
+    model: LevelModel = field(repr=False)
+    ended: FitState = field(repr=False)
+    shape_state: FitState | None = field(repr=False)
+    other_shapes: Sequence[OtherShape]
+    use_runout_prior: bool
     offset: float
     offset_sd: float
-    passes: list[FittedPass]
-    assumed: tuple[str, ...]
-    warnings: tuple[str, ...]
-    converged: bool
-    simulations: int
-    cpu_s: float
-    ended: "Ended" = field(repr=False)
-    series: Series = field(repr=False)
-    refusals: tuple[Refusal, ...] = ()
+    by_law: np.ndarray
+    remarks: tuple[str, ...] = ()
+    simulations: int = 0
+    cpu_s: float = 0.0
+
+    @property
+    def converged(self) -> bool:
+        """Whether the search reached its minimum."""
+        return self.ended.converged and (self.shape_state is None or self.shape_state.converged)
+
+    @property
+    def levels(self) -> tuple[LevelEstimate, ...]:
+        return tuple(self.problem.levels)
+
+    @property
+    def level(self) -> LevelEstimate | None:
+        """Level of the free torque: half the difference of both directions [N m]."""
+        return next((each for each in self.levels if each.test.of_kind.by_angle), None)
+
+    @cached_property
+    def runout(self) -> Runout | None:
+        """Size and direction of the pinion's runout; None where no curve shows a turn."""
+        sds = np.sqrt(np.diag(self.ended.covariance))
+        sd = dict(zip([each.path for each in self.model.unknowns], sds.tolist(), strict=True))
+        preload, preload_sd = self.gear.yoke.preload, sd.get("yoke.preload", 0.0)
+        return runout_in(self.problem, preload, preload_sd, self.use_runout_prior, self.shape_state)
+
+    @cached_property
+    def refusals(self) -> tuple[Refusal, ...]:
+        """Why nothing counts as found although its interval is narrow."""
+        return tuple(refusals(self.problem, self.model, self.ended))
+
+    @cached_property
+    def estimates(self) -> list[Estimate]:
+        """Value, 95 % interval and verdict of each fitted parameter."""
+        found = _levels(self)
+        if self.runout is not None:
+            found += _runouts(self, self.runout)
+        if self.shape_state is not None:
+            shapes = [
+                with_others(each, self.other_shapes) for each in shape_estimates(self, self.shape_state)
+            ]
+            doubt = unexplained(self.problem, self.shape_state)
+            found += [replace(each, verdict=Verdict.UNEXPLAINED) for each in shapes] if doubt else shapes
+        return found
 
     def estimate(self, path: str) -> Estimate:
         """The estimate of one parameter.
@@ -178,24 +193,156 @@ class Fit:
         raise KeyError(path)
 
     @property
-    def problem(self) -> Problem:
-        """The data and unknowns of the fit."""
-        return self.ended.problem
+    def found(self) -> list[str]:
+        """Parameters that the data determine by themselves."""
+        return [each.path for each in self.estimates if each.verdict in (Verdict.FOUND, Verdict.NOT_ZERO)]
+
+    @property
+    def is_separable(self) -> bool:
+        """Whether no parameter of the level is narrowed and yet open."""
+        return not any(each.verdict is Verdict.OPEN and each.path in LEVEL for each in self.estimates)
+
+    @property
+    def combinations(self) -> list[Combination]:
+        """Products that the data determine where they do not determine each factor."""
+        if self.is_separable:
+            return []
+        unsure, paths = (Verdict.OPEN, Verdict.NOT_MOVED), [each.path for each in self.model.unknowns]
+        unclear = [each.path for each in self.estimates if each.verdict in unsure and each.path in LEVEL]
+        where = [paths.index(path) for path in unclear]
+        prior = np.array([self.model.unknowns[j].sd for j in where])
+        found = combination_of(unclear, self.ended.covariance[np.ix_(where, where)], prior)
+        return [found] if found else []
 
     @cached_property
-    def posterior(self) -> dict[str, np.ndarray]:
-        """Path -> values (SAMPLES,) of what was fitted, as it varies together, SI; {} without an estimate."""
-        return _posterior(self) if self.converged else {}
+    def correlated(self) -> list[str]:
+        """Paths of the unknowns of level and shape."""
+        names = [each.path for each in self.model.unknowns]
+        if self.shape_state is not None:
+            shapes = [each for each in self.problem.unknowns if not each.is_level]
+            names += [f"{each.path} {each.component}".strip() for each in shapes]
+        return names
+
+    @cached_property
+    def correlations(self) -> np.ndarray:
+        """Of the unknowns in `correlated`, shape (n, n); those of level and shape are none."""
+        covariance = self.ended.covariance
+        if self.shape_state is not None:
+            where = [j for j, each in enumerate(self.problem.unknowns) if not each.is_level]
+            shapes = self.shape_state.covariance[np.ix_(where, where)]
+            zero = np.zeros((covariance.shape[0], shapes.shape[0]))
+            covariance = np.block([[covariance, zero], [zero.T, shapes]])
+        spread = np.sqrt(np.diag(covariance))
+        return np.asarray(covariance / np.outer(spread, spread))
+
+    @cached_property
+    def advice(self) -> Advice | None:
+        """The tests that would determine most of the rest."""
+        if self.is_separable:
+            return None
+        paths, rows, tests = (*LEVEL, *NUISANCES), self.problem.rows, self.problem.measurement.tests
+        by_test = {test: logarithmic_slopes(self.gear, test, paths) for test in tests}
+        slopes = np.array(
+            [direction @ by_test[test] for test, direction in zip(rows.tests, rows.directions, strict=True)]
+        )
+        data = LevelData(paths, slopes.T @ np.linalg.solve(rows.covariance, slopes))
+        return advice_of(self.gear, data, tests)
+
+    @cached_property
+    def repeats(self) -> MoreRuns | None:
+        """How many more runs of all tests narrow the intervals; None of one test."""
+        half_intervals = {
+            each.path: (each.interval[1] - each.interval[0]) / 2 / each.value
+            for each in self.estimates
+            if each.path in WANTED and each.verdict in (Verdict.FOUND, Verdict.BY_PRIOR)
+        }
+        if len(self.levels) < 2 or not half_intervals:
+            return None
+        runs = min(each.runs for each in self.levels)
+        slopes, (_, sd) = self.model.slopes(self.ended.u), self.model.priors()
+
+        def repeated(count: int) -> dict[str, float]:
+            covariance = level_rows(self.levels, count / runs).covariance
+            information = np.diag(sd**-2.0) + slopes.T @ np.linalg.solve(covariance, slopes)
+            deviations = np.sqrt(np.diag(np.linalg.inv(information)))
+            return {each.path: float(deviations[j]) for j, each in enumerate(self.model.unknowns)}
+
+        return more_runs(half_intervals, runs, repeated)
+
+    @cached_property
+    def passes(self) -> list[FittedPass]:
+        """Measured and fitted curves of each pass."""
+        problem, state, drawn = self.problem, self.ended, []
+        slopes, rows = self.model.slopes(state.u), problem.rows
+        variances = np.einsum("ij,jk,ik->i", slopes, state.covariance, slopes)
+        of_rows = problem.rows_of(state.values)
+        for number, each in enumerate(problem.measurement.passes):
+            block, at = problem.block_of(number)
+            values = problem.prediction.part(at, state.values)
+            of_test = [i for i, test in enumerate(rows.tests) if test == each.test]
+            zero = rows.values[of_test[1]] - of_rows[of_test[1]] if len(of_test) == 2 else 0.0
+            half = NORMAL * float(np.sqrt(max(variances[of_test[0]], 0.0)))
+            name, test, white = problem.measurement.names[each.run], each.test, problem.whites[number]
+            model = block.at(values, each.direction, each.angle - self.offset) + zero
+            band, by_angle = np.full(each.angle.size, half), test.of_kind.by_angle
+            measured = name, test.title, by_angle, each.direction, each.angle, each.value
+            drawn.append(FittedPass(*measured, model, band, white, test.unit))
+        return drawn
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """What the files leave open, and what was assumed of it."""
+        return self.problem.measurement.assumed
 
     @property
     def left_out(self) -> tuple[str, ...]:
         """Rows of the files that were not fitted, and why."""
-        return self.ended.problem.measurement.left_out
+        return self.problem.measurement.left_out
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What makes the estimates doubtful."""
+        said = [*self.remarks, *(each.sentence for each in self.refusals), *notes(self.problem, self.gear)]
+        said += _warnings(self)
+        if self.shape_state is not None:
+            said += shape_sentences(self, self.shape_state)
+            said += [doubt] if (doubt := unexplained(self.problem, self.shape_state)) else []
+        return tuple(said)
+
+    @cached_property
+    def series(self) -> Series:
+        """What the fit of the next gear may begin with."""
+        fitted = dict(zip([each.path for each in self.model.unknowns], self.ended.u, strict=True))
+        unknowns = self.problem.unknowns
+        u = np.zeros(len(unknowns)) if self.shape_state is None else self.shape_state.u
+        u = with_runout_of(self.gear, self.problem, u)
+        u = np.array([fitted.get(each.path, value) for each, value in zip(unknowns, u, strict=True)])
+        paths, law = tuple(each.path for each in unknowns), self.given.mesh.contact_law
+        return Series(law, paths, titles(self.problem), u, self.ended.values, self.by_law)
+
+    @cached_property
+    def posterior(self) -> dict[str, np.ndarray]:
+        """Path -> values (SAMPLES,) of what was fitted, as it varies together, SI; {} without an estimate."""
+        if not self.converged:
+            return {}
+        problem, state = self.problem, self.shape_state
+        moved = np.array([self.laws.get(each.path, 0.0) for each in self.model.unknowns])
+        found = level_samples(self.model, self.ended, moved)
+        if self.runout is not None:
+            preload = found.get("yoke.preload", np.full(SAMPLES, self.gear.yoke.preload))
+            found |= runout_samples(self.runout, self.gear.pinion.runout_angle, self.offset_sd, preload)
+        shaping = [j for j, each in enumerate(problem.unknowns) if each.path not in (*LEVEL, "pinion.runout")]
+        if state is not None and shaping and not unexplained(problem, state):
+            covariance = state.covariance[np.ix_(shaping, shaping)]
+            unknowns = [problem.unknowns[j] for j in shaping]
+            found |= shape_samples(unknowns, state.u[shaping], covariance, self.by_law[shaping])
+        return found
 
     @property
-    def found(self) -> list[str]:
-        """Parameters that the data determine by themselves."""
-        return [each.path for each in self.estimates if each.verdict in (Verdict.FOUND, Verdict.NOT_ZERO)]
+    def laws(self) -> dict[str, float]:
+        """Path of the level's parameters -> what another contact law moves."""
+        unknowns = zip(self.problem.unknowns, self.by_law.tolist(), strict=True)
+        return {each.path: law for each, law in unknowns if each.is_level}
 
 
 # --- What the shape of curves determines: runout and bow by size and direction, and the angle error
@@ -208,19 +355,17 @@ ALIKE = 0.9  # correlation from which on two unknowns are named together
 BY_HAND = "the bar between centres under a dial gauge shows its bow"
 
 
-def shape_estimates(
-    problem: Problem, u: np.ndarray, covariance: np.ndarray, by_law: np.ndarray, quantile: float
-) -> list[Estimate]:
-    """Return the estimates of bow and angle error by the shape."""
-    found = []
-    for j, unknown in enumerate(problem.unknowns):
+def shape_estimates(fit: Fit, state: FitState) -> list[Estimate]:
+    found, covariance = [], state.covariance
+    for j, unknown in enumerate(fit.problem.unknowns):
         if unknown.path == "pinion.runout":
             continue
         if unknown.component == "cos":
-            found += _vector(problem, j, u[j : j + 2], covariance[j : j + 2, j : j + 2], by_law, quantile)
+            two = slice(j, j + 2)
+            found += _vector(fit.problem.unknowns[two], state.u[two], covariance[two, two], fit.by_law[two])
         elif not unknown.component and not unknown.is_level:
-            value, sd, law = float(u[j]), float(np.sqrt(covariance[j, j])), float(by_law[j])
-            half = quantile * sd + abs(law)
+            value, sd, law = float(state.u[j]), float(np.sqrt(covariance[j, j])), float(fit.by_law[j])
+            half = NORMAL * sd + abs(law)
             verdict = _shape_verdict(unknown, sd, abs(value) > half)
             interval, before = (value - half, value + half), (unknown.before, unknown.sd)
             found.append(Estimate.of(unknown.path, value, interval, before, sd, law, verdict))
@@ -229,35 +374,36 @@ def shape_estimates(
 
 def _shape_verdict(unknown: Unknown, sd: float, differs: bool) -> Verdict:
     """What is said of an unknown of this standard deviation, which differs from zero or not."""
-    if unknown.is_curved and sd > NARROWED * unknown.sd:
+    if unknown.needs_shape_fit and sd > NARROWED * unknown.sd:
         return undetermined(sd, unknown.sd)
     return Verdict.NOT_ZERO if differs else Verdict.MAYBE_ZERO
 
 
 def _vector(
-    problem: Problem, j: int, vector: np.ndarray, covariance: np.ndarray, by_law: np.ndarray, quantile: float
+    unknowns: Sequence[Unknown], vector: np.ndarray, covariance: np.ndarray, by_law: np.ndarray
 ) -> list[Estimate]:
-    unknown, size = problem.unknowns[j], float(np.hypot(*vector))
+    """Estimates of a vector's size and, where it differs from zero, of its direction."""
+    (unknown, other), size = unknowns, float(np.hypot(*vector))
     along = vector / size if size else np.array([1.0, 0.0])
     across = np.array([-along[1], along[0]])
-    sds = [float(np.sqrt(way @ covariance @ way)) for way in (along, across)]
-    laws = [float(by_law[j : j + 2] @ way) for way in (along, across)]
+    sds = [float(np.sqrt(direction @ covariance @ direction)) for direction in (along, across)]
+    laws = [float(by_law @ direction) for direction in (along, across)]
     sure = float(vector @ np.linalg.solve(covariance, vector)) > SURE_SHAPE and size > abs(laws[0])
-    half = quantile * sds[0] + abs(laws[0])
+    half = NORMAL * sds[0] + abs(laws[0])
     interval = max(0.0, size - half), size + half
     verdict = _shape_verdict(unknown, float(np.sqrt(np.max(np.linalg.eigvalsh(covariance)))), sure)
-    before = float(np.hypot(unknown.before, problem.unknowns[j + 1].before)), unknown.sd
+    before = float(np.hypot(unknown.before, other.before)), unknown.sd
     found = [Estimate.of(unknown.path, size, interval, before, sds[0], laws[0], verdict)]
     if verdict is Verdict.NOT_ZERO:
         angle = float(np.arctan2(vector[1], vector[0]))
-        half = (quantile * sds[1] + abs(laws[1])) / size
+        half = (NORMAL * sds[1] + abs(laws[1])) / size
         path, sd, law = f"{unknown.path}_angle", sds[1] / size, laws[1] / size
         ends = angle - half, angle + half
         found.append(Estimate.of(path, angle, ends, (0.0, np.pi), sd, law, Verdict.NOT_ZERO))
     return found
 
 
-def with_others(each: Estimate, others: Sequence[OtherEnd]) -> Estimate:
+def with_others(each: Estimate, others: Sequence[OtherShape]) -> Estimate:
     """Return an estimate whose interval also holds other ends that explain the curves as well."""
     values = [
         other.settings[each.path] for other in others if other.worse < AS_GOOD and each.path in other.settings
@@ -269,18 +415,16 @@ def with_others(each: Estimate, others: Sequence[OtherEnd]) -> Estimate:
     return replace(each, low=low, high=high, verdict=Verdict.OPEN if unsure else each.verdict)
 
 
-def unexplained(problem: Problem, shape: Solved | None) -> str:
+def unexplained(problem: Problem, shape: FitState) -> str:
     """Return what is to be said of a fit with bow or angle error that does not explain its curves' shape:
     then bow, angle error and runout may be those of a wrong end, which has small errors of its own.
 
     Noise that keeps its sign over some degrees looks the same; three runs or a dial gauge decide.
     """
-    if shape is None:
-        return ""
     passes = [each for each in problem.measurement.passes if each.test.of_kind.by_angle]
     squares = [
         float(row.weights @ row.deviation**2 / row.weights.sum()) / white_noise(each) ** 2
-        for each, row in zip(passes, shape.equations.rows, strict=True)
+        for each, row in zip(passes, shape.rows, strict=True)
     ]
     points = sum(each.value.size for each in passes)
     misfit = float(np.sqrt(np.mean([SOFT * square for square in squares])))
@@ -292,29 +436,27 @@ def unexplained(problem: Problem, shape: Solved | None) -> str:
     )
 
 
-def shape_sentences(
-    problem: Problem, estimates: Sequence[Estimate], covariance: np.ndarray, others: Sequence[OtherEnd]
-) -> Iterator[str]:
+def shape_sentences(fit: Fit, state: FitState) -> Iterator[str]:
     """What the shape cannot separate, and which test would."""
-    for other in others:
+    for other in fit.other_shapes:
         size, angle = 1e3 * other.settings["rack.bow"], np.degrees(other.settings["rack.bow_angle"])
         yield (
             f"a bow of {size:.3f} mm at {angle:.0f} deg explains the curves nearly as well (chi squared "
             f"{other.worse:.1f} larger); {BY_HAND}"
         )
     unsure = (Verdict.OPEN, Verdict.NOT_MOVED)
-    paths = [each.path for each in estimates if each.path in CURVED and each.verdict in unsure]
+    paths = [e.path for e in fit.estimates if e.path in SHAPE_PARAMETERS and e.verdict in unsure]
     if paths:
         yield (
             f"{' and '.join(paths)} not identifiable from these curves: an angle error shows in each turn, "
             f"a bow only over the rack's travel; turn the pinion from lock to lock, or {BY_HAND}"
         )
+    covariance, unknowns = state.covariance, fit.problem.unknowns
     sds = np.sqrt(np.diag(covariance))
-    for i, one in enumerate(problem.unknowns):
-        for j in range(i):
-            other_one = problem.unknowns[j]
+    for i, one in enumerate(unknowns):
+        for j, other_one in enumerate(unknowns[:i]):
             alike = abs(covariance[i, j]) > ALIKE * sds[i] * sds[j]
-            if alike and (one.is_curved or other_one.is_curved) and one.path != other_one.path:
+            if alike and (one.needs_shape_fit or other_one.needs_shape_fit) and one.path != other_one.path:
                 pair = f"{other_one.path} and {one.path}"
                 yield f"{pair} are known better in combination than each by itself: {BY_HAND}"
 
@@ -322,7 +464,7 @@ def shape_sentences(
 # --- From where the steps of a fit ended to what is said about it
 
 FAR_FROM_PRIOR = 2.5  # standard deviations from what was expected
-WIDER = 3.0  # times the deviations of all beliefs: what is found hardly moves by them
+WIDER = 3.0  # times the deviations of all priors: what is found hardly moves by them
 WIDEST = {
     "yoke.preload": 0.20,
     "mesh.friction": 0.35,
@@ -330,32 +472,12 @@ WIDEST = {
     "bush.drag": 0.25,
     "bearing.friction_torque": 0.20,
 }
-"""Half of the 95 % interval with such wide beliefs, of the value, from which on nothing is found."""
+"""Half of the 95 % interval with such wide priors, of the value, from which on nothing is found."""
 DRAG_WITHOUT_YOKE = "bush.drag without yoke"
 
 
-@dataclass(frozen=True, eq=False)
-class Ended:
-    """Where a fit ended."""
-
-    problem: Problem
-    levels: LevelFit
-    gear: SteeringGear  # with the estimates in place
-    offset: tuple[float, float]  # of the measured angle, and its deviation [rad]
-    shape: Solved | None  # where a bow or an angle error is fitted
-    others: Sequence[OtherEnd]
-    believed: bool  # whether a prior of the runout counts
-    by_law: np.ndarray  # what another contact law moves, shape (unknowns,)
-
-    @property
-    def laws(self) -> dict[str, float]:
-        """Path of the level's parameters -> what another contact law moves."""
-        unknowns = zip(self.problem.unknowns, self.by_law.tolist(), strict=True)
-        return {each.path: law for each, law in unknowns if each.is_level}
-
-
 def runout_in(
-    problem: Problem, preload: float, preload_sd: float, believed: bool, shape: Solved | None
+    problem: Problem, preload: float, preload_sd: float, use_prior: bool, shape: FitState | None
 ) -> Runout | None:
     """Return the runout that the free torque shows, for a preload [N]; None where it is not fitted or no turn
     was covered.
@@ -363,108 +485,40 @@ def runout_in(
     Half the sum of both directions shows it. With a bow, which moves that sum over the travel, it is what the
     shape's steps found beside the bow, if they explain the curves.
     """
-    own = [each for each in problem.unknowns if each.path == "pinion.runout"]
+    components = [each for each in problem.unknowns if each.path == "pinion.runout"]
     free = [each for each in problem.levels if each.test.of_kind.by_angle and each.first is not None]
-    if not own or not free:
+    if not components or not free:
         return None
     if shape is not None and not unexplained(problem, shape):
         return runout_of(replace(free[0], first=_wave_of_shape(problem, shape, preload)), preload, preload_sd)
     seen = free[0].first
     assert seen is not None
-    if not believed or not seen.size:
+    if not use_prior or not seen.size:
         return runout_of(free[0], preload, preload_sd)
-    size = float(np.hypot(own[0].before, own[1].before))  # believed in whatever direction the curve shows
-    prior = Wave(preload * size * seen.vector / seen.size, preload * own[0].sd)
+    size = float(
+        np.hypot(components[0].before, components[1].before)
+    )  # in whatever direction the curve shows
+    prior = Wave(preload * size * seen.vector / seen.size, preload * components[0].sd)
     found = runout_of(free[0], preload, preload_sd, prior)
     return found and replace(found, angle_sd=seen.sd / seen.size)
 
 
-def _wave_of_shape(problem: Problem, shape: Solved, preload: float) -> Wave:
+def _wave_of_shape(problem: Problem, shape: FitState, preload: float) -> Wave:
     """The half sum's wave of the runout that the shape's steps found, by the larger of its two deviations;
     `preload` is that of a fit that holds it.
 
     It is -P (e_c sin + e_s cos) over the model's angle, which is the measured one less the offset.
     """
-    u, paths = shape.state.u, [each.path for each in problem.unknowns]
+    u, paths = shape.u, [each.path for each in problem.unknowns]
     j = paths.index("pinion.runout")
     of_preload = [k for k, path in enumerate(paths) if path == "yoke.preload"]
     where = [j, j + 1, *of_preload]
     by = np.column_stack([np.eye(2), *(u[j : j + 2] for _ in of_preload)])  # of P e by e and ln P, over P
     spread = by @ shape.covariance[np.ix_(where, where)] @ by.T
     preload = settings_of(problem.unknowns, u).get("yoke.preload", preload)
-    e_c, e_s, sin, cos = float(u[j]), float(u[j + 1]), np.sin(shape.state.offset), np.cos(shape.state.offset)
+    e_c, e_s, sin, cos = float(u[j]), float(u[j + 1]), np.sin(shape.offset), np.cos(shape.offset)
     vector = -preload * np.array([e_s * cos - e_c * sin, e_c * cos + e_s * sin])
     return Wave(vector, preload * float(np.sqrt(np.linalg.eigvalsh(spread)[-1])))
-
-
-def outcome_of(ended: Ended, gear: SteeringGear, warnings: list[str], began: float) -> Fit:
-    """Return the fit with its intervals, verdicts, combinations and notes; `gear` is the expected one."""
-    problem, levels = ended.problem, ended.levels
-    end, unknowns = levels.end, list(levels.model.unknowns)
-    paths = [each.path for each in unknowns]
-    refused = refusals(problem, levels)
-    preload = paths.index("yoke.preload") if "yoke.preload" in paths else None
-    preload_sd = 0.0 if preload is None else float(np.sqrt(end.covariance[preload, preload]))
-    runout = runout_in(problem, ended.gear.yoke.preload, preload_sd, ended.believed, ended.shape)
-    estimates = _levels(ended, refused)
-    if runout is not None:
-        estimates += _runouts(ended, runout)
-    doubt = ""
-    if ended.shape is not None:
-        shapes = shape_estimates(problem, ended.shape.state.u, ended.shape.covariance, ended.by_law, NORMAL)
-        shapes = [with_others(each, ended.others) for each in shapes]
-        doubt = unexplained(problem, ended.shape)
-        estimates += [replace(each, verdict=Verdict.UNEXPLAINED) for each in shapes] if doubt else shapes
-    data = level_data(problem, ended.gear)
-    is_open = [each.path for each in estimates if each.verdict is Verdict.OPEN and each.path in LEVEL]
-    unclear = [each.path for each in estimates if each.verdict in (Verdict.OPEN, Verdict.NOT_MOVED)]
-    unclear = [path for path in unclear if path in LEVEL] if is_open else []
-    where = [paths.index(path) for path in unclear]
-    prior = np.array([unknowns[j].sd for j in where])
-    combination = combination_of(unclear, end.covariance[np.ix_(where, where)], prior)
-    correlated, covariance = _covariance(ended)
-    spread = np.sqrt(np.diag(covariance))
-    free = [each for each in problem.levels if each.test.of_kind.by_angle]
-    said = [*warnings, *(each.sentence for each in refused), *notes(problem, ended.gear)]
-    said += _warnings(ended, estimates)
-    if ended.shape is not None:
-        said += shape_sentences(problem, estimates, ended.shape.covariance, ended.others)
-    converged = end.converged and (ended.shape is None or ended.shape.converged)
-    law, fitted = gear.mesh.contact_law, tuple(each.path for each in problem.unknowns)
-    return Fit(
-        gear=ended.gear,
-        given=gear,
-        level=free[0] if free else None,
-        levels=tuple(problem.levels),
-        runout=runout,
-        estimates=estimates,
-        combinations=[combination] if combination else [],
-        correlations=covariance / np.outer(spread, spread),
-        correlated=correlated,
-        advice=advice_of(ended.gear, data, problem.measurement.tests) if is_open else None,
-        repeats=_more_runs(problem, levels, estimates),
-        offset=ended.offset[0],
-        offset_sd=ended.offset[1],
-        passes=_fitted_passes(ended),
-        assumed=problem.measurement.assumed,
-        warnings=(*said, *([doubt] if doubt else [])),
-        converged=converged,
-        simulations=problem.prediction.simulations,
-        cpu_s=cpu_time() - began,
-        ended=ended,
-        series=Series(law, fitted, titles(problem), _all_unknowns(ended), levels.values, ended.by_law),
-        refusals=tuple(refused),
-    )
-
-
-def _all_unknowns(ended: Ended) -> np.ndarray:
-    """Values of all unknowns but the nuisances: of the level, of the runout, of the shape."""
-    fitted = dict(zip([each.path for each in ended.levels.model.unknowns], ended.levels.end.u, strict=True))
-    u = np.zeros(len(ended.problem.unknowns)) if ended.shape is None else ended.shape.state.u
-    u = with_runout_of(ended.gear, ended.problem, u)
-    for j, each in enumerate(ended.problem.unknowns):
-        u[j] = fitted.get(each.path, u[j])
-    return u
 
 
 def with_runout_of(gear: SteeringGear, problem: Problem, u: np.ndarray) -> np.ndarray:
@@ -476,104 +530,42 @@ def with_runout_of(gear: SteeringGear, problem: Problem, u: np.ndarray) -> np.nd
     return u
 
 
-def _covariance(ended: Ended) -> tuple[list[str], np.ndarray]:
-    """Names and covariance of the unknowns of level and shape, each by itself."""
-    names = [each.path for each in ended.levels.model.unknowns]
-    covariance = ended.levels.end.covariance
-    if ended.shape is None:
-        return names, covariance
-    own = [j for j, each in enumerate(ended.problem.unknowns) if not each.is_level]
-    shapes = ended.shape.covariance[np.ix_(own, own)]
-    zero = np.zeros((covariance.shape[0], shapes.shape[0]))
-    names += [f"{ended.problem.unknowns[j].path} {ended.problem.unknowns[j].component}".strip() for j in own]
-    return names, np.block([[covariance, zero], [zero.T, shapes]])
-
-
-def level_data(problem: Problem, fitted: SteeringGear) -> LevelData:
-    """Return what the levels determine of all level parameters and nuisances, freed or not."""
-    paths, rows = (*LEVEL, *NUISANCES), problem.rows
-    by_test = {test: logarithmic_slopes(fitted, test, paths) for test in dict.fromkeys(rows.tests)}
-    slopes = np.array([way @ by_test[test] for test, way in zip(rows.tests, rows.ways, strict=True)])
-    return LevelData(paths, slopes.T @ np.linalg.solve(rows.covariance, slopes))
-
-
-def _posterior(fit: Fit) -> dict[str, np.ndarray]:
-    """Samples of level, runout and, where it explains the curves, shape."""
-    ended, runout = fit.ended, fit.runout
-    moved = np.array([ended.laws.get(each.path, 0.0) for each in ended.levels.model.unknowns])
-    found = level_samples(ended.levels.model, ended.levels.end, moved)
-    if runout is not None:
-        preload = found.get("yoke.preload", np.full(SAMPLES, ended.gear.yoke.preload))
-        found |= runout_samples(runout, ended.gear.pinion.runout_angle, ended.offset[1], preload)
-    others = (*LEVEL, "pinion.runout")
-    shaping = [j for j, each in enumerate(ended.problem.unknowns) if each.path not in others]
-    if ended.shape is not None and shaping and not unexplained(ended.problem, ended.shape):
-        covariance = ended.shape.covariance[np.ix_(shaping, shaping)]
-        own = [ended.problem.unknowns[j] for j in shaping]
-        found |= shape_samples(own, ended.shape.state.u[shaping], covariance, ended.by_law[shaping])
-    return found
-
-
-def _more_runs(problem: Problem, levels: LevelFit, estimates: Sequence[Estimate]) -> MoreRuns | None:
-    """What repeats of several tests would reach, where they determine preload and friction at all."""
-    known = (Verdict.FOUND, Verdict.BY_PRIOR)
-    halves = {
-        each.path: (each.interval[1] - each.interval[0]) / 2 / each.value
-        for each in estimates
-        if each.path in WANTED and each.verdict in known
-    }
-    if len(problem.levels) < 2 or not halves:
-        return None
-    runs = min(each.runs for each in problem.levels)
-    slopes, (_, sd) = levels.model.slopes(levels.end.u), levels.model.beliefs()
-
-    def repeated(count: int) -> dict[str, float]:
-        covariance = level_rows(problem.levels, count / runs).covariance
-        information = np.diag(sd**-2.0) + slopes.T @ np.linalg.solve(covariance, slopes)
-        deviations = np.sqrt(np.diag(np.linalg.inv(information)))
-        return {each.path: float(deviations[j]) for j, each in enumerate(levels.model.unknowns)}
-
-    return more_runs(halves, runs, repeated)
-
-
-def _levels(ended: Ended, refused: Sequence[Refusal]) -> list[Estimate]:
-    """Estimates of the level's parameters; found is what wider beliefs hardly move."""
-    model, end = ended.levels.model, ended.levels.end
-    wide, laws = _by_wide_beliefs(ended), ended.laws
-    kinds, found = {test.kind for test in ended.problem.measurement.tests}, []
-    paths = [each.path for each in model.unknowns]
-    for j, unknown in enumerate(model.unknowns):
+def _levels(fit: Fit) -> list[Estimate]:
+    """Estimates of the level's parameters; found is what wider priors hardly move."""
+    wide, unknowns, found = _with_wide_priors(fit), fit.model.unknowns, []
+    has_yoke_out = any(test.kind == "yoke-out" for test in fit.problem.measurement.tests)
+    paths = [each.path for each in unknowns]
+    for unknown, direction in zip(unknowns, np.eye(len(paths)), strict=True):
         if unknown.is_nuisance:
             continue
-        law, direction = laws[unknown.path], np.eye(len(paths))[j]
-        verdict = _verdict(unknown, direction, end, wide, law)
-        if verdict is Verdict.FOUND and refused and unknown.path != "bearing.friction_torque":
+        law = fit.laws[unknown.path]
+        verdict = _verdict(unknown, direction, fit.ended, wide, law)
+        if verdict is Verdict.FOUND and fit.refusals and unknown.path != "bearing.friction_torque":
             verdict = Verdict.BY_PRIOR
-        if unknown.path == "bush.drag" and "yoke-out" in kinds and verdict is not Verdict.FOUND:
+        if unknown.path == "bush.drag" and has_yoke_out and verdict is not Verdict.FOUND:
             verdict = Verdict.BY_RATIO
-        found.append(_estimate(unknown, unknown.path, direction, end, law, verdict))
+        found.append(_estimate(unknown, unknown.path, direction, fit.ended, law, verdict))
         if verdict is Verdict.BY_RATIO:
             direction = direction + np.eye(len(paths))[paths.index(WITHOUT_YOKE)]
-            verdict = _verdict(unknown, direction, end, wide, law)
+            verdict = _verdict(unknown, direction, fit.ended, wide, law)
             if verdict is Verdict.FOUND:
-                found.append(_estimate(unknown, DRAG_WITHOUT_YOKE, direction, end, law, verdict))
+                found.append(_estimate(unknown, DRAG_WITHOUT_YOKE, direction, fit.ended, law, verdict))
     return found
 
 
-def _by_wide_beliefs(ended: Ended) -> LevelEnd:
-    """The end with beliefs three times as wide, parameters that were not freed doubted as well; of the fit's
+def _with_wide_priors(fit: Fit) -> FitState:
+    """The end with priors three times as wide, parameters that were not freed doubted as well; of the fit's
     unknowns."""
-    model, end = ended.levels.model, ended.levels.end
-    paths = [each.path for each in model.unknowns]
-    values = {path: ended.gear.value_at(path) for path in LEVEL if path not in paths}
-    held = unknowns_of(ended.gear, [path for path, value in values.items() if value > 0], {})
-    doubting = replace(model, unknowns=[*model.unknowns, *held]).believing(WIDER)
-    wide = stepped(doubting, np.append(end.u, [each.before for each in held]))
-    covariance = wide.covariance[: end.u.size, : end.u.size]
-    return replace(wide, u=wide.u[: end.u.size], information=np.linalg.inv(covariance))
+    u, paths = fit.ended.u, [each.path for each in fit.model.unknowns]
+    held = [path for path in LEVEL if path not in paths and fit.gear.value_at(path) > 0]
+    doubted = unknowns_of(fit.gear, held, {})
+    model = replace(fit.model, unknowns=[*fit.model.unknowns, *doubted]).with_priors(WIDER)
+    wide = stepped(model, np.append(u, [each.before for each in doubted]))
+    covariance = wide.covariance[: u.size, : u.size]
+    return replace(wide, u=wide.u[: u.size], information=np.linalg.inv(covariance))
 
 
-def _verdict(unknown: Unknown, direction: np.ndarray, end: LevelEnd, wide: LevelEnd, law: float) -> Verdict:
+def _verdict(unknown: Unknown, direction: np.ndarray, end: FitState, wide: FitState, law: float) -> Verdict:
     """What is said of the sum of logarithms that `direction` (unknowns,) makes."""
     sd, widened = (float(np.sqrt(direction @ each @ direction)) for each in (end.covariance, wide.covariance))
     still = abs(float(direction @ (wide.u - end.u))) < sd
@@ -584,7 +576,7 @@ def _verdict(unknown: Unknown, direction: np.ndarray, end: LevelEnd, wide: Level
 
 
 def _estimate(
-    unknown: Unknown, path: str, direction: np.ndarray, end: LevelEnd, law: float, verdict: Verdict
+    unknown: Unknown, path: str, direction: np.ndarray, end: FitState, law: float, verdict: Verdict
 ) -> Estimate:
     sd, value = float(np.sqrt(direction @ end.covariance @ direction)), float(np.exp(direction @ end.u))
     half = NORMAL * sd + abs(law)
@@ -593,10 +585,9 @@ def _estimate(
     return Estimate.of(path, value, interval, before, sd, law, verdict)
 
 
-def _runouts(ended: Ended, runout: Runout) -> list[Estimate]:
-    """Estimates of the runout and, where it is found, of its direction."""
-    unknown, other = (each for each in ended.problem.unknowns if each.path == "pinion.runout")
-    law = -runout.size * ended.laws.get("yoke.preload", 0.0)
+def _runouts(fit: Fit, runout: Runout) -> list[Estimate]:
+    unknown, other = (each for each in fit.problem.unknowns if each.path == "pinion.runout")
+    law = -runout.size * fit.laws.get("yoke.preload", 0.0)
     low, high = runout.interval
     interval = max(0.0, low - abs(law)), high + abs(law)
     verdict = Verdict.NOT_ZERO if runout.is_found else Verdict.MAYBE_ZERO
@@ -604,43 +595,23 @@ def _runouts(ended: Ended, runout: Runout) -> list[Estimate]:
     size = float(np.hypot(unknown.before, other.before))
     found = [Estimate.of(unknown.path, runout.size, interval, (size, unknown.sd), sd, law, verdict)]
     if runout.is_found:
-        angle, sd = ended.gear.pinion.runout_angle, float(np.hypot(runout.angle_sd, ended.offset[1]))
+        angle, sd = fit.gear.pinion.runout_angle, float(np.hypot(runout.angle_sd, fit.offset_sd))
         ends = angle - NORMAL * sd, angle + NORMAL * sd
         found.append(Estimate.of("pinion.runout_angle", angle, ends, (0.0, np.pi), sd, 0.0, verdict))
     return found
 
 
-def _fitted_passes(ended: Ended) -> list[FittedPass]:
-    problem, levels, drawn = ended.problem, ended.levels, []
-    slopes, rows = levels.model.slopes(levels.end.u), problem.rows
-    variances = np.einsum("ij,jk,ik->i", slopes, levels.end.covariance, slopes)
-    of_rows = problem.rows_of(levels.values)
-    for number, each in enumerate(problem.measurement.passes):
-        block, at = problem.block_of(number)
-        values = problem.prediction.part(at, levels.values)
-        own = [i for i, test in enumerate(rows.tests) if test == each.test]
-        zero = rows.values[own[1]] - of_rows[own[1]] if len(own) == 2 else 0.0
-        half = NORMAL * float(np.sqrt(max(variances[own[0]], 0.0)))
-        name, test, white = problem.measurement.names[each.run], each.test, problem.whites[number]
-        model = block.at(values, each.direction, each.angle - ended.offset[0]) + zero
-        band, by_angle = np.full(each.angle.size, half), test.of_kind.by_angle
-        measured = name, test.title, by_angle, each.direction, each.angle, each.value
-        drawn.append(FittedPass(*measured, model, band, white, test.unit))
-    return drawn
-
-
-def _warnings(ended: Ended, estimates: Sequence[Estimate]) -> Iterator[str]:
-    """What is to be said of the steps and of the estimates themselves."""
-    why = ended.levels.end.why or (ended.shape.why if ended.shape else "")
-    if not ended.levels.end.converged or (ended.shape and not ended.shape.converged):
+def _warnings(fit: Fit) -> Iterator[str]:
+    if not fit.converged:
+        why = fit.ended.why or (fit.shape_state.why if fit.shape_state else "")
         yield f"the fit did not converge ({why}); its last iteration is written, not an estimate"
-    for each in estimates:
+    for each in fit.estimates:
         if each.path in LEVEL and abs(np.log(each.value / each.prior)) > FAR_FROM_PRIOR * each.prior_sd:
             yield f"{each.path} lies far from the prior: the prior or the model may be wrong"
         if each.path in LEVEL and each.path.endswith("friction") and each.value > 0.98:
             yield f"{each.path} is at its limit of 1"
-    runouts = [each for each in estimates if each.path in (*VECTORS, *SIGNED)]
-    if ended.problem.with_offset and not any(each.verdict is Verdict.NOT_ZERO for each in runouts):
+    runouts = [each for each in fit.estimates if each.path in (*VECTORS, *SIGNED)]
+    if fit.problem.with_offset and not any(each.verdict is Verdict.NOT_ZERO for each in runouts):
         yield "the offset of the angle is known except for whole tooth pitches, as there is no runout"
 
 
@@ -656,19 +627,19 @@ def shape_claims(fit: Fit) -> dict[str, float]:
 
     One simulation for each parameter of the level.
     """
-    problem, gear = fit.ended.problem, fit.given
+    problem, gear = fit.problem, fit.given
     held = {path: fit.gear.value_at(path) for path in (*VECTORS, *SIGNED, "rack.bow_angle")}
     names = [j for j, each in enumerate(problem.unknowns) if each.is_level]
-    own = replace(problem, unknowns=[problem.unknowns[j] for j in names])
+    level_problem = replace(problem, unknowns=[problem.unknowns[j] for j in names])
     gear = gear.replace(held | {"pinion.runout_angle": fit.gear.pinion.runout_angle})
     u, values = fit.series.u[names], fit.series.values
-    state = State(u, fit.offset, values, np.zeros((values.size, u.size)))
+    state = FitState(u, values, fit.offset, np.zeros((values.size, u.size)))
     if not problem.with_offset or not names:
         return {}
     try:
-        slopes = first_slopes(own, gear, state)
+        slopes = first_slopes(level_problem, gear, state)
     except NoPredictionError:
         return {}
-    trusting = linearised(own, replace(state, slopes=slopes))
+    trusting = linearised(level_problem, replace(state, slopes=slopes))
     deviations = np.sqrt(np.diag(np.linalg.inv(trusting.information)))
-    return {each.path: float(deviations[j]) for j, each in enumerate(own.unknowns)}
+    return {each.path: float(deviations[j]) for j, each in enumerate(level_problem.unknowns)}

@@ -1,6 +1,6 @@
 """What the means of all tests determine: single parameters, combinations, and the test that would help.
 
-What the data determine of each parameter by itself is its standard deviation with very weak beliefs about all
+What the data determine of each parameter by itself is its standard deviation with very weak priors of all
 others, and with the nuisances as they are declared. What is narrowed with the help of the declared deviations
 of others follows from them, and is named so.
 """
@@ -38,8 +38,8 @@ class LevelData:
 
     def from_data(self) -> dict[str, float]:
         """Standard deviation of each logarithm from the data, without priors."""
-        believed = np.array([NUISANCES.get(path, ANYTHING) for path in self.paths])
-        covariance = np.linalg.inv(self.information + np.diag(believed**-2.0))
+        prior_sd = np.array([NUISANCES.get(path, ANYTHING) for path in self.paths])
+        covariance = np.linalg.inv(self.information + np.diag(prior_sd**-2.0))
         return dict(zip(self.paths, np.sqrt(np.diag(covariance)).tolist(), strict=True))
 
     def with_test(self, gear: SteeringGear, test: BenchTest) -> "LevelData":

@@ -44,19 +44,12 @@ OVERLAP = 0.5  # least part of the shorter pass that both directions cover
 
 @dataclass(frozen=True)
 class BudgetRow:
-    """One contribution to the interval of a level.
+    """One contribution to the interval of a level."""
 
-    Attributes:
-        name: what contributes.
-        half: half of its 95 % interval, in the unit of the level.
-        of_run: whether it belongs to the level of this run; others are of the gear's alone.
-        basis: where it is from.
-    """
-
-    name: str
-    half: float
-    of_run: bool
-    basis: str
+    name: str  # what contributes
+    half: float  # half of its 95 % interval, in the unit of the level
+    of_run: bool  # whether it belongs to the level of this run; others are of the gear's alone
+    basis: str  # where it is from
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,46 +73,28 @@ class Wave:
 
 @dataclass(frozen=True, eq=False)
 class LevelEstimate:
-    """The level of one test: half the difference of both directions, or the only direction's mean.
+    """The level of one test: half the difference of both directions, or the only direction's mean."""
 
-    Attributes:
-        test: what was measured.
-        value: level, in the test's unit.
-        half_sum: half the sum of both directions; None of one direction.
-        directions: +1, -1, or both.
-        runs: how many.
-        budget: contributions to the interval.
-        noise_sd, drift_sd: standard deviations of the level.
-        repeat_sd: standard deviation of the mean of the runs from their scatter, declared or found.
-        run_levels: of the runs, (runs,).
-        first: the once-per-turn wave of the half sum, where a turn is covered.
-        own: waves of friction itself: the half difference's first and second order.
-        bend: quadratic part of the half difference along the travel, and its standard deviation.
-        spikes: points that were left out.
-        asks: what is to be asked of the user.
-    """
-
-    test: BenchTest
-    value: float
-    half_sum: float | None
-    directions: tuple[int, ...]
-    runs: int
-    budget: tuple[BudgetRow, ...]
-    noise_sd: float
-    drift_sd: float
-    repeat_sd: float
-    run_levels: np.ndarray
-    first: Wave | None
-    own: Mapping[int, Wave]
-    bend: tuple[float, float]
-    tooth_waves: Mapping[float, Wave]
-    correlated: float
-    spikes: int
-    asks: tuple[str, ...] = ()
+    test: BenchTest  # what was measured
+    value: float  # level, in the test's unit
+    half_sum: float | None  # half the sum of both directions; None of one direction
+    directions: tuple[int, ...]  # +1, -1, or both
+    runs: int  # how many
+    budget: tuple[BudgetRow, ...]  # contributions to the interval
+    noise_sd: float  # standard deviation of the level
+    drift_sd: float  # likewise
+    repeat_sd: float  # of the mean of the runs from their scatter, declared or found
+    run_levels: np.ndarray  # of the runs, (runs,)
+    first: Wave | None  # the once-per-turn wave of the half sum, where a turn is covered
+    friction_waves: Mapping[int, Wave]  # of friction itself: the half difference's first and second order
+    bend: tuple[float, float]  # quadratic part of the half difference along the travel, and its deviation
+    tooth_waves: Mapping[float, Wave]  # by their order over the number of teeth
+    correlated: float  # probability that noise keeps its sign over some degrees
+    spikes: int  # points that were left out
+    asks: tuple[str, ...] = ()  # what is to be asked of the user
 
     @property
     def both_ways(self) -> bool:
-        """Whether both directions were measured."""
         return len(self.directions) == 2
 
     def _interval(self, rows: Iterable[BudgetRow]) -> tuple[float, float]:
@@ -128,7 +103,6 @@ class LevelEstimate:
 
     @property
     def run_interval(self) -> tuple[float, float]:
-        """95 % interval of the level of this run."""
         return self._interval(row for row in self.budget if row.of_run)
 
     @property
@@ -177,21 +151,21 @@ class _Run:
 
 
 def _runs(test: BenchTest, passes: Sequence[MeasuredPass], gain: float) -> tuple[list[_Run], tuple[int, ...]]:
-    ways = {sense: [each for each in passes if each.direction == sense] for sense in (1, -1)}
-    directions = tuple(sense for sense in (1, -1) if ways[sense])
-    paired = zip(*(ways[sense] for sense in directions), strict=False)
+    by_direction = {sense: [each for each in passes if each.direction == sense] for sense in (1, -1)}
+    directions = tuple(sense for sense in (1, -1) if by_direction[sense])
+    paired = zip(*(by_direction[sense] for sense in directions), strict=False)
     runs = []
-    for own in paired:
+    for passes_of_run in paired:
         cleaned, spikes, steps, shown, white = [], 0, [], [], []
-        for each in own:
-            step = resolution_of(each.raw_value)
-            regular = is_regular(each.raw_value, step)
-            angle = each.raw_angle[regular] / (gain if test.pushed else 1.0)
-            cleaned.append((angle, each.raw_value[regular]))
+        for each in passes_of_run:
+            angle, value = each.every_row
+            step = resolution_of(value)
+            regular = is_regular(value, step)
+            cleaned.append((angle[regular] / (gain if test.pushed else 1.0), value[regular]))
             spikes += int((~regular).sum())
             steps.append(step)
-            shown += [step] if np.ptp(each.raw_value) > 0 else []
-            white.append(white_deviation(each.raw_value[regular]))
+            shown += [step] if np.ptp(value) > 0 else []
+            white.append(white_deviation(value[regular]))
         runs.append(_Run(tuple(cleaned), spikes, tuple(shown or steps), not shown, float(np.mean(white))))
     return runs, directions
 
@@ -222,7 +196,10 @@ def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: fl
         per_run = [replace(each, values=directions[0] * each.values) for each in per_run]
     span, orders = per_run[0].span, (1, 2, teeth, 2 * teeth)
     groups = _alike(per_run)
-    functionals = [_functional(group[0], span, orders) for group in groups]
+    functionals = []  # weights (k,) of the parts whose sum is the level, beside the waves of turn and teeth
+    for angle in [group[0].angle for group in groups]:
+        effects = _limited(np.ones((angle.size, 1)), angle, span, orders)
+        functionals.append(np.asarray(np.linalg.pinv(effects)[0]))
     levels = _means(groups, functionals, 0)
     value = float(levels.mean())
     law = averaged_law(
@@ -271,7 +248,7 @@ def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: fl
         repeat_sd=0.0,
         run_levels=levels,
         first=_first(law, both, count, step * dithered, value) if covers(span, 1) else None,
-        own=_own_waves(law, span, count),
+        friction_waves=_friction_waves(law, span),
         bend=_bend(law, count),
         tooth_waves=_tooth_waves(groups, law, both, teeth),
         correlated=law.correlated,
@@ -286,7 +263,7 @@ LEVELS, AT_END, LEAST_AT_END = 8, 5, 5  # of values; times as often as its neigh
 def _at_an_end(passes: Sequence[MeasuredPass]) -> dict[float, int]:
     """Largest and smallest value that passes have again and again beside what they have near it -> how often:
     that of a sensor whose range ends there."""
-    values, counts = np.unique(np.concatenate([each.raw_value for each in passes]), return_counts=True)
+    values, counts = np.unique(np.concatenate([each.every_row[1] for each in passes]), return_counts=True)
     if values.size < LEVELS:
         return {}
     ends = ((values[-1], counts[-1], counts[-4:-1]), (values[0], counts[0], counts[1:4]))
@@ -303,12 +280,6 @@ def _alike(per_run: Sequence[Parts]) -> list[list[Parts]]:
     for each in per_run:
         groups.setdefault(each.angle.tobytes() + each.points.tobytes(), []).append(each)
     return list(groups.values())
-
-
-def _functional(parts: Parts, span: float, orders: Sequence[float]) -> np.ndarray:
-    """Weights (k,) of the parts whose sum is the level: the intercept beside the waves of turn and teeth."""
-    effects = _limited(np.ones((parts.angle.size, 1)), parts.angle, span, orders)
-    return np.asarray(np.linalg.pinv(effects)[0])
 
 
 def _limited(columns: np.ndarray, angle: np.ndarray, span: float, orders: Sequence[float]) -> np.ndarray:
@@ -382,7 +353,7 @@ def _first(law: AveragedLaw, both: bool, runs: int, step: float, level: float) -
     return Wave(vectors.mean(axis=0), sd if both else float(np.hypot(sd, ZERO * abs(level))), quantile)
 
 
-def _own_waves(law: AveragedLaw, span: float, runs: int) -> dict[int, Wave]:
+def _friction_waves(law: AveragedLaw, span: float) -> dict[int, Wave]:
     """First and second order of the half difference, as far as the travel shows them."""
     found = {}
     effects = law.differences[0].regression.effects.shape[1]
@@ -437,7 +408,6 @@ def _tooth_waves(
 
 # --- From this run to the gear
 
-
 UNLIKE = 1e-3  # probability below which a test's scatter is taken for its own
 
 
@@ -450,13 +420,13 @@ def _with_repeatability(found: list[LevelEstimate]) -> list[LevelEstimate]:
     parts = [float(np.var(each.run_levels, ddof=1)) / each.value**2 for each in repeated]
     pooled = sum(part * (each.runs - 1) for part, each in zip(parts, repeated, strict=True))
     pooled = pooled / freedom if freedom else 0.0
-    own = dict(zip([each.test for each in repeated], parts, strict=True))
+    scatters = dict(zip([each.test for each in repeated], parts, strict=True))
     done = []
     for each in found:
         scatter = pooled
         if each.runs > 1 and len(repeated) > 1:
             most = pooled * float(chdtri(each.runs - 1, UNLIKE))
-            scatter = own[each.test] if own[each.test] * (each.runs - 1) > most else pooled
+            scatter = scatters[each.test] if scatters[each.test] * (each.runs - 1) > most else pooled
         one = each.noise_sd**2 + each.drift_sd**2
         declared = (REPEATABILITY * each.value) ** 2 + each.runs * one
         known = freedom if each.runs > 1 else 0
@@ -468,13 +438,10 @@ def _with_repeatability(found: list[LevelEstimate]) -> list[LevelEstimate]:
         basis = f"{100 * REPEATABILITY:.2g} % declared"
         if known:
             basis += f", and {100 * np.sqrt(scatter):.2g} % found with {known} degrees of freedom"
-        calibration, declared_as = (
-            NORMAL * CALIBRATION * abs(each.value),
-            f"{100 * CALIBRATION:.2g} % declared",
-        )
+        calibration = NORMAL * CALIBRATION * abs(each.value)
         rows = (
             BudgetRow("repeatability", _students(DECLARED + known) * sd, False, basis),
-            BudgetRow("calibration", calibration, False, declared_as),
+            BudgetRow("calibration", calibration, False, f"{100 * CALIBRATION:.2g} % declared"),
         )
         done.append(replace(each, budget=(*each.budget, *rows), repeat_sd=sd))
     return done
@@ -510,7 +477,7 @@ def runout_of(
     level: LevelEstimate, preload: float, preload_sd: float, prior: Wave | None = None
 ) -> Runout | None:
     """Return the runout from a free turning and the preload [N] with the deviation of its logarithm; None
-    where no turn was covered. `prior` is what is believed of the half sum's wave before."""
+    where no turn was covered. `prior` is the half sum's wave expected before."""
     wave = level.first
     if wave is None:
         return None

@@ -1,8 +1,8 @@
 """The fit of levels: Gauss and Newton's steps with the closed form, which simulations correct.
 
 The closed form is the model of all steps, with the difference to a simulation at the last end: as a factor of
-friction, as a term of half sums. Two or three simulations are enough, and what other beliefs would give
-(priors three times as wide, or none) costs none at all.
+friction, as a term of half sums. Two or three simulations are enough, and what other priors would give
+(three times as wide, or none) costs none at all.
 """
 
 from collections.abc import Callable, Sequence
@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rps_exudyn.inference.fitting.prediction import NoPredictionError, Prediction, formula_means, gear_in
-from rps_exudyn.inference.fitting.problem import LevelRows
+from rps_exudyn.inference.fitting.problem import FitState, LevelRows
 from rps_exudyn.inference.fitting.unknowns import LEVEL, Unknown, nuisances_of, settings_of
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.error_bars import FACTOR, FLOOR
@@ -28,7 +28,7 @@ FLAT = 1e-3  # of a sum of squares: a step that gains less is no reason to go on
 
 @dataclass(frozen=True, eq=False)
 class LevelModel:
-    """Measured levels, what is believed of the unknowns, and the closed form with its correction."""
+    """Measured levels, the priors of the unknowns, and the closed form with its correction."""
 
     rows: LevelRows
     unknowns: Sequence[Unknown]  # of the level, nuisances last
@@ -40,7 +40,6 @@ class LevelModel:
 
     @classmethod
     def of(cls, rows: LevelRows, unknowns: Sequence[Unknown], gear: SteeringGear) -> "LevelModel":
-        """The model without correction."""
         none = np.zeros(rows.values.size)
         return cls(rows, unknowns, gear, np.ones_like(none), none, none)
 
@@ -51,7 +50,10 @@ class LevelModel:
         tests = dict.fromkeys(self.rows.tests)
         means = {test: formula_means(gear_in(test, gear, nuisances), test) for test in tests}
         return np.array(
-            [way @ means[test] for test, way in zip(self.rows.tests, self.rows.ways, strict=True)]
+            [
+                direction @ means[test]
+                for test, direction in zip(self.rows.tests, self.rows.directions, strict=True)
+            ]
         )
 
     def at(self, u: np.ndarray) -> np.ndarray:
@@ -83,15 +85,15 @@ class LevelModel:
         known = self.rows.covariance + np.outer(apart, apart) + near
         if self.numerical is None:
             return known
-        own = np.fmax(np.abs(self.numerical), FLOOR / FACTOR * np.abs(self.rows.values))
-        return known + np.outer(self.numerical, self.numerical) + np.diag(own**2)
+        of_row = np.fmax(np.abs(self.numerical), FLOOR / FACTOR * np.abs(self.rows.values))
+        return known + np.outer(self.numerical, self.numerical) + np.diag(of_row**2)
 
-    def believing(self, factor: float, nuisances: float | None = None) -> "LevelModel":
-        """The same with deviations of all beliefs times a factor, and at least as usual: what somebody gave
-        for known is no finding; those of nuisances times their own factor."""
-        own = factor if nuisances is None else nuisances
+    def with_priors(self, factor: float, nuisances: float | None = None) -> "LevelModel":
+        """The same with deviations of all priors times a factor, at least the declared ones: what somebody
+        gave for known is no finding. `nuisances` is the factor of theirs."""
+        nuisance_factor = factor if nuisances is None else nuisances
         sds = [
-            each.sd * own if each.is_nuisance else max(factor * each.sd, LEVEL[each.path].sd)
+            each.sd * nuisance_factor if each.is_nuisance else max(factor * each.sd, LEVEL[each.path].sd)
             for each in self.unknowns
         ]
         wider = [replace(each, sd=sd) for each, sd in zip(self.unknowns, sds, strict=True)]
@@ -106,36 +108,21 @@ class LevelModel:
             columns.append(self.factors * (self.by_formula(stepped) - base) / unknown.step)
         return np.array(columns).T.reshape(base.size, u.size)
 
-    def beliefs(self) -> tuple[np.ndarray, np.ndarray]:
+    def priors(self) -> tuple[np.ndarray, np.ndarray]:
         """Expected values and deviations, (unknowns,) each."""
         before, sd = np.array([(each.before, each.sd) for each in self.unknowns]).reshape(-1, 2).T
         return before, sd
 
     def cost(self, u: np.ndarray, formula: np.ndarray | None = None) -> float:
-        """Chi squared of rows and beliefs; `formula` are the closed form's rows at `u`."""
+        """Chi squared of rows and priors; `formula` are the closed form's rows at `u`."""
         left = self.rows.values - (self.at(u) if formula is None else self.of_formula(formula))
-        before, sd = self.beliefs()
+        before, sd = self.priors()
         return float(left @ np.linalg.solve(self.covariance, left) + np.sum(((u - before) / sd) ** 2))
 
 
-@dataclass(frozen=True, eq=False)
-class LevelEnd:
-    """Where the steps ended."""
-
-    u: np.ndarray
-    information: np.ndarray
-    converged: bool
-    why: str  # not; "" where it did
-
-    @property
-    def covariance(self) -> np.ndarray:
-        """Covariance of the unknowns."""
-        return np.asarray(np.linalg.inv(self.information))
-
-
-def stepped(model: LevelModel, begin: np.ndarray) -> LevelEnd:
+def stepped(model: LevelModel, begin: np.ndarray) -> FitState:
     """Improve unknowns by halved steps of Gauss and Newton: full ones fail where a flank lifts."""
-    u, (before, sd) = begin.copy(), model.beliefs()
+    u, (before, sd) = begin.copy(), model.priors()
     formula = model.by_formula(u)
     cost = model.cost(u, formula)
     information = np.diag(sd**-2.0)
@@ -146,7 +133,7 @@ def stepped(model: LevelModel, begin: np.ndarray) -> LevelEnd:
         step = np.linalg.solve(information, slopes.T @ weighted[:, -1] - (u - before) / sd**2)
         errors = np.sqrt(np.diag(np.linalg.inv(information)))
         if float(np.max(np.abs(step) / errors, initial=0.0)) < ENOUGH:
-            return LevelEnd(u + step, information, True, "")
+            return FitState(u + step, information=information, converged=True)
         step /= max(1.0, float(np.abs(step).max()) / LONGEST)
         for _ in range(MOST_HALVINGS):
             ahead = model.by_formula(u + step)
@@ -155,20 +142,11 @@ def stepped(model: LevelModel, begin: np.ndarray) -> LevelEnd:
                 break
             step = step / 2
         else:
-            return LevelEnd(u, information, True, "")  # at the edge where a flank lifts
+            return FitState(u, information=information, converged=True)  # at the edge where a flank lifts
         gained, cost, u, formula = cost - new, new, u + step, ahead
         if gained < FLAT:
-            return LevelEnd(u, information, True, "")
-    return LevelEnd(u, information, False, f"{MOST_STEPS} steps were not enough")
-
-
-@dataclass(frozen=True, eq=False)
-class LevelFit:
-    """Model and end of a fit of levels, and the values that were simulated there (m,)."""
-
-    model: LevelModel
-    end: LevelEnd
-    values: np.ndarray
+            return FitState(u, information=information, converged=True)
+    return FitState(u, information=information, why=f"{MOST_STEPS} steps were not enough")
 
 
 def fitted_levels(
@@ -180,16 +158,15 @@ def fitted_levels(
     *,
     corrected: bool = False,
     agreed: float = AGREED,
-) -> LevelFit:
+) -> tuple[LevelModel, FitState]:
     """Fit levels with a model that simulations correct, until two of them agree.
 
+    Return the corrected model, and the state with the values that were simulated last.
+
     Args:
-        model: rows and beliefs; `corrected` if it has a correction from another gear or fit.
-        prediction: simulates the tests.
+        model: `corrected` if it has a correction from another gear or fit.
         rows_of: simulated values (m,) -> rows (rows,).
-        with_runout: gear and simulated values -> the gear with the runout that the half sum shows with its
-            preload.
-        begin: unknowns to begin at.
+        with_runout: gear and simulated values -> the gear with the runout that the half sum shows.
         agreed: standard errors between two simulations that end the fit.
 
     Raises:
@@ -214,7 +191,7 @@ def fitted_levels(
                     continue
                 if values is None:
                     raise
-                return LevelFit(model, replace(last, converged=False, why=str(error)), values)
+                return model, replace(last, values=values, converged=False, why=str(error))
         else:
             raise NoPredictionError("no equilibrium between the expected gear and the fitted one")
         model = model.corrected(u, rows_of(values))
@@ -223,12 +200,12 @@ def fitted_levels(
                 change = prediction.numerical(gear, nuisances_of(unknowns, u), values)
             except NoPredictionError as error:
                 why = f"the numerical error is unknown: {error}"
-                return LevelFit(model, replace(last, converged=False, why=why), values)
+                return model, replace(last, values=values, converged=False, why=why)
             model = replace(model, numerical=rows_of(change))
         end = stepped(model, u)
         moved = float(np.max(np.abs(end.u - u) * np.sqrt(np.diag(end.information)), initial=0.0))
         if moved < agreed:
-            return LevelFit(model, end, values)
+            return model, replace(end, values=values)
     why = f"{MOST_SIMULATIONS} simulations were not enough"
     assert values is not None
-    return LevelFit(model, replace(end, converged=False, why=end.why or why), values)
+    return model, replace(end, values=values, converged=False, why=end.why or why)

@@ -64,10 +64,15 @@ def _round_step(value: float) -> float:
     return max(steps, default=0.0)
 
 
+def robust_deviation(values: np.ndarray) -> float:
+    """Return the standard deviation about zero of normal values (n,), by their median size."""
+    return 1.4826 * float(np.median(np.abs(values)))
+
+
 def white_deviation(values: np.ndarray) -> float:
     """Return the standard deviation of white noise that second differences of values (n,) show, robustly."""
     second = np.diff(values, 2)
-    return float(1.4826 * np.median(np.abs(second)) / np.sqrt(6.0)) if second.size > 4 else 0.0
+    return float(robust_deviation(second) / np.sqrt(6.0)) if second.size > 4 else 0.0
 
 
 def is_regular(values: np.ndarray, resolution: float) -> np.ndarray:
@@ -78,7 +83,7 @@ def is_regular(values: np.ndarray, resolution: float) -> np.ndarray:
     smooth = np.median(np.lib.stride_tricks.sliding_window_view(held, WINDOW), axis=1)
     away = np.abs(values - smooth)
     rough = ROUGH * float(np.abs(values).mean())
-    far = away > SPIKE * max(1.4826 * float(np.median(away)), resolution / np.sqrt(12.0), rough)
+    far = away > SPIKE * max(robust_deviation(away), resolution / np.sqrt(12.0), rough)
     begins = np.flatnonzero(far & ~np.append(False, far[:-1]))
     ends = np.flatnonzero(far & ~np.append(far[1:], False))
     regular = ~far
@@ -94,19 +99,12 @@ def is_regular(values: np.ndarray, resolution: float) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """Values of a run in parts of its travel; rows of `values` are compared, for instance both halves.
+    """Values of a run in parts of its travel; rows of `values` are compared, for instance both halves."""
 
-    Attributes:
-        angle: mean angle of the points in each part [rad], shape (k,).
-        place: the same along the travel, from -1/2 to 1/2.
-        points: values of a pass in each part.
-        values: shape (rows, k).
-    """
-
-    angle: np.ndarray
-    place: np.ndarray
-    points: np.ndarray
-    values: np.ndarray
+    angle: np.ndarray  # mean angle of the points in each part [rad], shape (k,)
+    place: np.ndarray  # the same along the travel, from -1/2 to 1/2
+    points: np.ndarray  # values of a pass in each part
+    values: np.ndarray  # shape (rows, k)
 
     @property
     def span(self) -> float:
@@ -148,14 +146,14 @@ def parts_of(passes: Sequence[tuple[np.ndarray, np.ndarray]], low: float, high: 
     for angle, value in passes:
         inside = (angle >= low - 1e-9) & (angle <= high + 1e-9)
         where = np.clip(np.searchsorted(edges, angle[inside], side="right") - 1, 0, count - 1)
-        own = np.bincount(where, minlength=count)
-        points.append(own)
-        angles.append(np.bincount(where, weights=angle[inside], minlength=count) / np.maximum(own, 1))
-        means.append(np.bincount(where, weights=value[inside], minlength=count) / np.maximum(own, 1))
+        counts = np.bincount(where, minlength=count)
+        points.append(counts)
+        angles.append(np.bincount(where, weights=angle[inside], minlength=count) / np.maximum(counts, 1))
+        means.append(np.bincount(where, weights=value[inside], minlength=count) / np.maximum(counts, 1))
     full = np.min(points, axis=0) > 0
     middle = np.mean(angles, axis=0)
     place = (middle - (low + high) / 2) / (high - low)
-    inverse = np.mean([1 / np.maximum(own, 1) for own in points], axis=0)
+    inverse = np.mean([1 / np.maximum(counts, 1) for counts in points], axis=0)
     return Parts(middle[full], place[full], 1 / inverse[full], np.array(means)[:, full])
 
 
@@ -176,21 +174,14 @@ def covers(span: float, order: float) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Regression:
-    """Columns of values on fixed effects, over the parts of one or several runs alike.
+    """Columns of values on fixed effects, over the parts of one or several runs alike."""
 
-    Attributes:
-        parts: of the runs.
-        effects: shape (k, p).
-        values: shape (k, runs).
-    """
-
-    parts: Parts
-    effects: np.ndarray
-    values: np.ndarray
+    parts: Parts  # of the runs
+    effects: np.ndarray  # shape (k, p)
+    values: np.ndarray  # shape (k, runs)
 
     @property
     def freedom(self) -> int:
-        """Degrees of freedom."""
         return self.values.shape[1] * (self.effects.shape[0] - self.effects.shape[1])
 
 
@@ -289,8 +280,8 @@ class AveragedLaw:
             explained = np.linalg.solve(each.normal, moment[:, :, None])[:, :, 0]
             spread = each.by_place @ place - np.einsum("cp,cp->c", moment, explained)
             variance = self.variance * np.maximum(tilt - tilt**2 * spread, 0.0)
-            own = float(self.weights @ (slope**2).sum(axis=1))
-            squares += own + slope.shape[1] * float(self.weights @ variance)
+            of_slopes = float(self.weights @ (slope**2).sum(axis=1))
+            squares += of_slopes + slope.shape[1] * float(self.weights @ variance)
             runs += slope.shape[1]
         return squares / max(runs, 1)
 

@@ -7,19 +7,14 @@ is far off, and the steps begin again from bows of either direction; what explai
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
+from rps_exudyn.inference.fitting.noise import robust_deviation
 from rps_exudyn.inference.fitting.prediction import NoPredictionError
-from rps_exudyn.inference.fitting.problem import (
-    LINEAR_TO,
-    Linearised,
-    Problem,
-    State,
-    found_offset,
-    linearised,
-)
+from rps_exudyn.inference.fitting.problem import FitState, Problem, found_offset, linearised
 from rps_exudyn.inference.fitting.unknowns import LEVEL, settings_of
 from rps_exudyn.parameters.gear import SteeringGear
 
@@ -38,48 +33,25 @@ SCANNED = (-1.6, -0.8, 0.0, 0.8, 1.6)  # angle errors and bows of a start, in de
 CLOSE = 9.0  # of chi squared: another end that explains the curves nearly as well is named
 
 
-@dataclass(frozen=True, eq=False)
-class Solved:
-    """Where the steps ended."""
-
-    state: State
-    equations: Linearised
-    converged: bool
-    why: str  # not; "" where it did
-
-    @property
-    def covariance(self) -> np.ndarray:
-        """Covariance of unknowns and offset, shape (size, size)."""
-        return np.asarray(np.linalg.inv(self.equations.information))
-
-
-@dataclass(frozen=True)
-class OtherEnd:
+class OtherShape(NamedTuple):
     """Another gear that explains the curves nearly as well."""
 
     settings: dict[str, float]  # path -> SI value, of bow and angle error
     worse: float  # by this much of chi squared
 
 
-def chi_squared(equations: Linearised) -> float:
-    """The loss of means, shapes and priors, in squares of standard deviations: what the steps make smaller.
-
-    That of a shape is soft_l1, whose weights are w = 1 / sqrt(1 + z^2).
-    """
-    shapes = [2 * LINEAR_TO**2 * float(np.sum(1 / row.weights - 1)) for row in equations.rows]
-    return equations.by_level + sum(shapes)
-
-
-def searched(problem: Problem, gear: SteeringGear, start: State) -> tuple[Solved, list[OtherEnd]]:
+def searched(problem: Problem, gear: SteeringGear, start: FitState) -> tuple[FitState, list[OtherShape]]:
     """Improve a state from several bows and angle errors; return the best end, and others nearly as good."""
     ends = [damped_steps(problem, gear, scanned(problem, gear, start))]
-    for other in _other_starts(problem, gear, ends[0].state):
+    for other in _other_starts(problem, gear, ends[0]):
         ends.append(damped_steps(problem, gear, other, near=ends[0]))
-    best = min(ends, key=lambda end: chi_squared(end.equations))
+    best = min(ends, key=lambda end: end.chi_squared)
     return best, _named(problem, best, ends)
 
 
-def damped_steps(problem: Problem, gear: SteeringGear, start: State, *, near: Solved | None = None) -> Solved:
+def damped_steps(
+    problem: Problem, gear: SteeringGear, start: FitState, *, near: FitState | None = None
+) -> FitState:
     """Improve a state until its next step is small beside the errors, or it comes `near` another end.
 
     Intervals rest on the slopes at the end, so all of them are made anew there.
@@ -90,7 +62,7 @@ def damped_steps(problem: Problem, gear: SteeringGear, start: State, *, near: So
         widened = _widened(problem, state)
         equations = linearised(widened, state)
         errors = np.sqrt(np.diag(np.linalg.inv(equations.information)))
-        if near is not None and _distance(state.u, near.state.u, errors, shaping) < SAME:
+        if near is not None and _distance(state.u, near.u, errors, shaping) < SAME:
             return near
         whole = _step(problem, equations, 0.0)
         small = _distance(whole, np.zeros_like(whole), errors, range(state.u.size)) < SETTLED
@@ -99,33 +71,33 @@ def damped_steps(problem: Problem, gear: SteeringGear, start: State, *, near: So
             new, damping, reason = _tried(widened, gear, state, equations, damping)
         if new is None and fresh:
             flat = small or float(whole @ equations.gradient) < FLAT
-            return Solved(state, linearised(problem, state), flat, "" if flat else reason)
-        gained = 0.0 if new is None else chi_squared(equations) - chi_squared(linearised(widened, new))
+            return replace(linearised(problem, state), converged=flat, why="" if flat else reason)
+        gained = 0.0 if new is None else equations.chi_squared - linearised(widened, new).chi_squared
         if new is not None and fresh and gained < LITTLE:
-            return Solved(new, linearised(problem, new), True, "")
+            return replace(linearised(problem, new), converged=True)
         if new is None or gained < LITTLE:
             state, damping, fresh = _with_slopes(problem, gear, new or state), DAMPED, True
             continue
         moved = _distance(new.u, state.u, errors, range(state.u.size))
         state, fresh = _with_slopes(problem, gear, new, moved), moved > FAR
-    return Solved(state, linearised(problem, state), False, f"{MOST_STEPS} steps were not enough")
+    return replace(linearised(problem, state), why=f"{MOST_STEPS} steps were not enough")
 
 
-def _with_slopes(problem: Problem, gear: SteeringGear, state: State, moved: float = np.inf) -> State:
+def _with_slopes(problem: Problem, gear: SteeringGear, state: FitState, moved: float = np.inf) -> FitState:
     """The state with slopes made anew: all of them after a step of many standard errors, those of bow and
     angle error after a smaller one, none after one that hardly bends the curve."""
     if moved < MOVED:
         return state
-    curved = [j for j, each in enumerate(problem.unknowns) if each.is_curved]
+    curved = [j for j, each in enumerate(problem.unknowns) if each.needs_shape_fit]
     return replace(state, slopes=first_slopes(problem, gear, state, None if moved > FAR else curved))
 
 
-def scanned(problem: Problem, gear: SteeringGear, start: State) -> State:
+def scanned(problem: Problem, gear: SteeringGear, start: FitState) -> FitState:
     """The best of a start with angle errors, bows along the pinion and offsets tried.
 
     Each makes the flanks lean across the face, in a way of its own over the travel: what steps cannot cross.
     """
-    where = [j for j, each in enumerate(problem.unknowns) if each.is_curved and each.component != "cos"]
+    where = [j for j, each in enumerate(problem.unknowns) if each.needs_shape_fit and each.component != "cos"]
     best, least = start, np.inf
     for j in reversed(where):  # the angle error first: it shows in every turn
         begun = best.u
@@ -135,19 +107,18 @@ def scanned(problem: Problem, gear: SteeringGear, start: State) -> State:
             if (state := _at(problem, gear, replace(best, u=u))) is None:
                 continue
             state = replace(state, offset=found_offset(problem, state.values)[0])
-            cost = chi_squared(linearised(problem, state))
+            cost = linearised(problem, state).chi_squared
             if cost < least:
                 best, least = state, cost
     return best
 
 
-def _simulated(problem: Problem, gear: SteeringGear, state: State) -> State:
-    """The state with the values simulated at its unknowns."""
+def _simulated(problem: Problem, gear: SteeringGear, state: FitState) -> FitState:
     values = problem.prediction.simulated(gear.replace(settings_of(problem.unknowns, state.u)))
     return replace(state, values=values)
 
 
-def _at(problem: Problem, gear: SteeringGear, state: State) -> State | None:
+def _at(problem: Problem, gear: SteeringGear, state: FitState) -> FitState | None:
     """The same; None where there is no equilibrium."""
     try:
         return _simulated(problem, gear, state)
@@ -156,10 +127,10 @@ def _at(problem: Problem, gear: SteeringGear, state: State) -> State | None:
 
 
 def _tried(
-    problem: Problem, gear: SteeringGear, state: State, equations: Linearised, damping: float
-) -> tuple[State | None, float, str]:
+    problem: Problem, gear: SteeringGear, state: FitState, equations: FitState, damping: float
+) -> tuple[FitState | None, float, str]:
     """The state after a step that makes the loss smaller, and the next damping; None with the reason."""
-    before, reason = chi_squared(equations), "no step makes the deviations smaller"
+    before, reason = equations.chi_squared, "no step makes the deviations smaller"
     for _ in range(MOST_TRIES):
         guess = problem.moved(state, _step(problem, equations, damping))
         damping *= MORE
@@ -168,12 +139,12 @@ def _tried(
         except NoPredictionError as error:
             reason = str(error)
             continue
-        if chi_squared(linearised(problem, new)) < before:
+        if linearised(problem, new).chi_squared < before:
             return new, max(damping / MORE * LESS, 1e-8), ""
     return None, damping, reason
 
 
-def _step(problem: Problem, equations: Linearised, damping: float) -> np.ndarray:
+def _step(problem: Problem, equations: FitState, damping: float) -> np.ndarray:
     """A damped step of everything that is varied, at most `LONGEST` declared deviations, shape (size,)."""
     matrix = equations.information + damping * np.diag(np.diag(equations.information))
     step = np.linalg.solve(matrix, equations.gradient)
@@ -183,13 +154,13 @@ def _step(problem: Problem, equations: Linearised, damping: float) -> np.ndarray
     return step / max(1.0, longest / LONGEST * 2, turned)
 
 
-def _widened(problem: Problem, state: State) -> Problem:
+def _widened(problem: Problem, state: FitState) -> Problem:
     """The problem with the noise that its deviations show, where they are larger than the noise."""
     rows = linearised(problem, state).rows
     free = [i for i, each in enumerate(problem.measurement.passes) if each.test.of_kind.by_angle]
     whites = list(problem.whites)
     for number, row in zip(free, rows, strict=True):
-        whites[number] = max(whites[number], 1.4826 * float(np.median(np.abs(row.deviation))))
+        whites[number] = max(whites[number], robust_deviation(row.deviation))
     return replace(problem, whites=whites)
 
 
@@ -198,7 +169,7 @@ def _distance(one: np.ndarray, other: np.ndarray, errors: np.ndarray, of: Sequen
     return max(abs(float(one[j] - other[j])) / float(errors[j]) for j in of)
 
 
-def _other_starts(problem: Problem, gear: SteeringGear, end: State) -> Iterator[State]:
+def _other_starts(problem: Problem, gear: SteeringGear, end: FitState) -> Iterator[FitState]:
     """The end's state with its bow pointing elsewhere; those without an equilibrium are left out."""
     for j, unknown in enumerate(problem.unknowns):
         if unknown.path != "rack.bow" or unknown.component != "cos":
@@ -212,17 +183,17 @@ def _other_starts(problem: Problem, gear: SteeringGear, end: State) -> Iterator[
                 yield state
 
 
-def _named(problem: Problem, best: Solved, ends: list[Solved]) -> list[OtherEnd]:
+def _named(problem: Problem, best: FitState, ends: list[FitState]) -> list[OtherShape]:
     """The ends beside the best one that explain the curves nearly as well."""
     errors = np.sqrt(np.diag(best.covariance))
     shaping = [j for j, each in enumerate(problem.unknowns) if not each.is_level]
     found = []
     for end in ends:
-        worse = chi_squared(end.equations) - chi_squared(best.equations)
-        if worse < CLOSE and _distance(end.state.u, best.state.u, errors, shaping) > SAME:
-            settings = settings_of(problem.unknowns, end.state.u)
-            own = {path: value for path, value in settings.items() if path not in LEVEL}
-            found.append(OtherEnd(own, worse))
+        worse = end.chi_squared - best.chi_squared
+        if worse < CLOSE and _distance(end.u, best.u, errors, shaping) > SAME:
+            settings = settings_of(problem.unknowns, end.u)
+            of_shape = {path: value for path, value in settings.items() if path not in LEVEL}
+            found.append(OtherShape(of_shape, worse))
     return found
 
 
@@ -233,39 +204,33 @@ def _named(problem: Problem, best: Solved, ends: list[Solved]) -> list[OtherEnd]
 # bow and angle error, and the level's parameters are fitted to the levels, with bow and angle error held.
 
 
-def is_curved(problem: Problem) -> bool:
-    """Return whether a bow or an angle error is fitted, for which there is a curve of free turning."""
-    return problem.with_offset and any(each.is_curved for each in problem.unknowns)
-
-
-def shape_of(
+def fit_shape(
     problem: Problem, gear: SteeringGear, u: np.ndarray, search: bool
-) -> tuple[Solved, list[OtherEnd]]:
+) -> tuple[FitState, list[OtherShape]]:
     """Return where all unknowns explain the curves best; `search` from several bows and angle errors.
 
     Raises:
         NoPredictionError: there is no equilibrium at `u`.
     """
     values = problem.prediction.simulated(gear.replace(settings_of(problem.unknowns, u)))
-    start = State(u, found_offset(problem, values)[0], values, np.zeros((values.size, u.size)))
-    solved, others = searched(problem, gear, start) if search else (damped_steps(problem, gear, start), [])
-    state, equations = solved.state, solved.equations
+    start = FitState(u, values, found_offset(problem, values)[0], np.zeros((values.size, u.size)))
+    state, others = searched(problem, gear, start) if search else (damped_steps(problem, gear, start), [])
     fitted = gear.replace(settings_of(problem.unknowns, state.u))
     try:
         change = problem.prediction.numerical(fitted, {}, problem.prediction.simulated(fitted))
     except NoPredictionError as error:
-        return replace(solved, converged=False, why=f"the numerical error is unknown: {error}"), others
-    moved = linearised(problem, replace(state, values=state.values - change)).gradient - equations.gradient
-    shift = solved.covariance @ moved  # of the unknowns: a bias, which points do not average out
-    information = np.linalg.inv(solved.covariance + np.outer(shift, shift))
-    return replace(solved, equations=replace(equations, information=information)), others
+        return replace(state, converged=False, why=f"the numerical error is unknown: {error}"), others
+    moved = linearised(problem, replace(state, values=state.values - change)).gradient - state.gradient
+    shift = state.covariance @ moved  # of the unknowns: a bias, which points do not average out
+    information = np.linalg.inv(state.covariance + np.outer(shift, shift))
+    return replace(state, information=information), others
 
 
 SHIFTING = ("bush.drag", "bearing.friction_torque")
 
 
 def first_slopes(
-    problem: Problem, gear: SteeringGear, state: State, only: Sequence[int] | None = None
+    problem: Problem, gear: SteeringGear, state: FitState, only: Sequence[int] | None = None
 ) -> np.ndarray:
     """Return derivatives of the predicted values by forward differences, shape (m, unknowns).
 

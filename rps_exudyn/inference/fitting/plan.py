@@ -9,7 +9,7 @@ Optimum Experimental Designs, ch. 12). The order is that of the largest gain of 
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 
@@ -30,7 +30,6 @@ MOST_RUNS = 10  # of a test
 LARGEST_WANTED = 1.0  # half of an interval, of the value
 USUAL_TARGETS = {"yoke.preload": 0.20, "mesh.friction": 0.35, "yoke.friction": 0.40}
 """Path -> half of the 95 % interval, of the value, where nothing else is wanted."""
-
 
 MINUTES = {name: kind.minutes for name, kind in KINDS.items()}
 """Kind of test -> its time; estimates of a bench's staff are to replace them (`read_minutes`)."""
@@ -100,7 +99,7 @@ class PlannedTest:
     test: BenchTest
     runs: int
     minutes: float
-    halves: Mapping[str, float]  # path -> half of the 95 % interval, of the value, after it
+    half_intervals: Mapping[str, float]  # path -> half of the 95 % interval, of the value, after it
 
 
 @dataclass(frozen=True)
@@ -113,18 +112,19 @@ class Plan:
 
     @property
     def minutes(self) -> float:
-        """Time of all tests."""
         return sum(each.minutes for each in self.tests)
 
     @property
-    def halves(self) -> Mapping[str, float]:
+    def half_intervals(self) -> Mapping[str, float]:
         """Half of each 95 % interval, of the value, after all tests."""
-        return self.tests[-1].halves
+        return self.tests[-1].half_intervals
 
     @property
     def missed(self) -> dict[str, float]:
         """What is wanted and not reached by any number of runs: path -> half interval."""
-        return {path: half for path, half in self.halves.items() if half > self.targets.get(path, np.inf)}
+        return {
+            path: half for path, half in self.half_intervals.items() if half > self.targets.get(path, np.inf)
+        }
 
 
 def plan(
@@ -158,9 +158,9 @@ def plan(
     tests = list(tests) if tests is not None else [BenchTest("free"), *candidates(gear)]
     design = _Design.of(gear, tests, minutes or MINUTES, on_progress)
     chosen = whole = dict.fromkeys(tests, MOST_RUNS)
-    if _reached(design.halves(whole), targets):
+    if _reached(design.half_intervals(whole), targets):
         chosen = _exchanged(design, _reduced(design, whole, targets), targets)
-    return Plan(targets, tuple(_in_order(design, chosen, targets)), design.simulations)
+    return Plan(targets, tuple(_in_order(design, chosen, targets)), 2 * len(tests))
 
 
 def programme(
@@ -177,7 +177,7 @@ def programme(
         test, _ = named_test(f"{name.strip()}=none")
         runs[test] = runs.get(test, 0) + int(count or 1)
     design = _Design.of(gear or SteeringGear(), list(runs), minutes or MINUTES, None)
-    return Plan({}, tuple(_in_order(design, runs, {})), design.simulations)
+    return Plan({}, tuple(_in_order(design, runs, {})), 2 * len(runs))
 
 
 Runs = Mapping[BenchTest, int]
@@ -187,14 +187,11 @@ Runs = Mapping[BenchTest, int]
 class _Design:
     """Levels of all tests at the expected gear, by closed form and simulation, and their times."""
 
-    models: Mapping[BenchTest, LevelModel]  # one test each, corrected by its simulation
-    means: Mapping[BenchTest, np.ndarray]  # towards +X and -X
-    slopes: Mapping[BenchTest, np.ndarray]  # of its rows, (rows, unknowns)
-    by_law: Mapping[BenchTest, np.ndarray]  # change of its rows by the other contact law, (rows,)
-    beliefs: np.ndarray  # deviations (unknowns,)
-    paths: tuple[str, ...]  # of the unknowns
+    model: LevelModel  # of one run of each test, corrected by its simulation; two rows a test
+    means: Mapping[BenchTest, list[float]]  # towards +X and -X
+    slopes: np.ndarray  # of the rows, (rows, unknowns)
+    by_law: np.ndarray  # change of the rows by the other contact law, (rows,)
     minutes: Mapping[str, Minutes]
-    simulations: int
 
     @classmethod
     def of(
@@ -207,60 +204,60 @@ class _Design:
         unknowns = [*unknowns_of(gear, LEVEL, {}), *nuisance_unknowns([BY_LOAD, WITHOUT_YOKE])]
         u = np.array([each.before for each in unknowns])
         other = gear.replace({"mesh.law": "line" if gear.mesh.law == "teeth" else "teeth"})
-        models, means, slopes, by_law = {}, {}, {}, {}
+        means, by_law = {}, {}
         for number, test in enumerate(tests):
             prediction = Prediction.of([test])
             (block,) = prediction.blocks
             try:
-                own, changed = (block.means(prediction.simulated(each)) for each in (gear, other))
+                expected, changed = (block.means(prediction.simulated(each)) for each in (gear, other))
             except NoPredictionError as error:
                 raise InputError(f"no plan for the expected gear: {error}.") from None
-            rows = expected_rows({test: own.tolist()}, {test: 1})
-            model = LevelModel.of(rows, unknowns, gear).corrected(u, rows.values)
-            models[test], means[test], slopes[test] = model, own, model.slopes(u)
-            by_law[test] = rows.ways @ (changed - own)
+            means[test], by_law[test] = expected.tolist(), changed - expected
             if on_progress is not None:
                 on_progress(number + 1, len(tests))
-        sd = np.array([each.sd for each in unknowns])
-        paths = tuple(each.path for each in unknowns)
-        return cls(models, means, slopes, by_law, sd, paths, minutes, 2 * len(tests))
+        rows = expected_rows(means, dict.fromkeys(tests, 1))
+        model = LevelModel.of(rows, unknowns, gear).corrected(u, rows.values)
+        changes = [
+            direction @ by_law[test] for test, direction in zip(rows.tests, rows.directions, strict=True)
+        ]
+        return cls(model, means, model.slopes(u), np.array(changes), minutes)
 
     def cost(self, runs: Runs) -> float:
-        """Minutes of a programme."""
         made = [(self.minutes[test.kind], count) for test, count in runs.items() if count]
         return sum(each.setup + count * each.run for each, count in made)
 
     def information(self, runs: Runs) -> tuple[np.ndarray, np.ndarray]:
-        """Information of a programme (n, n) with the beliefs, and what the other law moves (n,)."""
+        """Information of a programme (n, n) with the priors, and what the other law moves (n,)."""
         made = {test: count for test, count in runs.items() if count}
-        belief = np.diag(self.beliefs**-2.0)
+        _, sd = self.model.priors()
         if not made:
-            return belief, np.zeros(self.beliefs.size)
-        rows = expected_rows({test: self.means[test].tolist() for test in made}, made)
-        each = [self.models[test] for test in made]
-        corrections = ([getattr(one, name) for one in each] for name in ("factors", "terms", "near"))
-        model = LevelModel(rows, each[0].unknowns, each[0].gear, *map(np.concatenate, corrections))
-        slopes = np.vstack([self.slopes[test] for test in made])
-        moved = np.concatenate([self.by_law[test] for test in made])
-        weighted = np.linalg.solve(model.covariance, np.column_stack([slopes, moved]))
-        information = belief + slopes.T @ weighted[:, :-1]
+            return np.diag(sd**-2.0), np.zeros(sd.size)
+        where = [i for test in made for i, each in enumerate(self.model.rows.tests) if each == test]
+        corrections = {name: getattr(self.model, name)[where] for name in ("factors", "terms", "near")}
+        model = replace(self.model, rows=expected_rows(self.means, made), **corrections)
+        slopes = np.asfortranarray(self.slopes[where])
+        weighted = np.linalg.solve(model.covariance, np.column_stack([slopes, self.by_law[where]]))
+        information = np.diag(sd**-2.0) + slopes.T @ weighted[:, :-1]
         return information, np.linalg.solve(information, slopes.T @ weighted[:, -1])
 
-    def halves(self, runs: Runs) -> dict[str, float]:
+    def half_intervals(self, runs: Runs) -> dict[str, float]:
         """Half of each 95 % interval that a fit would print, of the value."""
         information, law = self.information(runs)
         sd = np.sqrt(np.diag(np.linalg.inv(information)))
         half = np.exp(NORMAL * sd + np.abs(law)) - 1
-        return {path: float(one) for path, one in zip(self.paths, half, strict=True) if path in LEVEL}
+        return {
+            each.path: float(one)
+            for each, one in zip(self.model.unknowns, half, strict=True)
+            if not each.is_nuisance
+        }
 
 
-def _reached(halves: Mapping[str, float], targets: Mapping[str, float]) -> bool:
-    return all(halves[path] <= target for path, target in targets.items())
+def _reached(half_intervals: Mapping[str, float], targets: Mapping[str, float]) -> bool:
+    return all(half_intervals[path] <= target for path, target in targets.items())
 
 
-def _excess(halves: Mapping[str, float], targets: Mapping[str, float]) -> float:
-    """Sum of the logarithms of the half intervals over the wanted ones."""
-    return float(sum(np.log(halves[path] / target) for path, target in targets.items()))
+def _excess(half_intervals: Mapping[str, float], targets: Mapping[str, float]) -> float:
+    return float(sum(np.log(half_intervals[path] / target) for path, target in targets.items()))
 
 
 def _reduced(design: _Design, runs: Runs, targets: Mapping[str, float]) -> dict[BenchTest, int]:
@@ -268,11 +265,11 @@ def _reduced(design: _Design, runs: Runs, targets: Mapping[str, float]) -> dict[
     determine."""
     now = dict(runs)
     while True:
-        cost, excess, best = design.cost(now), _excess(design.halves(now), targets), None
+        cost, excess, best = design.cost(now), _excess(design.half_intervals(now), targets), None
         for fewer in ({**now, test: left} for test, count in now.items() for left in _left(test, count)):
-            halves = design.halves(fewer)
-            if _reached(halves, targets):
-                merit = (cost - design.cost(fewer)) / max(_excess(halves, targets) - excess, 1e-6)
+            half_intervals = design.half_intervals(fewer)
+            if _reached(half_intervals, targets):
+                merit = (cost - design.cost(fewer)) / max(_excess(half_intervals, targets) - excess, 1e-6)
                 best = max(best or (merit, fewer), (merit, fewer), key=lambda pair: pair[0])
         if best is None:
             return {test: count for test, count in now.items() if count}
@@ -288,7 +285,7 @@ def _left(test: BenchTest, count: int) -> set[int]:
 
 def _exchanged(design: _Design, runs: Runs, targets: Mapping[str, float]) -> dict[BenchTest, int]:
     """The programme with runs of one test exchanged for those of others, while that is cheaper."""
-    now = {**dict.fromkeys(design.models, 0), **runs}
+    now = {**dict.fromkeys(design.means, 0), **runs}
     while True:
         cheapest, best = design.cost(now), None
         for less, more, added in product(now, now, (1, 2, 3)):
@@ -297,11 +294,11 @@ def _exchanged(design: _Design, runs: Runs, targets: Mapping[str, float]) -> dic
             for left in _left(less, now[less]):
                 tried = {**now, less: left, more: now[more] + added}
                 cost = design.cost(tried)
-                if cost < cheapest - 1e-9 and _reached(design.halves(tried), targets):
+                if cost < cheapest - 1e-9 and _reached(design.half_intervals(tried), targets):
                     cheapest, best = cost, tried
         if best is None:
             return {test: count for test, count in now.items() if count}
-        now = {**dict.fromkeys(design.models, 0), **_reduced(design, best, targets)}
+        now = {**dict.fromkeys(design.means, 0), **_reduced(design, best, targets)}
 
 
 def _in_order(design: _Design, runs: Runs, targets: Mapping[str, float]) -> Iterator[PlannedTest]:
@@ -317,4 +314,4 @@ def _in_order(design: _Design, runs: Runs, targets: Mapping[str, float]) -> Iter
 
         test = max(left, key=gain)
         done[test] = left.pop(test)
-        yield PlannedTest(test, done[test], design.cost({test: done[test]}), design.halves(done))
+        yield PlannedTest(test, done[test], design.cost({test: done[test]}), design.half_intervals(done))

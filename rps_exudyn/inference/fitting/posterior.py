@@ -10,8 +10,9 @@ and angle error from the shape.
 import numpy as np
 
 from rps_exudyn.inference.fitting.level import Runout
-from rps_exudyn.inference.fitting.level_fit import LevelEnd, LevelModel
+from rps_exudyn.inference.fitting.level_fit import LevelModel
 from rps_exudyn.inference.fitting.noise import NORMAL
+from rps_exudyn.inference.fitting.problem import FitState
 from rps_exudyn.inference.fitting.unknowns import SMALLEST, Unknown, settings_of
 
 SAMPLES = 512
@@ -20,7 +21,7 @@ RANK = 1e-6  # of the largest variance of levels: what is below it, the unknowns
 SEED = 0
 
 
-def level_samples(model: LevelModel, end: LevelEnd, laws: np.ndarray) -> dict[str, np.ndarray]:
+def level_samples(model: LevelModel, end: FitState, laws: np.ndarray) -> dict[str, np.ndarray]:
     """Return path -> values (SAMPLES,) of the level's parameters; `laws` (unknowns,) is what another contact
     law moves.
 
@@ -50,21 +51,14 @@ def _values(unknowns: list[Unknown], drawn: np.ndarray) -> dict[str, np.ndarray]
 
 
 def _signs(seed: int) -> np.ndarray:
-    """As many +1 as -1, in any order, (SAMPLES,)."""
     return np.where(np.random.default_rng(seed).permutation(SAMPLES) % 2, 1.0, -1.0)
 
 
 def runout_samples(
     runout: Runout, angle: float, offset_sd: float, preload: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """Return path -> values of runout and direction, by P e over the preload of each sample (SAMPLES,) [N].
-
-    Args:
-        runout: as it was measured.
-        angle: its direction in the fitted gear [rad].
-        offset_sd: deviation of the measured angle's offset [rad].
-        preload: of the samples.
-    """
+    """Return path -> values of runout and direction, by P e over the preload of each sample (SAMPLES,) [N];
+    `angle` is the direction in the fitted gear, `offset_sd` the deviation of the measured angle's offset."""
     seen = float(np.hypot(*runout.vector))
     across = runout.angle_sd * seen
     along = (runout.stored_interval[1] - (runout.stored if runout.is_found else seen)) / NORMAL

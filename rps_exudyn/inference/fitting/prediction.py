@@ -13,6 +13,7 @@ from functools import partial
 
 import numpy as np
 
+from rps_exudyn.analysis.measured import TURN
 from rps_exudyn.analysis.torque import mean
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
@@ -20,7 +21,6 @@ from rps_exudyn.inference.fitting.bench_tests import BenchTest
 from rps_exudyn.inference.fitting.unknowns import BY_LOAD, LARGEST, LOAD_OF_NUISANCE, WITHOUT_YOKE
 from rps_exudyn.parameters.fidelity import FOR_MEANS, MEAN_STEP, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.checks.before_run import largest_angle
 from rps_exudyn.scenes.ladder import gear_at, model_at
 from rps_exudyn.scenes.maneuver import steady_maneuver
 from rps_exudyn.scenes.rack_on_rollers import SCENE as RACK_ON_ROLLERS
@@ -33,7 +33,6 @@ from rps_exudyn.solvers.closed_form import GRAVITY, mean_state, pushing_force
 from rps_exudyn.solvers.prescribed_motion import DrivenBody
 from rps_exudyn.solvers.temperature_and_wear import tested_gear
 
-TURN = 2 * np.pi
 SEEN = 4e-6  # of a runout, that changes means by a percent of what 20 um do [m]
 
 
@@ -51,7 +50,6 @@ class CurveBlock:
 
     @property
     def size(self) -> int:
-        """Number of values."""
         return 2 * self.grid.size
 
     def at(self, values: np.ndarray, direction: int, angle: np.ndarray) -> np.ndarray:
@@ -197,9 +195,3 @@ def formula_means(gear: SteeringGear, test: BenchTest) -> tuple[float, float]:
     if test.pushed:
         return pushing_force(gear, +1), pushing_force(gear, -1)
     return mean_state(gear, +1, test.load).torque, mean_state(gear, -1, test.load).torque
-
-
-def within_the_teeth(gear: SteeringGear, low: float, high: float) -> tuple[float, float]:
-    """Return a range of pinion angles [rad] as far as the rack has teeth."""
-    farthest = largest_angle(gear) * (1 - 1e-6) - 2 * MEAN_STEP
-    return max(low, -farthest), min(high, farthest)

@@ -8,13 +8,12 @@ counts for bow and angle error alone.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
 import numpy as np
 
 from rps_exudyn.inference.fitting.bench_tests import BenchTest, MeasuredPass, Measurement
 from rps_exudyn.inference.fitting.level import CALIBRATION, REPEATABILITY, ZERO, LevelEstimate
-from rps_exudyn.inference.fitting.noise import white_deviation
+from rps_exudyn.inference.fitting.noise import robust_deviation, white_deviation
 from rps_exudyn.inference.fitting.prediction import CurveBlock, Prediction
 from rps_exudyn.inference.fitting.unknowns import Unknown
 
@@ -26,88 +25,101 @@ LINEAR_TO = 1.345  # in standard deviations: residuals up to here count fully
 
 @dataclass(frozen=True, eq=False)
 class LevelRows:
-    """Measured levels as rows of least squares.
+    """Measured levels as rows of least squares."""
 
-    Attributes:
-        tests: of the rows.
-        ways: weights of the mean values towards +X and -X that make each row, shape (rows, 2).
-        values: shape (rows,).
-        covariance: with calibration and what the model may be wrong by, shape (rows, rows).
-    """
-
-    tests: tuple[BenchTest, ...]
-    ways: np.ndarray
-    values: np.ndarray
-    covariance: np.ndarray
+    tests: tuple[BenchTest, ...]  # of the rows
+    directions: np.ndarray  # weights of the means towards +X and -X that make each row, shape (rows, 2)
+    values: np.ndarray  # shape (rows,)
+    covariance: np.ndarray  # with calibration and what the model may be wrong by, shape (rows, rows)
 
     @property
     def scaled(self) -> np.ndarray:
         """Which rows are friction, so that a model's error is one of their size, shape (rows,)."""
         weighted = np.array([test.of_kind.weighted for test in self.tests])
-        return (self.ways[:, 0] * self.ways[:, 1] < 0) | ((self.ways == 0).any(axis=1) & ~weighted)
+        return (self.directions[:, 0] * self.directions[:, 1] < 0) | (
+            (self.directions == 0).any(axis=1) & ~weighted
+        )
 
 
-class _Row(NamedTuple):
-    test: BenchTest
-    way: tuple[float, float]
-    value: float
-    variance: float  # of its own
-
-
+_Row = tuple[BenchTest, tuple[float, float], float, float]  # test, direction, value, its own variance
 ACROSS, ALONG = (0.5, -0.5), (0.5, 0.5)  # weights of both directions' means
 
 
 def level_rows(levels: Sequence[LevelEstimate], runs: float = 1) -> LevelRows:
     """Return the rows of all tests; as if each run had been repeated `runs` times."""
-    rows = []
+    rows: list[_Row] = []
     for each in levels:
         if each.both_ways and each.half_sum is not None:
-            zero = ZERO * each.value / np.sqrt(each.runs)
-            along = float(np.hypot(zero, each.noise_sd))
-            rows.append(_Row(each.test, ACROSS, each.value, each.data_sd**2 / runs))
-            rows.append(_Row(each.test, ALONG, each.half_sum, along**2 / runs))
+            along = float(np.hypot(ZERO * each.value / np.sqrt(each.runs), each.noise_sd))
+            rows.append((each.test, ACROSS, each.value, each.data_sd**2 / runs))
+            rows.append((each.test, ALONG, each.half_sum, along**2 / runs))
         else:
-            sense = each.directions[0]
-            way = (float(sense > 0), -float(sense < 0))
-            rows.append(_Row(each.test, way, each.value, each.data_sd**2 / runs))
+            direction = (1.0, 0.0) if each.directions[0] > 0 else (0.0, -1.0)
+            rows.append((each.test, direction, each.value, each.data_sd**2 / runs))
     return _joined(rows)
 
 
 def expected_rows(means: Mapping[BenchTest, Sequence[float]], runs: Mapping[BenchTest, int]) -> LevelRows:
     """Return the rows that tests would give, with the declared repeatability and zero, so many runs of each
     test both ways; `means` are those towards +X and -X."""
-    rows = []
+    rows: list[_Row] = []
     for test, count in runs.items():
         across, along = (means[test][0] - means[test][1]) / 2, (means[test][0] + means[test][1]) / 2
-        rows.append(_Row(test, ACROSS, across, (REPEATABILITY * across) ** 2 / count))
-        rows.append(_Row(test, ALONG, along, (ZERO * across) ** 2 / count))
+        rows.append((test, ACROSS, across, (REPEATABILITY * across) ** 2 / count))
+        rows.append((test, ALONG, along, (ZERO * across) ** 2 / count))
     return _joined(rows)
 
 
 def _joined(rows: Sequence[_Row]) -> LevelRows:
     """Rows with what they share: calibration of a sensor, and what a model of weights may be wrong by."""
-    y = np.array([row.value for row in rows])
-    models = np.array([MODEL if row.test.of_kind.weighted else 0.0 for row in rows])
-    pushed = np.array([row.test.pushed for row in rows])
+    tests, directions, values, variances = zip(*rows, strict=True)
+    y, pushed = np.array(values), np.array([test.pushed for test in tests])
+    models = np.array([MODEL if test.of_kind.weighted else 0.0 for test in tests])
     same_sensor = pushed[:, None] == pushed[None, :]
-    own = np.diag(np.array([row.variance for row in rows]) + (models * y) ** 2)
-    covariance = own + CALIBRATION**2 * np.outer(y, y) * same_sensor
-    return LevelRows(tuple(row.test for row in rows), np.array([row.way for row in rows]), y, covariance)
+    independent = np.diag(np.array(variances) + (models * y) ** 2)
+    covariance = independent + CALIBRATION**2 * np.outer(y, y) * same_sensor
+    return LevelRows(tests, np.array(directions), y, covariance)
 
 
 @dataclass(frozen=True, eq=False)
-class State:
-    """Values of the unknowns, and of the model there."""
+class PassRows:
+    """Residual and slopes of the shape of one pass at a state."""
 
-    u: np.ndarray  # unknowns
-    offset: float  # of the measured angle [rad]
-    values: np.ndarray  # of the model, all blocks, shape (m,)
-    slopes: np.ndarray  # by the unknowns, shape (m, unknowns)
+    deviation: np.ndarray  # measured minus model, without the mean, shape (n,)
+    weights: np.ndarray  # of the points, at most 1, shape (n,)
+    shape: np.ndarray  # derivative of the model without its mean, shape (n, size)
+
+
+def _nothing() -> np.ndarray:
+    return np.zeros(0)
+
+
+@dataclass(frozen=True, eq=False)
+class FitState:
+    """What a search holds on its way, of the level or of the shape, and where it ended.
+
+    Information and covariance are those of the unknowns, in a search of the shape beside the offset.
+    """
+
+    u: np.ndarray  # unknowns, shape (unknowns,)
+    values: np.ndarray = field(default_factory=_nothing)  # of the model, all blocks, shape (m,)
+    offset: float = 0.0  # of the measured angle [rad]
+    slopes: np.ndarray = field(default_factory=_nothing)  # of the values by the unknowns, shape (m, unknowns)
+    information: np.ndarray = field(default_factory=_nothing)  # shape (size, size)
+    gradient: np.ndarray = field(default_factory=_nothing)  # of the next step, shape (size,)
+    chi_squared: float = np.inf  # the loss of means, shapes and priors, in squares of standard deviations
+    rows: Sequence[PassRows] = ()  # residuals of the shapes, of each pass
+    converged: bool = False  # whether the search reached its minimum
+    why: str = ""  # why not; "" where it did
+
+    @property
+    def covariance(self) -> np.ndarray:
+        return np.asarray(np.linalg.inv(self.information))
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Measured passes, what is predicted for them, and what is believed before."""
+    """Measured passes, what is predicted for them, and what is expected before."""
 
     measurement: Measurement
     levels: Sequence[LevelEstimate]
@@ -135,10 +147,15 @@ class Problem:
             block.test: block.means(self.prediction.part(i, values))
             for i, block in enumerate(self.prediction.blocks)
         }
-        rows = zip(self.rows.tests, self.rows.ways, strict=True)
-        return np.array([np.tensordot(way, means[test], axes=1) for test, way in rows])
+        rows = zip(self.rows.tests, self.rows.directions, strict=True)
+        return np.array([np.tensordot(direction, means[test], axes=1) for test, direction in rows])
 
-    def moved(self, state: State, step: np.ndarray) -> State:
+    @property
+    def needs_shape_fit(self) -> bool:
+        """Whether a bow or an angle error is fitted, for which there is a curve of free turning."""
+        return self.with_offset and any(each.needs_shape_fit for each in self.unknowns)
+
+    def moved(self, state: FitState, step: np.ndarray) -> FitState:
         """The state after a step (size,), its model's values by its slopes."""
         count = len(self.unknowns)
         return replace(
@@ -149,36 +166,20 @@ class Problem:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class PassRows:
-    """Residual and slopes of the shape of one pass at a state."""
+def linearised(problem: Problem, state: FitState) -> FitState:
+    """Return the state with the normal equations of levels, shapes and priors.
 
-    deviation: np.ndarray  # measured minus model, without the mean, shape (n,)
-    weights: np.ndarray  # of the points, at most 1, shape (n,)
-    shape: np.ndarray  # derivative of the model without its mean, shape (n, size)
-
-
-@dataclass(frozen=True, eq=False)
-class Linearised:
-    """Normal equations at a state: information H (size, size), gradient, sum of squares of levels."""
-
-    information: np.ndarray
-    gradient: np.ndarray
-    by_level: float  # of levels and priors
-    rows: list[PassRows] = field(default_factory=list)
-
-
-def linearised(problem: Problem, state: State) -> Linearised:
-    """Return the normal equations of levels, shapes and priors at a state."""
+    The loss of a shape is soft_l1, whose weights are w = 1 / sqrt(1 + z^2).
+    """
     before = np.array([*(each.before for each in problem.unknowns), 0.0])
     free = OFFSET * problem.pitch if problem.with_offset else 1e-9
-    believed = np.array([*(each.sd for each in problem.unknowns), free])
+    prior_sd = np.array([*(each.sd for each in problem.unknowns), free])
     away = np.append(state.u, state.offset) - before
     left = problem.rows.values - problem.rows_of(state.values)
     slopes = np.hstack([problem.rows_of(state.slopes), np.zeros((left.size, 1))])
     weighted = np.linalg.solve(problem.rows.covariance, np.column_stack([slopes, left]))
-    information = np.diag(believed**-2.0) + slopes.T @ weighted[:, :-1]
-    gradient = slopes.T @ weighted[:, -1] - away / believed**2
+    information = np.diag(prior_sd**-2.0) + slopes.T @ weighted[:, :-1]
+    gradient = slopes.T @ weighted[:, -1] - away / prior_sd**2
     found = []
     for number, measured in enumerate(problem.measurement.passes):
         if measured.test.of_kind.by_angle:
@@ -187,12 +188,13 @@ def linearised(problem: Problem, state: State) -> Linearised:
             weights = rows.weights / problem.whites[number] ** 2
             information += rows.shape.T @ (weights[:, None] * rows.shape)
             gradient += rows.shape.T @ (weights * rows.deviation)
-    by_level = float(left @ weighted[:, -1] + np.sum((away / believed) ** 2))
-    return Linearised(information, gradient, by_level, found)
+    by_level = float(left @ weighted[:, -1] + np.sum((away / prior_sd) ** 2))
+    by_shape = sum([2 * LINEAR_TO**2 * float(np.sum(1 / row.weights - 1)) for row in found])
+    equations = {"information": information, "gradient": gradient, "chi_squared": by_level + by_shape}
+    return replace(state, **equations, rows=found)
 
 
-def pass_rows(problem: Problem, state: State, number: int) -> PassRows:
-    """Return residual and slopes of the shape of one pass at a state."""
+def pass_rows(problem: Problem, state: FitState, number: int) -> PassRows:
     measured = problem.measurement.passes[number]
     block, at = problem.block_of(number)
     values = problem.prediction.part(at, state.values)
@@ -254,12 +256,12 @@ def found_offset(problem: Problem, values: np.ndarray) -> tuple[float, float]:
         gradient, information = 0.0, 0.0
         for number, slow in zip(numbers, slows, strict=True):
             each, (block, at) = problem.measurement.passes[number], problem.block_of(number)
-            own, angle = problem.prediction.part(at, values), each.angle - offset
-            left = each.value - block.at(own, each.direction, angle)
+            block_values, angle = problem.prediction.part(at, values), each.angle - offset
+            left = each.value - block.at(block_values, each.direction, angle)
             left = left - slow @ (slow.T @ left)
-            white = max(problem.whites[number], 1.4826 * float(np.median(np.abs(left))))
+            white = max(problem.whites[number], robust_deviation(left))
             weights = robust_weights(left, white) / white**2
-            turn = -_slope(block, own, each.direction, angle)
+            turn = -_slope(block, block_values, each.direction, angle)
             turn = turn - slow @ (slow.T @ turn)
             gradient += float(turn @ (weights * left))
             information += float(turn @ (weights * turn))

@@ -1,10 +1,10 @@
-"""A production batch: one free torque of each gear, their scatter, end-of-line limits, and drift.
+"""A production lot: one free torque of each gear, their scatter, end-of-line limits, and drift.
 
-Levels are found without a model (`level`). Their logarithms are normal about the batch's mean, each measured
+Levels are found without a model (`level`). Their logarithms are normal about the lot's mean, each measured
 with its own deviation (a hierarchical model); the scatter's posterior follows from the restricted likelihood
 on a grid. Limits have guard bands and both risks of JCGM 106:2012, 9: that a gear is accepted and does not
 conform (consumer's), that it is rejected and conforms (producer's). Drift shows in the exponentially weighted
-moving average (ISO 7870-6), whose limit is the quantile of batches of as many gears without drift.
+moving average (ISO 7870-6), whose limit is the quantile of lots of as many gears without drift.
 """
 
 import re
@@ -29,26 +29,29 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.cases.run_cases import run_cases
 from rps_exudyn.simulate.cases.task import Task
 
-FEWEST = 5  # gears of a batch
+FEWEST = 5  # gears of a lot
 SUFFIXES = (".csv", ".txt", ".dat", ".tsv", ".mf4", ".tdms", ".mat")
 SECONDS_A_GEAR = 0.1  # of CPU time
 CELLS = 400  # of the grid of the scatter
 GUARD = 1.645  # deviations of a measurement: a gear at the limit is accepted in 5 % (ISO 14253-1)
 WEIGHT = 0.2  # of a new gear in the moving average
-FALSE_ALARMS = 0.01  # of batches without drift
-DRAWN = 4000  # batches without drift that show the quantile
+FALSE_ALARMS = 0.01  # of lots without drift
+DRAWN = 4000  # lots without drift that show the quantile
 FREE = BenchTest("free")
-OnProgress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredGear:
-    """Level and runout of one gear."""
-
     name: str
     level: float  # [N m]
     sd: float  # of one run, with repeatability, without the calibration that all share [N m]
     runout: Runout | None
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """95 % interval of the level, calibration included [N m]."""
+        half = NORMAL * float(np.hypot(self.sd, CALIBRATION * self.level))
+        return self.level - half, self.level + half
 
 
 @dataclass(frozen=True)
@@ -59,7 +62,6 @@ class Limits:
     high: float
 
     def holds(self, value: np.ndarray) -> np.ndarray:
-        """Whether values lie within, (n,)."""
         return (value >= self.low) & (value <= self.high)
 
     def guarded(self, guard: float) -> "Limits":
@@ -69,7 +71,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Risks:
-    """Probabilities of JCGM 106 for a gear of the batch."""
+    """Probabilities of JCGM 106 for a gear of the lot."""
 
     limits: Limits  # of acceptance
     consumer: float  # accepted and out of tolerance
@@ -86,33 +88,21 @@ class Drift:
 
     @property
     def alarms(self) -> np.ndarray:
-        """Numbers of the gears at which it is beyond."""
         return np.flatnonzero(np.abs(self.average - self.mean) > self.limit)
 
 
 @dataclass(frozen=True, eq=False)
-class Production:
-    """What the batch shows.
+class ProductionLot:
+    """What a lot of measured gears shows."""
 
-    Attributes:
-        gears: in the order of their names.
-        refused: files that were not read, and why.
-        mean, mean_sd: of the levels, with calibration [N m].
-        scatter: of the levels between gears, without measurement: median and 95 % interval, of the mean.
-        expected: levels of the gears, drawn towards the mean as far as they are uncertain [N m], (n,).
-        parameters: path -> mean of the batch and its deviation (of the logarithm), from what is believed
-        before. alone: path -> scatter of the parameter that would make all of the levels' scatter, of its
-        value.
-    """
-
-    gears: tuple[MeasuredGear, ...]
-    refused: tuple[str, ...]
-    mean: float
-    mean_sd: float
-    scatter: tuple[float, float, float]
-    expected: np.ndarray
-    parameters: dict[str, tuple[float, float]]
-    alone: dict[str, float]
+    gears: tuple[MeasuredGear, ...]  # in the order of their names
+    refused: tuple[str, ...]  # files that were not read, and why
+    mean: float  # of the levels, with calibration [N m]
+    mean_sd: float  # its deviation [N m]
+    scatter: tuple[float, float, float]  # between gears: median and 95 % interval, of the mean
+    expected: np.ndarray  # levels drawn towards the mean as far as they are uncertain [N m], (n,)
+    parameters: dict[str, tuple[float, float]]  # path -> mean and deviation (logarithm)
+    alone: dict[str, float]  # path -> its scatter if no other parameter scatters
     drift: Drift
 
     @property
@@ -159,13 +149,13 @@ def measured_gear(path: Path, gear: SteeringGear) -> MeasuredGear:
     return MeasuredGear(path.stem, abs(level.value), level.data_sd, runout)
 
 
-def production_batch(
+def judge_lot(
     folder: str | Path,
     gear: SteeringGear | None = None,
     *,
     jobs: int = 1,
-    on_progress: OnProgress | None = None,
-) -> Production:
+    on_progress: Callable[[int, int], None] | None = None,
+) -> ProductionLot:
     """Return what the free torques of a folder's files show, one gear a file, in the order of their names.
 
     Args:
@@ -193,13 +183,13 @@ def production_batch(
         if on_progress is not None:
             on_progress(len(found) + len(refused), len(files))
     if len(found) < FEWEST:
-        why = f"; the first refusal: {refused[min(refused)]}" if refused else ""
-        needed = (
-            f"--batch {folder} holds {len(found)} curves that can be read; a batch needs at least {FEWEST}"
+        why = f"; the first refusal: {refused[min(refused)]}".removesuffix(".") if refused else ""
+        raise InputError(
+            f"--batch {folder} holds {len(found)} curves that can be read; a batch needs at least "
+            f"{FEWEST}{why}."
         )
-        raise InputError(f"{needed}{why}".removesuffix(".") + ".")
     gears = [found[number] for number in sorted(found)]
-    return batch_of(gears, gear, tuple(refused[number] for number in sorted(refused)))
+    return lot_of(gears, gear, tuple(refused[number] for number in sorted(refused)))
 
 
 def _in_order(path: Path) -> tuple[list[int | str], ...]:
@@ -207,10 +197,9 @@ def _in_order(path: Path) -> tuple[list[int | str], ...]:
     return tuple([int(part)] if part.isdigit() else [part] for part in re.split(r"(\d+)", path.name))
 
 
-def batch_of(gears: Sequence[MeasuredGear], gear: SteeringGear, refused: tuple[str, ...] = ()) -> Production:
-    """Return what measured gears show of their batch."""
-    levels, own = (np.array([getattr(each, name) for each in gears]) for name in ("level", "sd"))
-    y, s = np.log(levels), own / levels
+def lot_of(gears: Sequence[MeasuredGear], gear: SteeringGear, refused: tuple[str, ...] = ()) -> ProductionLot:
+    levels, deviations = (np.array([getattr(each, name) for each in gears]) for name in ("level", "sd"))
+    y, s = np.log(levels), deviations / levels
     taus = np.linspace(0.0, 3 * max(float(np.std(y, ddof=1)), float(np.median(s))), CELLS)
     variances = s**2 + taus[:, None] ** 2  # (cells, gears)
     weights = 1 / variances
@@ -241,11 +230,11 @@ def batch_of(gears: Sequence[MeasuredGear], gear: SteeringGear, refused: tuple[s
     mean = float(np.exp(centre))
     mean_sd, scatter = mean * float(np.sqrt(variance)), (float(middle), float(low), float(high))
     drift = drift_of(levels)
-    return Production(tuple(gears), refused, mean, mean_sd, scatter, expected, parameters, alone, drift)
+    return ProductionLot(tuple(gears), refused, mean, mean_sd, scatter, expected, parameters, alone, drift)
 
 
 def drift_of(values: np.ndarray, seed: int = 0) -> Drift:
-    """Return the moving average of values (n,) and its limit: batches of as many normal values without drift
+    """Return the moving average of values (n,) and its limit: lots of as many normal values without drift
     are beyond it in 1 %, whose mean and deviation are estimated likewise."""
     random = np.random.default_rng(seed)
     average, deviation, mean = _moving(values[None, :])
@@ -267,9 +256,3 @@ def _moving(values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         last = (1 - WEIGHT) * last + WEIGHT * values[:, i]
         average[:, i] = last
     return average, np.maximum(deviations, 1e-9 * np.abs(means) + 1e-300), means
-
-
-def interval_of(gear: MeasuredGear) -> tuple[float, float]:
-    """Return the 95 % interval of a gear's level, calibration included [N m]."""
-    half = NORMAL * float(np.hypot(gear.sd, CALIBRATION * gear.level))
-    return gear.level - half, gear.level + half

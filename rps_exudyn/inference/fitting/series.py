@@ -28,7 +28,7 @@ class Series:
     values: np.ndarray  # simulated there, of all tests
     by_law: np.ndarray  # what another contact law moves, shape (unknowns,)
 
-    def misfit(self, problem: Problem, law: str) -> str:
+    def reason_not_usable(self, problem: Problem, law: str) -> str:
         """Why this is no start for a problem; "" if it is one."""
         if self.law != law:
             return f"it is of mesh.law = {self.law}, not {law}"

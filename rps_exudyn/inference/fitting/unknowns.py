@@ -1,9 +1,9 @@
-"""The unknowns of a fit, each with what is believed of it before: a declared standard deviation.
+"""The unknowns of a fit, each with its prior: a declared standard deviation.
 
 Parameters that set the level of the torque are positive: their logarithms are fitted. The runout has a size
 and a direction, and the direction means nothing where the size is 0: its components are fitted, and so are
 those of the rack's bow. The angle error has a sign. Bow and angle error let the teeth touch at their edges:
-the torque is no straight line of them, so they are fitted in damped steps (`curved`).
+the torque is no straight line of them, so they are fitted in damped steps (`nonlinear`).
 """
 
 from collections.abc import Iterable, Mapping
@@ -13,13 +13,12 @@ from typing import NamedTuple
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.parameters.declaration import Declared
 from rps_exudyn.parameters.gear import SteeringGear
 
 SMALLEST = 1e-9  # of a length, so that a vector of none has a period of a turn as well [m]
 
 
-class Believed(NamedTuple):
+class Prior(NamedTuple):
     """What is known of a parameter before any measurement; SI, or relative where its logarithm is fitted."""
 
     sd: float  # standard deviation
@@ -27,11 +26,11 @@ class Believed(NamedTuple):
 
 
 LEVEL = {
-    "yoke.preload": Believed(0.4, 0.02),
-    "mesh.friction": Believed(0.4, 0.02),
-    "yoke.friction": Believed(0.5, 0.02),
-    "bush.drag": Believed(0.4, 0.03),
-    "bearing.friction_torque": Believed(0.4, 0.03),
+    "yoke.preload": Prior(0.4, 0.02),
+    "mesh.friction": Prior(0.4, 0.02),
+    "yoke.friction": Prior(0.5, 0.02),
+    "bush.drag": Prior(0.4, 0.03),
+    "bearing.friction_torque": Prior(0.4, 0.03),
 }
 """Parameters of the torque's level; deviations of the logarithm. Sources: spread of service manuals and of
 tables of friction coefficients, docs/measured-curves.md."""
@@ -39,13 +38,13 @@ tables of friction coefficients, docs/measured-curves.md."""
 MOST = 1.0  # of a coefficient of friction
 LARGEST = 27.0  # logarithm to which steps may lead: 1e12 [SI], or its inverse, of what curves contradict
 
-VECTORS = {"pinion.runout": Believed(20e-6, 2e-6), "rack.bow": Believed(100e-6, 5e-6)}
+VECTORS = {"pinion.runout": Prior(20e-6, 2e-6), "rack.bow": Prior(100e-6, 5e-6)}
 """Sizes of vectors, each with the direction at `<path>_angle`; deviations of either component [m]."""
 
-SIGNED = {"installation.angle_error": Believed(np.radians(0.05), np.radians(0.004))}
+SIGNED = {"installation.angle_error": Prior(np.radians(0.05), np.radians(0.004))}
 """Errors of either sign; deviations [rad]."""
 
-CURVED = ("rack.bow", "installation.angle_error")
+SHAPE_PARAMETERS = ("rack.bow", "installation.angle_error")
 """Unknowns of which the torque is no straight line, not even nearly."""
 
 BY_LOAD, WITHOUT_YOKE = "friction under 150 kg", "drag without yoke"
@@ -70,7 +69,6 @@ class Unknown:
 
     @property
     def is_nuisance(self) -> bool:
-        """Return whether it is no parameter of the gear."""
         return self.path in NUISANCES
 
     @property
@@ -79,9 +77,9 @@ class Unknown:
         return self.path in LEVEL
 
     @property
-    def is_curved(self) -> bool:
+    def needs_shape_fit(self) -> bool:
         """Return whether the torque is no straight line of it."""
-        return self.path in CURVED
+        return self.path in SHAPE_PARAMETERS
 
 
 def unknowns_of(
@@ -125,7 +123,6 @@ def _positive(path: str, value: float, prior: tuple[float, float] | None) -> Unk
 
 
 def nuisance_unknowns(names: Iterable[str]) -> list[Unknown]:
-    """Return the nuisances of these names."""
     return [Unknown(name, "", 0.0, NUISANCES[name], 0.02) for name in names]
 
 
@@ -150,8 +147,3 @@ def settings_of(unknowns: list[Unknown], u: np.ndarray) -> dict[str, float]:
         else:
             settings[unknown.path] = value
     return settings
-
-
-def declared(path: str) -> Declared:
-    """Return the declaration of a parameter."""
-    return SteeringGear.declared_at(path)[0]

@@ -67,11 +67,20 @@ def is_never_unit(text: str) -> bool:
     return bool(_IN_NO_UNIT.search(text))
 
 
-_OTHERS = (
-    *("s", "ms", "sec", "min", "h", "%", "1", "-", "#", "v", "mv", "a", "c", "°c", "k", "bar", GERMAN_DEGREE),
-    *("rpm", "1/min", "°/s", "deg/s", "rad/s", "mm/s"),
-)
-"""Units of what a bench records beside the curve, in small letters."""
+BESIDE = {
+    "clock": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
+    "speed": {
+        **dict.fromkeys(("°/s", "deg/s", "deg/sec", "grad/s"), pi / 180),
+        **dict.fromkeys(("rpm", "1/min", "u/min", "rev/min", "min-1", "min^-1"), 2 * pi / 60),
+        **dict.fromkeys(("1/s", "u/s", "rev/s"), 2 * pi),
+        "rad/s": 1.0,
+    },
+    "rack_speed": {"m/s": 1.0, "mm/s": 1e-3, "mm/min": 1e-3 / 60},
+}
+"""What a bench records beside the curve -> unit in small letters -> its size in SI."""
+
+_OTHERS = {"%", "1", "-", "#", "v", "mv", "a", "c", "°c", "k", "bar", GERMAN_DEGREE}
+_OTHERS.update(*BESIDE.values())
 
 
 def is_unit_beside(text: str) -> bool:

@@ -12,9 +12,10 @@ import struct
 import sys
 import warnings
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from graphlib import CycleError, TopologicalSorter
 from io import BytesIO
 from itertools import chain, islice, repeat
 from math import prod
@@ -25,9 +26,10 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError, raise_wrapped
 from rps_exudyn.base.files import DEEPEST
-from rps_exudyn.inference.measured.layout import Layout
+from rps_exudyn.inference.measured.columns import Table
 
 LARGEST = 2_000_000_000  # bytes that a file may unpack to
+_MDF = (b"MDF     ", b"UnFinMF ")
 _UNITS = ("unit_string", "unit", "units", "NI_UnitDescription", "Unit", "Units", "Einheit")
 _VALUES = ("values", "value", "data", "signal", "y")
 _CLOCKS = ("time", "t", "x")
@@ -35,8 +37,6 @@ _CLOCKS = ("time", "t", "x")
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """A channel of a file."""
-
     name: str
     unit: str  # "" where the file states none
     values: np.ndarray  # shape (n,)
@@ -45,16 +45,15 @@ class Channel:
 
 @dataclass(frozen=True, eq=False)
 class Channels:
-    """The channels of a file of numbers."""
-
+    path: str | Path
     what: str  # kind of file, for a reader
     channels: tuple[Channel, ...]
 
     @property
-    def layout(self) -> Layout:
+    def table(self) -> Table:
         """Names and units of the channels as those of a table without rows."""
         names, units = ([getattr(each, text) for each in self.channels] for text in ("name", "unit"))
-        return Layout("", (0, names), (0, units), [])
+        return Table("", (0, names), (0, units), [])
 
     def column(self, index: int, driven: int) -> np.ndarray:
         """Return the values of a channel at the instants of the driven one, shape (n,); NaN outside its own.
@@ -62,18 +61,18 @@ class Channels:
         Raises:
             InputError: it has another number of values, and no instants.
         """
-        own, other = self.channels[index], self.channels[driven]
-        same_clock = (own.clock is None) == (other.clock is None) and (
-            own.clock is None or other.clock is None or np.array_equal(own.clock, other.clock)
+        channel, other = self.channels[index], self.channels[driven]
+        same_clock = (channel.clock is None) == (other.clock is None) and (
+            channel.clock is None or other.clock is None or np.array_equal(channel.clock, other.clock)
         )
-        if own.values.size == other.values.size and same_clock:
-            return own.values
-        if own.clock is None or other.clock is None or not (np.diff(own.clock) > 0).all():
+        if channel.values.size == other.values.size and same_clock:
+            return channel.values
+        if channel.clock is None or other.clock is None or not (np.diff(channel.clock) > 0).all():
             raise InputError(
-                f"its channels {other.name} and {own.name} have {other.values.size} and {own.values.size} "
-                "values and no common time; export them at one rate"
+                f"{self.path}: its channels {other.name} and {channel.name} have {other.values.size} and "
+                f"{channel.values.size} values and no common time; export them at one rate."
             )
-        return np.interp(other.clock, own.clock, own.values, left=np.nan, right=np.nan)
+        return np.interp(other.clock, channel.clock, channel.values, left=np.nan, right=np.nan)
 
 
 def channels_of(path: str | Path, content: bytes) -> Channels | None:
@@ -82,24 +81,25 @@ def channels_of(path: str | Path, content: bytes) -> Channels | None:
     Raises:
         InputError: the file is damaged or of a version that is not read, or its library is not installed.
     """
-    if content.startswith((b"MDF     ", b"UnFinMF ")):
-        if content[8:9] != b"4":
-            version = content[8:12].decode("latin-1").strip()
-            raise InputError(f"{path} is an MDF file of version {version}; save it as MDF 4.")
-        what, read = "MDF 4", _mdf
-    elif content.startswith(b"TDSm"):
-        what, read = "TDMS", _tdms
-    elif content.startswith(b"MATLAB 7.3 MAT-file"):
+    if content.startswith(_MDF) and content[8:9] != b"4":
+        version = content[8:12].decode("latin-1").strip()
+        raise InputError(f"{path} is an MDF file of version {version}; save it as MDF 4.")
+    if content.startswith(b"MATLAB 7.3 MAT-file"):
         raise InputError(f"{path} is a MAT file of version 7.3; save it by save(..., '-v7').")
-    elif content.startswith(b"MATLAB 5.0 MAT-file"):
-        what, read = "MAT", _mat
-    else:
+    readers = {
+        b"MDF ": ("MDF 4", _mdf),
+        b"UnFi": ("MDF 4", _mdf),
+        b"TDSm": ("TDMS", _tdms),
+        b"MATL": ("MAT", _mat),
+    }
+    if not content.startswith((*_MDF, b"TDSm", b"MATLAB 5.0 MAT-file")):
         return None
+    what, read = readers[content[:4]]
     refused = ""
-    found: tuple[Channel, ...] = ()
+    found: list[Channel] = []
     with _quiet():
         try:
-            found = tuple(read(content))
+            found = [each for each in read(content) if each.values.size > 1]
         except ImportError as error:
             refused = (
                 f"{path} is in {what}, which needs {error.name}: pip install 'rps-exudyn[bench]', or write "
@@ -115,39 +115,33 @@ def channels_of(path: str | Path, content: bytes) -> Channels | None:
             gc.collect()  # what was half made is deleted while nothing is printed
     if refused:
         raise InputError(refused)
-    found = tuple(each for each in found if each.values.size > 1)
     if not found:
         raise InputError(
             f"{path} is a file of {what} without a channel of numbers; save angle and torque as a vector "
             "each, with its unit: as a property of the channel, or in its name (torque_Nm)."
         )
-    return Channels(f"channels of {what}", _with_own_names(found))
+    short = [each.name.rpartition("/")[2] for each in found]  # "group/name" where several have one name
+    named = [
+        each if short.count(name) > 1 else replace(each, name=name)
+        for each, name in zip(found, short, strict=True)
+    ]
+    return Channels(path, f"channels of {what}", tuple(named))
 
 
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Keep what the libraries print of damaged files from the screen: warnings, messages of their loggers and
     errors of objects that are deleted half made."""
-    logger, hook = logging.getLogger("asammdf"), sys.unraisablehook
-    level = logger.level
-    logger.setLevel(logging.CRITICAL + 1)
+    hook, disabled = sys.unraisablehook, logging.root.manager.disable
+    logging.disable()
     sys.unraisablehook = lambda _: None
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             yield
     finally:
-        logger.setLevel(level)
+        logging.disable(disabled)
         sys.unraisablehook = hook
-
-
-def _with_own_names(found: tuple[Channel, ...]) -> tuple[Channel, ...]:
-    """Channels of which several have one name are named with their groups, "group/name", as they come."""
-    short = [each.name.rpartition("/")[2] for each in found]
-    return tuple(
-        Channel(each.name if short.count(name) > 1 else name, each.unit, each.values, each.clock)
-        for each, name in zip(found, short, strict=True)
-    )
 
 
 def _numbers(values: object) -> np.ndarray | None:
@@ -165,9 +159,9 @@ def _mdf(content: bytes) -> Iterator[Channel]:
     with MDF(BytesIO(content)) as file:
         groups = [each.channel_group for each in file.groups]
         _check_size(sum(each.cycles_nr * (each.samples_byte_nr + 1) for each in groups))
-        for group, own in enumerate(file.groups):
+        for group, records in enumerate(file.groups):
             master = file.masters_db.get(group)
-            for index, channel in enumerate(own.channels):
+            for index, channel in enumerate(records.channels):
                 if index == master:
                     continue
                 signal = file.get(group=group, index=index, ignore_invalidation_bits=False)
@@ -185,7 +179,6 @@ _REFERRING = (b"##CA", b"##CH", b"##EV", b"##AT")  # blocks that may refer back 
 _BLOCK = struct.Struct("<4s4xQQ")
 _PACKED = b"##DZ"  # block of compressed data, which follow its own head
 _PACKED_HEAD = struct.Struct("<2sB13xQ")
-_PIECE = 1 << 24  # bytes unpacked at once where only their number is asked
 
 
 def _check_blocks(content: bytes) -> None:
@@ -196,44 +189,48 @@ def _check_blocks(content: bytes) -> None:
         ValueError: they lead back.
         MemoryError: they unpack to more.
     """
-    size = 0
-    open_blocks: set[int] = set()
-    done: set[int] = set()
-    stack = [(_HEADER_BLOCK, False)]
-    while stack:
-        place, is_left = stack.pop()
-        if is_left:
-            open_blocks.discard(place)
-            done.add(place)
+    size, left = 0, [_HEADER_BLOCK]
+    links: dict[int, Sequence[int]] = {}  # address of a block -> addresses of those that it refers to
+    while left:
+        place = left.pop()
+        if place in links or not 0 < place <= len(content) - _BLOCK.size:
             continue
-        if place in open_blocks:
-            raise ValueError("blocks that refer to themselves")
-        if place in done or not 0 < place <= len(content) - _BLOCK.size:
-            continue
+        links[place] = ()
         name, _, count = _BLOCK.unpack_from(content, place)
         begin = place + _BLOCK.size
         if name == _PACKED:
-            size += _unpacked_block(content, begin, LARGEST + 1 - size)
-            _check_size(size)
-        if name[:2] != b"##" or name in _REFERRING or begin + 8 * count > len(content):
-            done.add(place)
-            continue
-        open_blocks.add(place)
-        stack.append((place, True))
-        stack += [(link, False) for link in struct.unpack_from(f"<{count}Q", content, begin) if link]
+            _, kind, length = _PACKED_HEAD.unpack_from(content, begin)
+            if kind > 1:
+                raise ValueError("a compression that is not zlib's")
+            size += len(_unpacked(memoryview(content)[begin + _PACKED_HEAD.size :][:length], size))
+        if name[:2] == b"##" and name not in _REFERRING and begin + 8 * count <= len(content):
+            links[place] = struct.unpack_from(f"<{count}Q", content, begin)
+            left += links[place]
+    try:
+        TopologicalSorter(links).prepare()
+    except CycleError:
+        raise ValueError("blocks that refer to themselves") from None
 
 
-def _unpacked_block(content: bytes, begin: int, most: int) -> int:
-    """Bytes that a block of compressed data unpacks to, as far as they are at most `most`."""
-    _, kind, length = _PACKED_HEAD.unpack_from(content, begin)
-    data = memoryview(content)[begin + _PACKED_HEAD.size :][:length]
-    if kind > 1:
-        raise ValueError("a compression that is not zlib's")
-    unpacking, size = zlib.decompressobj(), 0
-    while data and size < most:
-        size += len(unpacking.decompress(data, _PIECE))
-        data = memoryview(unpacking.unconsumed_tail)
-    return size
+def _unpacked(data: memoryview, size: int) -> memoryview:
+    """Return what compressed data unpack to, beside so many bytes that a file has otherwise.
+
+    Raises:
+        MemoryError: all together are more than `LARGEST`.
+    """
+    unpacked = memoryview(zlib.decompressobj().decompress(data, max(1, LARGEST + 1 - size)))
+    _check_size(size + len(unpacked))
+    return unpacked
+
+
+def _check_size(size: int) -> None:
+    """Refuse a file that would unpack to more than `LARGEST`.
+
+    Raises:
+        MemoryError: it would.
+    """
+    if not 0 <= size <= LARGEST:
+        raise MemoryError
 
 
 def _tdms(content: bytes) -> Iterator[Channel]:
@@ -257,7 +254,7 @@ def _tdms(content: bytes) -> Iterator[Channel]:
 def _mat(content: bytes) -> Iterator[Channel]:
     from scipy.io import loadmat
 
-    _check_size(_unpacked(content))
+    _check_matrices(content)
     held = loadmat(BytesIO(content), simplify_cells=True)
     tables = {name: value for name, value in held.items() if not name.startswith("__")}
     yield from _variables("", tables)
@@ -275,45 +272,46 @@ def _variables(group: str, table: Mapping[str, object]) -> Iterator[Channel]:
                 yield from _variables(f"{group}{name}/", value)
                 continue
             stated = next((value[key] for key in _UNITS if isinstance(value.get(key), str)), "")
-            own = next((each for key in _CLOCKS if (each := _numbers(value.get(key, ""))) is not None), None)
-            own = own if own is not None and own.size == values.size else None
-            yield Channel(f"{group}{name}", str(stated), values, own)
+            instants = next(
+                (each for key in _CLOCKS if (each := _numbers(value.get(key, ""))) is not None), None
+            )
+            instants = instants if instants is not None and instants.size == values.size else None
+            yield Channel(f"{group}{name}", str(stated), values, instants)
         elif (values := _numbers(value)) is not None:
             stated = units.get(name, "") if isinstance(units, Mapping) else ""
-            own = clock if clock is not None and clock.size == values.size else None
-            yield Channel(f"{group}{name}", stated if isinstance(stated, str) else "", values, own)
+            instants = clock if clock is not None and clock.size == values.size else None
+            yield Channel(f"{group}{name}", stated if isinstance(stated, str) else "", values, instants)
 
 
-def _unpacked(content: bytes) -> int:
-    """Return the bytes of a MAT file with what its compressed elements unpack to, as far as they are at most
-    `LARGEST`.
+_MATRIX, _COMPRESSED = 14, 15  # kinds of elements in MAT files that hold further ones
+_SPARSE, _WITHOUT_SIZES = 5, (16, 17)  # classes of matrices
+
+
+def _check_matrices(content: bytes) -> None:
+    """Refuse a MAT file on which its reader crashes, or that unpacks to more than `LARGEST`.
 
     Raises:
-        ValueError: matrices within matrices are nested deeper than `DEEPEST`, on which its reader crashes, or
-            one declares more than it can hold.
+        ValueError: matrices within matrices are nested deeper than `DEEPEST`, or one declares more than it
+            can hold.
+        MemoryError: they unpack to more.
     """
     order: Literal["little", "big"] = "little" if content[126:128] == b"IM" else "big"
     size, level = len(content), [memoryview(content)[128:]]
     for _ in range(DEEPEST):
         inner = []
-        for kind, part in (element for data in level for element in _elements(data, order)):
+        for kind, part in [element for data in level for element in _elements(data, order)]:
             if kind == _COMPRESSED:
-                part = memoryview(zlib.decompressobj().decompress(part, max(1, LARGEST + 1 - size)))
+                part = _unpacked(part, size)
                 size += len(part)
-            if kind in (_COMPRESSED, _MATRIX):
-                inner.append(part)
-            if kind == _MATRIX and _declared(part, order) > len(part):
+            elif kind != _MATRIX:
+                continue
+            elif _declared(part, order) > len(part):
                 raise ValueError("a matrix of more numbers than its bytes")
-            if size > LARGEST:
-                return size
+            inner.append(part)
         if not inner:
-            return size
+            return
         level = inner
     raise ValueError(f"matrices nested more than {DEEPEST} levels deep")
-
-
-_MATRIX, _COMPRESSED = 14, 15  # kinds of elements in MAT files that hold further ones
-_SPARSE, _WITHOUT_SIZES = 5, (16, 17)  # classes of matrices
 
 
 def _declared(matrix: memoryview, order: Literal["little", "big"]) -> int:
@@ -336,13 +334,3 @@ def _elements(data: memoryview, order: Literal["little", "big"]) -> Iterator[tup
         if kind < 1 << 16:
             yield kind, data[place : place + count]
             place += count if kind == _COMPRESSED else count + -count % 8
-
-
-def _check_size(size: int) -> None:
-    """Refuse a file that would unpack to more than `LARGEST`.
-
-    Raises:
-        MemoryError: it would.
-    """
-    if not 0 <= size <= LARGEST:
-        raise MemoryError

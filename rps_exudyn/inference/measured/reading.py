@@ -13,7 +13,6 @@ moves along +X.
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -26,24 +25,24 @@ from rps_exudyn.base.files import content_of
 from rps_exudyn.base.units import short
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.inference.measured.channels import Channels, channels_of
-from rps_exudyn.inference.measured.columns import MeasuredColumn, find_columns, known_columns, names_quantity
-from rps_exudyn.inference.measured.layout import SEPARATORS, Layout, Row, layout_of, text_of
+from rps_exudyn.inference.measured.columns import MeasuredColumn, Row, Table, find_columns, known_columns
+from rps_exudyn.inference.measured.layout import SEPARATORS, table_in, text_of
 from rps_exudyn.inference.measured.numbers import (
     AmbiguousNumbersError,
     Format,
-    as_number,
     format_of,
     is_missing,
+    is_number,
     is_placeholder,
-    one_of_each,
+    parsed,
 )
 from rps_exudyn.inference.measured.turning import (
+    NO_ANGLE,
     angle_by_speed,
     counted_on,
     directions,
     in_motion,
     is_interleaved,
-    recorded,
     spread_evenly,
 )
 from rps_exudyn.parameters.gear import SteeringGear, check_gear
@@ -105,99 +104,86 @@ def read_curve(
         raise InputError(f"--column {unknown[0]} is no quantity; there are {', '.join((*TORQUE, *PUSH))}.")
     content = content_of(path)
     channels = channels_of(path, content)
-    source = _Text.of(path, content, wanted) if channels is None else _Channels(path, channels)
-    recording, instead = _columns_instead(source.layout, wanted, chosen)
+    table, encoding = _table(path, content, wanted) if channels is None else (channels.table, "")
+    recording, instead = _columns_instead(table, wanted, chosen)
     picked = find_columns(
-        path, source.layout, recording, {name: chosen[name] for name in recording if name in chosen}
+        path, table, recording, {each: chosen[each] for each in recording if each in chosen}
     )
-    values, first, notes, lines, beside = source.read(picked)
+    values, first, notes, lines, beside = (
+        _of_text(path, table, encoding, picked) if channels is None else _of_channels(path, channels, picked)
+    )
     if len(lines) < FEWEST:
         raise InputError(f"{path} holds {len(lines)} points; a torque curve needs at least {FEWEST}.")
-    table = values * np.array([column.size for column in picked])[:, None]
+    curve = values * np.array([column.size for column in picked])[:, None]
     left_out = tuple(notes)
     rack_speed = beside.pop("rack_speed", None)
     if rack_speed is not None and (wanted[0] in PUSH or gain is not None):
         beside.setdefault("speed", rack_speed if wanted[0] in PUSH else rack_speed / gain)
     if instead == "rack_displacement":
         if gain is None:
-            raise InputError(f"{path} holds the rack's travel {_NO_ANGLE}")
-        table[0] /= gain
+            raise InputError(f"{path} holds the rack's travel {NO_ANGLE}")
+        curve[0] /= gain
         turn = 2e3 * np.pi * gain
         notes.append(
             f"the pinion angle follows from the rack's travel, {turn:.4g} mm per turn of the gear given"
         )
     elif instead == "speed":
-        table = np.array([_angle_by_speed(path, beside, table[0]), table[0]])
+        curve = np.array([angle_by_speed(path, beside, curve[0]), curve[0]])
         notes.append("the pinion angle is the sum of speed times time, from 0 on")
-        if all((each >= 0).all() or (each <= 0).all() for each in (beside["speed"], table[1])):
+        if all((each >= 0).all() or (each <= 0).all() for each in (beside["speed"], curve[1])):
             notes.append(ONE_WAY)
     driven = wanted[0].replace("_", " ")
-    if is_in_random_order(table[0]):
+    if is_in_random_order(curve[0]):
         raise InputError(
             f"{path} holds its {driven}s in random order: write the rows in the order in which they were "
             "recorded."
         )
     if wanted[0] in TORQUE and not instead:
-        table[0], turns = counted_on(table[0])
+        curve[0], turns = counted_on(curve[0])
         notes += [f"the angle restarts {turns} times and is continued from turn to turn"] if turns else []
-    if not np.ptp(table[0]) > 0 or not passes({"pinion_angle": table[0]}):
+    if not np.ptp(curve[0]) > 0 or not passes({"pinion_angle": curve[0]}):
         raise InputError(f"{path} holds one {driven} only; a curve covers a range of them.")
-    if is_interleaved(table[1]):
+    if is_interleaved(curve[1]):
         raise InputError(
             f"{path} has both directions of the motion in rows that alternate; write all rows of one way, "
             f"then those back, with a falling {driven}."
         )
-    _check_directions(path, source.layout, table[0])
-    moves = in_motion(table[0], beside.get("clock"))
+    words = directions(table)
+    if words and len({each.direction for each in passes({"pinion_angle": curve[0]})}) == 1:
+        raise InputError(
+            f"{path} has several directions ({', '.join(short(word, 20) for word in words)}), but its "
+            "angle moves one way in all of them; it must decrease where the motion goes back."
+        )
+    moves = in_motion(curve[0], beside.get("clock"))
     if not moves.all():
         resting = np.array(lines)[~moves].tolist()
         notes.append(f"{are(len(resting), 'row')} left out, {lines_in_words(resting)}, where the angle rests")
         left_out += (notes[-1],)
-    table, beside = table[:, moves], {name: values[moves] for name, values in beside.items()}
-    table[0], rows_of_step = spread_evenly(*table)
+    curve, beside = curve[:, moves], {name: values[moves] for name, values in beside.items()}
+    curve[0], rows_of_step = spread_evenly(*curve)
     if rows_of_step > 1:
         notes.append(f"{rows_of_step:.2g} rows of one {driven} are spread evenly to the next")
-    signals = dict(zip(wanted, table, strict=True))
-    taken = [_taken(column) for column in picked]
+    signals = dict(zip(wanted, curve, strict=True))
     beside["line"] = np.array(lines, dtype=float)[moves]
-    return MeasuredTorque(Path(path).stem, signals, (first, *taken, *notes), beside, left_out)
+    return MeasuredTorque(
+        Path(path).stem, signals, (first, *[column.words for column in picked], *notes), beside, left_out
+    )
 
 
-_NO_ANGLE = "and no pinion angle: give the gear whose travel per turn is known."
 ONE_WAY = "speed and torque have one sign: read as one direction, which is wrong if the motion turned back"
 
 
 def _columns_instead(
-    layout: Layout, wanted: Sequence[str], chosen: Mapping[str, str]
+    table: Table, wanted: Sequence[str], chosen: Mapping[str, str]
 ) -> tuple[tuple[str, ...], str]:
     """The quantities that are read, and what stands instead of a pinion angle: "" where it is there."""
-    own, travel = tuple(wanted), "rack_displacement"
-    if wanted[0] != "pinion_angle" or "pinion_angle" in chosen:
-        return own, ""
-    if travel not in chosen and names_quantity(layout, "pinion_angle"):
-        return own, ""
-    if travel in chosen or names_quantity(layout, travel):
-        return (travel, *own[1:]), travel
-    if {"speed", "rack_speed"} & set(recorded(layout, lambda index: np.zeros(0))):
-        return own[1:], "speed"
-    return own, ""
-
-
-def _angle_by_speed(path: str | Path, beside: Mapping[str, np.ndarray], torque: np.ndarray) -> np.ndarray:
-    if "clock" not in beside:
-        raise InputError(
-            f"{path} has a speed and neither a pinion angle nor times; name a column time [s] or "
-            "pinion_angle [deg]."
-        )
-    if "speed" not in beside:
-        raise InputError(f"{path} holds the rack's speed {_NO_ANGLE}")
-    try:
-        return angle_by_speed(beside["clock"], beside["speed"], torque)
-    except ValueError as error:
-        raise InputError(
-            f"{path} has times and speeds instead of a pinion angle, but {error}; write a pinion_angle "
-            "[deg], or speeds that are negative where the pinion turns back."
-        ) from None
+    angle, travel = "pinion_angle", "rack_displacement"
+    if wanted[0] == angle and angle not in chosen and (travel in chosen or not table.names_quantity(angle)):
+        if travel in chosen or table.names_quantity(travel):
+            return (travel, *wanted[1:]), travel
+        if {"speed", "rack_speed"} & set(table.beside):
+            return tuple(wanted[1:]), "speed"
+    return tuple(wanted), ""
 
 
 class _Read(NamedTuple):
@@ -208,145 +194,69 @@ class _Read(NamedTuple):
     beside: dict[str, np.ndarray]  # clock and speeds, shape (n,)
 
 
-@dataclass(frozen=True, eq=False)
-class _Channels:
-    """A file of channels."""
-
-    path: str | Path
-    channels: Channels
-
-    @property
-    def layout(self) -> Layout:
-        return self.channels.layout
-
-    def read(self, picked: list[MeasuredColumn]) -> "_Read":
-        """The columns' numbers and what stands beside them."""
-        table = np.array([self._column(column.index, picked) for column in picked])
-        known = np.isfinite(table).all(axis=0)
-        notes = []
-        if missing := int((~known).sum()):
-            rows = lines_in_words((np.flatnonzero(~known) + 1).tolist()).replace("line", "row")
-            notes.append(f"{are(missing, 'row', ' without a value')} left out: {rows}")
-        beside = recorded(self.layout, lambda index: self._column(index, picked)[known])
-        clock = self.channels.channels[picked[0].index].clock
-        if clock is not None:
-            beside.setdefault("clock", clock[known])
-        rows_kept = (np.flatnonzero(known) + 1).tolist()
-        return _Read(table[:, known], self.channels.what, notes, rows_kept, beside)
-
-    def _column(self, index: int, picked: list[MeasuredColumn]) -> np.ndarray:
-        try:
-            return self.channels.column(index, picked[0].index)
-        except InputError as error:
-            raise InputError(f"{self.path}: {' '.join(error.problems)}.") from None
+def _of_channels(path: str | Path, channels: Channels, picked: list[MeasuredColumn]) -> _Read:
+    """The numbers of channels, at the instants of the first one."""
+    driven = picked[0].index
+    values = np.array([channels.column(column.index, driven) for column in picked])
+    known = np.isfinite(values).all(axis=0)
+    rows, missing = ((np.flatnonzero(which) + 1).tolist() for which in (known, ~known))
+    notes = []
+    if missing:
+        where = lines_in_words(missing).replace("line", "row")
+        notes.append(f"{are(len(missing), 'row', ' without a value')} left out: {where}")
+    beside = {
+        name: size * channels.column(index, driven)[known]
+        for name, (index, size) in channels.table.beside.items()
+    }
+    clock = channels.channels[driven].clock
+    if clock is not None:
+        beside.setdefault("clock", clock[known])
+    return _Read(values[:, known], channels.what, notes, rows, beside)
 
 
-@dataclass(frozen=True, eq=False)
-class _Text:
-    """A file of text."""
-
-    path: str | Path
-    encoding: str
-    layout: Layout
-
-    @classmethod
-    def of(cls, path: str | Path, content: bytes, wanted: Sequence[str]) -> "_Text":
-        """The table in a text.
-
-        Raises:
-            InputError: it is no text, or holds no table.
-        """
-        text, encoding = text_of(path, content)
-        layout = layout_of(text, known_columns)
-        if layout is None:
-            raise InputError(
-                f"{path} has no column {wanted[0]} with its unit: it holds no rows of two numbers or more; "
-                "write a row of numbers for each point, below a line of names with units."
-            )
-        if layout.separator == "," and layout.header and layout.width > len(layout.header[1]):
-            raise InputError(
-                f"{path} has {layout.width} cells in a row where line {layout.header[0]} names "
-                f"{len(layout.header[1])}: its commas may separate cells or decimals; write decimal points, "
-                "or semicolons between cells."
-            )
-        return cls(path, encoding, layout)
-
-    def read(self, picked: list[MeasuredColumn]) -> "_Read":
-        """The columns' numbers and what stands beside them."""
-        numbers, separator = _format(self.path, self.layout, picked), self.layout.separator
-        values, notes, lines = _values(self.path, self.layout, picked, numbers)
-        first = f"cells separated by {SEPARATORS.get(separator, separator)}, {numbers.words}"
-        if named := _ENCODINGS.get(self.encoding, self.encoding.upper()):
-            first = f"text in {named}, {first}"
-        kept = set(lines)
-        rows = [row for number, row in self.layout.rows if number in kept]
-        beside = recorded(
-            self.layout,
-            lambda index: numbers.column([row[index] if index < len(row) else "" for row in rows]),
-        )
-        return _Read(values, first, notes, lines, beside)
-
-
-def _check_directions(path: str | Path, layout: Layout, driven: np.ndarray) -> None:
-    """Refuse a curve whose driven coordinate moves one way where a column has two.
+def _table(path: str | Path, content: bytes, wanted: Sequence[str]) -> tuple[Table, str]:
+    """The table in a text, and the text's encoding.
 
     Raises:
-        InputError: it does.
+        InputError: it is no text, or holds no table.
     """
-    words = directions(layout)
-    if len({each.direction for each in passes({"pinion_angle": driven})}) == 1 and words:
+    text, encoding = text_of(path, content)
+    table = table_in(text)
+    if table is None:
         raise InputError(
-            f"{path} has several directions ({', '.join(short(word, 20) for word in words)}), but its "
-            "angle moves one way in all of them; it must decrease where the motion goes back."
+            f"{path} has no column {wanted[0]} with its unit: it holds no rows of two numbers or more; "
+            "write a row of numbers for each point, below a line of names with units."
         )
-
-
-def _taken(column: MeasuredColumn) -> str:
-    why = f" ({column.assumed})" if column.assumed else ""
-    return f"{column.quantity} from column {column.title!r} in {column.unit} = {column.size:.6g} in SI{why}"
-
-
-def _format(path: str | Path, layout: Layout, columns: list[MeasuredColumn]) -> Format:
-    cells = (row[column.index] for _, row in layout.rows for column in columns if column.index < len(row))
-    units = {"", *(column.unit for column in columns)}
-    try:
-        return format_of(each for each in one_of_each(cells) if each.tail in units)
-    except AmbiguousNumbersError as either:
-        with suppress(AmbiguousNumbersError):  # numbers beside the curve may show it; dates and times do not
-            beside = (cell for _, row in layout.rows for cell in row if cell.count(".") < 2)
-            return format_of(each for each in one_of_each(beside) if not each.tail)
-        example = str(either)
+    if table.separator == "," and table.header and table.width > len(table.header[1]):
         raise InputError(
-            f"{path} has commas that may be decimal or divide thousands: {example} may be "
-            f"{example.replace(',', '.')} or {example.replace(',', '')}; write decimal points."
-        ) from None
+            f"{path} has {table.width} cells in a row where line {table.header[0]} names "
+            f"{len(table.header[1])}: its commas may separate cells or decimals; write decimal points, "
+            "or semicolons between cells."
+        )
+    return table, encoding
 
 
-def _values(
-    path: str | Path, layout: Layout, columns: list[MeasuredColumn], numbers: Format
-) -> tuple[np.ndarray, list[str], list[int]]:
-    """The numbers, shape (columns, n), what was left out, and the numbers of their lines.
+def _of_text(path: str | Path, table: Table, encoding: str, picked: list[MeasuredColumn]) -> _Read:
+    """The numbers of a text's columns.
 
     Raises:
         InputError: a cell that should be a number is none, or the columns change on the way.
     """
-    cells = [
-        [row[column.index] if column.index < len(row) else "" for _, row in layout.rows] for column in columns
-    ]
-    table = np.array(
-        [numbers.column(each, ("", column.unit)) for each, column in zip(cells, columns, strict=True)]
+    cells = [table.column(column.index) for column in picked]
+    form = _format(path, table, picked, cells)
+    values = np.array(
+        [form.column(each, ("", column.unit)) for each, column in zip(cells, picked, strict=True)]
     )
-    known = ~np.isnan(table)
-    absent = np.array([_absent(*each) for each in zip(cells, table, strict=True)])
+    known = ~np.isnan(values)
+    absent = np.array([_absent(*each) for each in zip(cells, values, strict=True)])
     is_kept = (known & ~absent).all(axis=0)
     is_missing_row = (known | absent).all(axis=0) & ~is_kept
-    lines = np.array([number for number, _ in layout.rows])
+    lines = np.array([number for number, _ in table.rows])
     kept, missing = lines[is_kept].tolist(), lines[is_missing_row].tolist()
     text = np.flatnonzero(~is_kept & ~is_missing_row).tolist()
-    last = kept[-1] if kept else layout.rows[-1][0]
+    last = kept[-1] if kept else table.rows[-1][0]
     for i in text:
-        own = [each[i] for each in cells]
-        _check_text(path, layout, layout.rows[i], own, known[:, i], layout.rows[i][0] < last)
+        _check_text(path, table, table.rows[i], [each[i] for each in cells], known[:, i], last)
     notes = [
         f"{are(len(which), *words)} left out: {lines_in_words(which)}"
         for which, words in (
@@ -355,7 +265,31 @@ def _values(
         )
         if which
     ]
-    return table[:, is_kept], notes, kept
+    first = f"cells separated by {SEPARATORS.get(table.separator, table.separator)}, {form.words}"
+    if named := _ENCODINGS.get(encoding, encoding.upper()):
+        first = f"text in {named}, {first}"
+    beside = {
+        name: size * form.column(table.column(index))[is_kept] for name, (index, size) in table.beside.items()
+    }
+    return _Read(values[:, is_kept], first, notes, kept, beside)
+
+
+def _format(
+    path: str | Path, table: Table, columns: list[MeasuredColumn], cells: Sequence[Sequence[str]]
+) -> Format:
+    units = {"", *(column.unit for column in columns)}
+    numbers = [digits for column in cells for digits, _, tail in parsed(column) if digits and tail in units]
+    try:
+        return format_of(numbers)
+    except AmbiguousNumbersError as either:
+        with suppress(AmbiguousNumbersError):  # numbers beside the curve may show it; dates and times do not
+            beside = [cell for _, row in table.rows for cell in row if cell.count(".") < 2]
+            return format_of([digits for digits, _, tail in parsed(beside) if digits and not tail])
+        example = str(either)
+        raise InputError(
+            f"{path} has commas that may be decimal or divide thousands: {example} may be "
+            f"{example.replace(',', '.')} or {example.replace(',', '')}; write decimal points."
+        ) from None
 
 
 def _absent(cells: Sequence[str], values: np.ndarray) -> np.ndarray:
@@ -373,15 +307,15 @@ def _absent(cells: Sequence[str], values: np.ndarray) -> np.ndarray:
 
 
 def _check_text(
-    path: str | Path, layout: Layout, row: Row, cells: list[str], known: np.ndarray, within: bool
+    path: str | Path, table: Table, row: Row, cells: list[str], known: np.ndarray, last: int
 ) -> None:
-    """Refuse a row that is no numbers where the curve would be another one: `within` it, or numbers that are
-    written otherwise at its end. `known` marks the cells that are numbers, shape (columns,).
+    """Refuse a row that is no numbers where the curve would be another one: before the `last` line of the
+    curve, or numbers that are written otherwise at its end. `known` marks the numbers, shape (columns,).
 
     Raises:
         InputError: it does.
     """
-    named = layout.header[1] if layout.header else row[1]
+    within, named = row[0] < last, table.header[1] if table.header else row[1]
     names = known_columns(row[1]) or sum(cell.endswith((")", "]")) for cell in row[1]) > 1
     if within and names and row[1] != named:
         raise InputError(
@@ -389,7 +323,7 @@ def _check_text(
             "in a file of its own."
         )
     wrong = [cell for cell, is_known in zip(cells, known, strict=True) if not is_known]
-    numeric = all(as_number(cell) is not None or _LIKE_NUMBER.fullmatch(cell.strip()) for cell in cells)
+    numeric = all(is_number(cell) or _LIKE_NUMBER.fullmatch(cell.strip()) for cell in cells)
     is_label = re.match(r"[^\W\d_]{2}", row[1][0])  # a word, as of mean values and of further passes
     if not is_label and (numeric or (within and len(wrong) < len(cells))):
         raise InputError(

@@ -10,7 +10,7 @@ the error bars of its runs, and the error of the contact law.
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -140,8 +140,8 @@ class Band:
     def _numerical(self, name: str) -> dict[str, Any]:
         if (found := self.drawn.numerical.get(name)) is None:
             return {}
-        own, *of_quantiles = _plain([found.of_sample, *found.of_quantiles])
-        return {"numerical_error": own, "numerical_errors_of_quantiles": of_quantiles}
+        of_sample, *of_quantiles = _plain([found.of_sample, *found.of_quantiles])
+        return {"numerical_error": of_sample, "numerical_errors_of_quantiles": of_quantiles}
 
 
 def band_of_runs(
@@ -170,18 +170,7 @@ def band_of_runs(
         raise InputError(f"the band has {samples} samples; it needs {FEWEST} to {MOST}.")
     points = Samples.drawn(inputs, samples, seed)
     nominal = nominal_result(scene, gear, fidelity, inputs)
-    done = runs_of(points, nominal, fidelity, on_progress, jobs, time_limit)
-    drawn, curves = done.drawn, curve_quantiles(nominal.scene, done.curves)
-    return Band(
-        nominal=nominal,
-        inputs=inputs,
-        method=f"{len(drawn.samples)} runs at points of a Latin hypercube",
-        drawn=drawn,
-        figures=figure_quantiles(drawn),
-        contributions=contributions_of(drawn),
-        curves=curves,
-        interrupted=done.interrupted,
-    )
+    return runs_of(points, nominal, fidelity, on_progress, jobs, time_limit).band(nominal, inputs)
 
 
 def nominal_result(
@@ -209,6 +198,16 @@ class Runs:
     drawn: Drawn
     curves: np.ndarray | None  # (ok samples, n) over the nominal instants; None where they do not compare
     interrupted: bool
+
+    def band(self, nominal: Result, inputs: Mapping[str, Distribution]) -> Band:
+        """The band of the figures and curves."""
+        drawn, curves = self.drawn, None
+        if self.curves is not None and len(self.curves) >= LEAST_OK:
+            signal = scene_named(nominal.scene).signal
+            curves = Curves(signal, np.quantile(self.curves, LEVELS, axis=0))
+        method = f"{len(drawn.samples)} runs at points of a Latin hypercube"
+        figures, contributions = figure_quantiles(drawn), contributions_of(drawn)
+        return Band(nominal, inputs, method, drawn, figures, contributions, curves, self.interrupted)
 
 
 def runs_of(
@@ -248,7 +247,7 @@ def runs_of(
     numbers = dict(zip(names, np.array([seen.rows[row] for row in done]).T, strict=True))
     bars = {name: np.array([seen.bars[row].get(name, np.nan) for row in done]) for name in nominal.errors}
     bars = {name: each for name, each in bars.items() if name in numbers}
-    drawn = Drawn(points.some(np.array(done)), numbers, bars, dict(causes.most_common()))
+    drawn = Drawn(replace(points, quantile=points.quantile[done]), numbers, bars, dict(causes.most_common()))
     curves = [seen.curves[row] for row in done if row in seen.curves] if seen.curves else []
     return Runs(drawn, np.array(curves) if curves else None, interrupted)
 
@@ -267,7 +266,6 @@ class _Seen:
 
     @property
     def ok(self) -> int:
-        """Samples that ended ok."""
         return len(self.rows) - len(self.failures)
 
     @cached_property
@@ -285,7 +283,6 @@ class _Seen:
         return causes
 
     def add(self, rows: Sequence[int], part: Batch) -> None:
-        """Add some samples."""
         summary, errors = part.summary, part.errors
         ended = zip(rows, part.results, part.statuses, part.messages, strict=True)
         for i, (row, result, status, message) in enumerate(ended):
@@ -339,13 +336,6 @@ def contributions_of(drawn: Drawn) -> dict[str, Contributions]:
         if each := fitted[key].contributions(numbers[known]):
             found[name] = each
     return found
-
-
-def curve_quantiles(scene: str, curves: np.ndarray | None) -> Curves | None:
-    """Return the quantiles of curves (n, instants) at each instant."""
-    if curves is None or len(curves) < LEAST_OK:
-        return None
-    return Curves(scene_named(scene).signal, np.quantile(curves, LEVELS, axis=0))
 
 
 def _plain(column: Iterable[float]) -> list[float | None]:

@@ -49,7 +49,6 @@ class PosteriorValues(Distribution):
 
     @property
     def nominal(self) -> float:
-        """The fitted value."""
         return self.first
 
 

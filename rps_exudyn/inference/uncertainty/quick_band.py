@@ -10,22 +10,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rps_exudyn.inference.uncertainty.band import (
-    Band,
-    Curves,
-    OnProgress,
-    contributions_of,
-    figure_quantiles,
-    nominal_result,
-    runs_of,
-)
+from rps_exudyn.inference.uncertainty.band import Band, Curves, OnProgress, nominal_result, runs_of
 from rps_exudyn.inference.uncertainty.samples import Samples
 from rps_exudyn.inference.uncertainty.statistics import (
     LEVELS,
     RESAMPLES,
     SEED,
+    Polynomials,
     Quantiles,
-    contributions,
     quantiles,
 )
 from rps_exudyn.parameters.distribution import Distribution
@@ -91,19 +83,14 @@ def quick_band(
     formula = formula_torques(gear, points)
     at_runs = done.drawn.numbers[FIGURE] / formula_torques(gear, done.drawn.samples)
     means, resampled = _corrected(done.drawn.samples.quantile, at_runs, points.quantile, formula)
-    found = contributions_of(done.drawn)
-    if (mean := contributions(points.quantile, means, points.inputs.groups)) is not None:
-        found[FIGURE] = mean
-    of_mean = quantiles(means, resampled=resampled)
-    return Band(
-        nominal=nominal,
-        inputs=inputs,
+    band, of_mean = done.band(nominal, inputs), quantiles(means, resampled=resampled)
+    mean = Polynomials.at(points.quantile, points.inputs.groups).contributions(means)
+    return replace(
+        band,
         method=f"closed form at {POINTS} points, corrected by {len(done.drawn.samples)} runs",
-        drawn=done.drawn,
-        figures=figure_quantiles(done.drawn) | {FIGURE: _widened(of_mean, done.drawn.failed, runs)},
-        contributions=found,
+        figures={**band.figures, FIGURE: _widened(of_mean, done.drawn.failed, runs)},
+        contributions={**band.contributions, **({FIGURE: mean} if mean is not None else {})},
         curves=_curves(means, done.curves, done.drawn.numbers[FIGURE]),
-        interrupted=done.interrupted,
     )
 
 

@@ -1,7 +1,7 @@
 """Draws of the uncertain inputs, and the runs of a scene at them."""
 
 from collections.abc import Generator, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Literal
 
@@ -39,10 +39,6 @@ class Samples:
     def __len__(self) -> int:
         return len(self.quantile)
 
-    def some(self, chosen: np.ndarray) -> "Samples":
-        """Return some of the points."""
-        return replace(self, quantile=self.quantile[chosen])
-
     @property
     def values(self) -> dict[str, np.ndarray]:
         """Path -> values in SI, shape (n,)."""
@@ -52,7 +48,6 @@ class Samples:
         }
 
     def settings(self) -> Iterator[dict[str, float]]:
-        """Yield path -> value of each point."""
         values = self.values
         for row in zip(*(column.tolist() for column in values.values()), strict=True):
             yield dict(zip(values, row, strict=True))

@@ -29,7 +29,6 @@ class Quantiles:
 
     @property
     def median(self) -> float:
-        """The median."""
         return float(self.values[MEDIAN])
 
     @property
@@ -170,14 +169,7 @@ class Polynomials:
 
     def _together(self, group: Sequence[int], coefficients: np.ndarray, noise: float) -> float:
         """Variance of the sum of a group's polynomials, without what chance adds."""
-        own = [1 + i * self.degree + d for i in group for d in range(self.degree)]
-        terms, inverse = self.terms[:, own], self.inverse[own]
+        columns = [1 + i * self.degree + d for i in group for d in range(self.degree)]
+        terms, inverse = self.terms[:, columns], self.inverse[columns]
         chance = noise * float(np.sum((terms.T @ terms) * (inverse @ inverse.T))) / len(terms)
-        return float(np.var(terms @ coefficients[own])) - chance
-
-
-def contributions(
-    u: np.ndarray, numbers: np.ndarray, groups: Mapping[str, Sequence[int]]
-) -> Contributions | None:
-    """Return what each group of inputs contributes to the variance of one figure, see `Polynomials`."""
-    return Polynomials.at(u, groups).contributions(numbers)
+        return float(np.var(terms @ coefficients[columns])) - chance

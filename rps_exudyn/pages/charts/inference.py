@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from rps_exudyn.analysis.measured import residuals
 from rps_exudyn.analysis.passes import passes, turning_points
 from rps_exudyn.inference.fitting.fitted import Fit, FittedPass
-from rps_exudyn.inference.fitting.production import Limits, Production
+from rps_exudyn.inference.fitting.production import Limits, ProductionLot
 from rps_exudyn.inference.fitting.unknowns import LEVEL
 from rps_exudyn.inference.uncertainty.band import Band
 from rps_exudyn.inference.uncertainty.statistics import LEVELS, Contributions
@@ -140,7 +140,7 @@ def _draw_contributions(figure: Figure, shares: Contributions) -> None:
 # --- A production batch
 
 
-def drift_figure(batch: Production, limits: Limits | None) -> Figure:
+def drift_figure(batch: ProductionLot, limits: Limits | None) -> Figure:
     """The levels of all gears in their order with their intervals, and below their moving average with the
     limits that 1 % of batches without drift exceed; `limits` of acceptance where a tolerance was given."""
     figure, (levels, average) = style.panels([2.8, 2.4])

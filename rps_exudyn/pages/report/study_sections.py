@@ -10,7 +10,7 @@ import numpy as np
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import words
 from rps_exudyn.inference.uncertainty.joint import groups_of, read_pairs
-from rps_exudyn.inference.uncertainty.statistics import LEVELS, contributions, quantiles
+from rps_exudyn.inference.uncertainty.statistics import LEVELS, Polynomials, quantiles
 from rps_exudyn.pages.charts import style
 from rps_exudyn.pages.charts.signals import WIDTH, abscissa, label_abscissa
 from rps_exudyn.pages.report.effects_charts import COLOUR_MAP
@@ -230,7 +230,11 @@ def _contributions(table: CaseTable, name: str, inputs: list[str]) -> Iterable[P
         return
     quantile = (np.stack(ranks, axis=1) + 0.5) / len(known)
     groups = groups_of(inputs, read_pairs(table.description.correlation, CORRELATION, []))
-    shares = contributions(quantile[known], table.numbers[name][known], groups) if known.any() else None
+    shares = (
+        Polynomials.at(quantile[known], groups).contributions(table.numbers[name][known])
+        if known.any()
+        else None
+    )
     if shares is None:
         return
     rows = [[axis, f"{share:.0%}"] for axis, share in shares.fractions.items()]
