@@ -3,8 +3,9 @@
 from pathlib import Path
 
 from rps_exudyn.base.files import check_writable
-from rps_exudyn.cli.output import DONE, say
-from rps_exudyn.cli.study import SHOWN_SKIPPED, print_said
+from rps_exudyn.cli.output import DONE, present, say
+from rps_exudyn.cli.study import SHOWN_SKIPPED, group_lines
+from rps_exudyn.results.sheet import Sheet, Text
 
 
 def collect(folder: Path, /, *, out: Path | None = None) -> int:
@@ -28,6 +29,5 @@ def collect(folder: Path, /, *, out: Path | None = None) -> int:
     if (count := len(table.skipped)) > SHOWN_SKIPPED:
         say(f"{count} files are left out, these among them; the command study repeats their cases.")
     write_table(table, out)
-    print(f"written: {out}")
-    print_said(groups(table.ended()))
+    present(Sheet(text=[Text(f"written: {out}"), *group_lines(groups(table.ended()))]))
     return DONE

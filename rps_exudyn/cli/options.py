@@ -24,6 +24,29 @@ Json = Annotated[
     bool, Parameter(name="--json", negative=(), show_default=False, help="Print the result as JSON.")
 ]
 
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Printing:
+    """Options that choose what is printed of a sheet."""
+
+    every: All = False
+    quiet: Flag = False
+    """Print only errors."""
+    json: Json = False
+
+    def check(self) -> None:
+        """Refuse options that contradict each other.
+
+        Raises:
+            InputError: they do.
+        """
+        if self.quiet and (self.every or self.json):
+            raise InputError("--quiet prints nothing but errors; leave out --all and --json.")
+
+
+HEAD_ALONE = Printing()
+
 Jobs = Annotated[
     int | None, Parameter(help="Number of processes; default: one per processor, where that is faster.")
 ]

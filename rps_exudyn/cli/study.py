@@ -1,7 +1,6 @@
 """The command `study`: options checked before anything runs, cases listed, outcome printed."""
 
-import json as json_text
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +10,8 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import duration
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import Flag, Json
-from rps_exudyn.cli.output import DONE, FAILED, put, say
+from rps_exudyn.cli.output import DONE, FAILED, present, say
+from rps_exudyn.results.sheet import Block, Line, Sheet, Text
 
 if TYPE_CHECKING:
     from rps_exudyn.simulate.cases.task import Executor
@@ -123,7 +123,7 @@ def _simulate(request: Request, json: bool) -> int:
     except (StorageError, StartError) as error:
         kept = _kept(request, work)
         raise InputError(f"{error} {kept[0].upper()}{kept[1:]}.") from None
-    _print_tally(work, tally, json)
+    _present_tally(work, tally, json)
     return DONE if set(tally.statuses) <= {Status.OK} else FAILED
 
 
@@ -146,78 +146,83 @@ def _list_cases(request: Request, json: bool) -> int:
         dispatch = dispatch_of(work.study, work.description)
     missing = {case.hash for case in work.missing}
     cases = work.description.cases
-    if json:
+
+    def text() -> Iterator[Block]:
+        for case in cases:
+            state = "to do" if case.hash in missing else "done "
+            values = (f"{axis.name} = {show_value(axis, case.values[axis.name])}" for axis in work.study.axes)
+            yield Text(f"{case.hash}  {state}  {', '.join(values)}")
+        yield Text(
+            f"{len(cases)} cases, {len(missing)} of them to be done: about {duration(time.seconds)} "
+            f"with {jobs} {'process' if jobs == 1 else 'processes'} ({time.source})"
+        )
+        if dispatch.ranges is not None:
+            yield Text("  most of them computed together, several times as fast")
+        elif dispatch.single_run_reason:
+            yield Text(_NOT_TOGETHER.format(dispatch.single_run_reason))
+
+    def data() -> dict[str, Any]:
         rows = [{"hash": case.hash, "values": case.values, "missing": case.hash in missing} for case in cases]
-        content = {"cases": rows, "missing": len(missing), "jobs": jobs, "seconds": time.seconds}
-        content |= {"in_loop": dispatch.ranges is not None, "not_in_loop": dispatch.single_run_reason}
-        print(json_text.dumps(content, indent=2))
-        return DONE
-    for case in cases:
-        state = "to do" if case.hash in missing else "done "
-        values = (f"{axis.name} = {show_value(axis, case.values[axis.name])}" for axis in work.study.axes)
-        print(f"{case.hash}  {state}  {', '.join(values)}")
-    print(
-        f"{len(cases)} cases, {len(missing)} of them to be done: about {duration(time.seconds)} "
-        f"with {jobs} {'process' if jobs == 1 else 'processes'} ({time.source})"
-    )
-    if dispatch.ranges is not None:
-        print("  most of them computed together, several times as fast")
-    elif dispatch.single_run_reason:
-        print(_NOT_TOGETHER.format(dispatch.single_run_reason))
+        counts = {"cases": rows, "missing": len(missing), "jobs": jobs, "seconds": time.seconds}
+        return counts | {"in_loop": dispatch.ranges is not None, "not_in_loop": dispatch.single_run_reason}
+
+    present(Sheet(text=text(), data=data), json=json)
     return DONE
 
 
-def _print_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:
+def _present_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:
     for path, sentence in tally.skipped[:SHOWN_SKIPPED]:
         say(f"{sentence} It was set aside as {path.stem}.set-aside.")
     if len(tally.skipped) > SHOWN_SKIPPED:
         say(f"{len(tally.skipped) - SHOWN_SKIPPED} more such files.")
     folder, count = work.store.path, sum(tally.statuses.values())
-    if json:
-        statuses = {status.value: number for status, number in tally.statuses.items()}
+
+    def text() -> Iterator[Block]:
+        outcomes = ", ".join(f"{number} {status}" for status, number in sorted(tally.statuses.items()))
+        loop = f", {tally.in_loop} computed together" if tally.in_loop else ""
+        how = f" ({tally.through_batch} in groups{loop})" if tally.through_batch else ""
+        done = f"{count} cases in {folder} ({outcomes}), {tally.done_now} of them done now{how}"
+        yield Text(f"{work.study.title}: {done}")
+        if tally.single_run_reason and tally.through_batch:
+            yield Text(_NOT_TOGETHER.format(tally.single_run_reason))
+        yield from _ranges(work)
+        yield from group_lines(tally.said)
+        yield Text(f"one page of it: rps-exudyn report {folder}")
+
+    def data() -> dict[str, Any]:
         said = [
             {"status": group.status.value, "cases": len(group.cases), "message": group.example}
             for group in tally.said
         ]
-        content: dict[str, Any] = {"folder": str(folder), "cases": count, "statuses": statuses}
-        content |= {
+        return {
+            "folder": str(folder),
+            "cases": count,
+            "statuses": {status.value: number for status, number in tally.statuses.items()},
             "said": said,
             "done_now": tally.done_now,
             "in_groups": tally.through_batch,
             "in_loop": tally.in_loop,
             "not_in_loop": tally.single_run_reason,
         }
-        print(json_text.dumps(content, indent=2))
-        return
-    outcomes = ", ".join(f"{number} {status}" for status, number in sorted(tally.statuses.items()))
-    loop = f", {tally.in_loop} computed together" if tally.in_loop else ""
-    how = f" ({tally.through_batch} in groups{loop})" if tally.through_batch else ""
-    print(
-        f"{work.study.title}: {count} cases in {folder} ({outcomes}), {tally.done_now} of them done now{how}"
-    )
-    if tally.single_run_reason and tally.through_batch:
-        print(_NOT_TOGETHER.format(tally.single_run_reason))
-    _print_ranges(work)
-    print_said(tally.said)
-    put(f"one page of it: rps-exudyn report {folder}")
+
+    present(Sheet(text=text(), data=data), json=json)
 
 
-def _print_ranges(work: "StudyWork") -> None:
+def _ranges(work: "StudyWork") -> Iterator[Block]:
     from rps_exudyn.pages.report.study_rows import range_rows
     from rps_exudyn.study.table import CaseTable
 
     rows = list(range_rows(CaseTable.of(work.store)))[:SHOWN_RANGES]
     width = max((len(row.value) for row in rows), default=0)
-    for row in rows:
-        put(f"  {row.value:{width}}  {row.words}", indent=width + 4)
+    yield from (Line(f"  {row.value:{width}}  {row.words}", indent=width + 4) for row in rows)
 
 
-def print_said(said: "Sequence[Group]") -> None:
-    """Print causes of failure, then remarks, with the numbers of their cases; the commonest of each."""
+def group_lines(said: "Sequence[Group]") -> Iterator[Block]:
+    """Causes of failure, then remarks, with the numbers of their cases; the commonest of each."""
     from rps_exudyn.results.outcome import Status
 
     for failed in (True, False):
         lines = [f"  {group.line()}" for group in said if (group.status is not Status.OK) is failed]
-        print(*lines[:SHOWN_GROUPS], sep="\n", end="\n" if lines else "")
+        yield from map(Text, lines[:SHOWN_GROUPS])
         if (more := len(lines) - SHOWN_GROUPS) > 0:
-            print(f"  {more} more {'causes' if failed else 'kinds of remarks'}, see the report")
+            yield Text(f"  {more} more {'causes' if failed else 'kinds of remarks'}, see the report")

@@ -164,7 +164,7 @@ def fits(album: Album) -> None:
     Path("line").mkdir()
     folder_of(Path("line"), 6, 4.0)
     for more in ((), ("--tolerance", "0.5 N*m to 0.9 N*m")):
-        do(album, "fit", "--batch", "line", "--plot", "drift.png", *more)
+        do(album, "judge-batch", "line", "--plot", "drift.png", *more)
 
 
 def validations(album: Album) -> None:

@@ -2,8 +2,8 @@
 
 import base64
 import gzip
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +19,6 @@ from rps_exudyn.pages.animation.drawn import Drawing
 from rps_exudyn.pages.animation.film import cutout, image_bytes
 from rps_exudyn.pages.animation.motion import Motion
 from rps_exudyn.pages.animation.parts import bearing_rings, picture_parts
-from rps_exudyn.pages.report.html import ForceArrow, GearPicture, Label
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import Result
@@ -43,6 +42,39 @@ ALT = (
     "has a friction torque and no body. Arrows end where a force acts."
 )
 PART_OF_BODY = {"plunger": "seat", "mesh": "mesh"}
+
+
+@dataclass(frozen=True)
+class Label:
+    """A label of a part in the gear's picture, at a place [%]."""
+
+    name: str
+    value: str
+    part: str
+    side: str
+    left: float
+    top: float
+
+
+@dataclass(frozen=True)
+class ForceArrow:
+    """An arrow over the gear's picture: points of its line and of its head "x,y x,y" [pixels]."""
+
+    part: str
+    line: str
+    head: str
+
+
+@dataclass(frozen=True)
+class GearPicture:
+    """The gear as a still with labels and arrows of forces; in three dimensions a page (gzip in base 64)."""
+
+    image: str
+    size: tuple[int, int]  # [pixels]
+    alt: str
+    labels: Sequence[Label]
+    arrows: Sequence[ForceArrow]
+    page: str
 
 
 class Anchor(NamedTuple):

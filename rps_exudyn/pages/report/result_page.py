@@ -1,4 +1,4 @@
-"""The article about one result of any scene, and the comparison of several side by side."""
+"""The page about one result of any scene, and the comparison of several side by side."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -21,28 +21,15 @@ from rps_exudyn.pages.charts.scene_figures import scene_figure
 from rps_exudyn.pages.charts.signals import signals_figure
 from rps_exudyn.pages.charts.style import about, scene_of
 from rps_exudyn.pages.report.html import (
-    Article,
-    CodeText,
-    Columns,
-    Facts,
-    Fold,
-    Grid,
-    PageBlock,
-    Pictures,
-    Section,
-    Share,
-    Shares,
-    Text,
-    Warning,
     as_text,
     fidelity_facts,
     gear_facts,
+    make_again,
     parameter_grid,
     part_of,
-    provenance_facts,
 )
 from rps_exudyn.pages.report.pictures import WIDTHS, picture
-from rps_exudyn.pages.report.sheet import REMARK, WORK_LOST, Row, loss_shares, sheet_of
+from rps_exudyn.pages.report.result_sheet import REMARK, WORK_LOST, loss_shares, sheet_of
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.names import GEAR_FACTS, named
 from rps_exudyn.results.law_error import error_of_law
@@ -50,6 +37,22 @@ from rps_exudyn.results.outcome import Status, sentences
 from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, LABELS, PARTS, SUMMARY, Quantity
 from rps_exudyn.results.result import Result
 from rps_exudyn.results.rounding import rounded, shown_metric, vague_rows
+from rps_exudyn.results.sheet import (
+    Block,
+    CodeText,
+    Columns,
+    Facts,
+    Fold,
+    Grid,
+    Pictures,
+    Row,
+    Section,
+    Share,
+    Shares,
+    Sheet,
+    Text,
+    Warning,
+)
 from rps_exudyn.scenes import is_scene, scene_named
 from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_TURNING_SCENE
 
@@ -57,11 +60,8 @@ if TYPE_CHECKING:
     from rps_exudyn.analysis.load_distribution import LoadDistribution
 
 
-def result_article(
-    result: Result, path: Path, more: Sequence[Section] = (), band: Band | None = None
-) -> Article:
-    """The sheet of a result in the file `path`, without the gear's picture: number, curve, losses; folded
-    below, everything else.
+def result_page(result: Result, path: Path, more: Sequence[Section] = (), band: Band | None = None) -> Sheet:
+    """The sheet of a result in the file `path`: number, curve, losses; folded below, everything else.
 
     Args:
         result: what was simulated.
@@ -71,7 +71,7 @@ def result_article(
     """
     compared = compared_with_own(result)
     sheet = sheet_of(result, compared, band)
-    return Article(
+    return Sheet(
         title=scene_of(result),
         lead=f"{path.name} · {about(result)} · {result.provenance['date'][:10]}",
         rows=[row for row in sheet.rows if row.value not in (REMARK, WORK_LOST)],
@@ -83,11 +83,13 @@ def result_article(
             *more,
             Section("Details", list(_details(result, compared, path))),
         ],
+        gear=result.gear,
+        result=result,
     )
 
 
-def gear_article(gear: SteeringGear, path: Path) -> Article:
-    """The sheet of the gear in the file `path`, without its picture: sizes, warnings, parameters.
+def gear_page(gear: SteeringGear, path: Path) -> Sheet:
+    """The sheet of the gear in the file `path`: sizes, warnings, parameters.
 
     Raises:
         InputError: a gear that cannot exist.
@@ -96,7 +98,7 @@ def gear_article(gear: SteeringGear, path: Path) -> Article:
     changed, numbers = gear.changes(), report.numbers
     differing = Fold("Parameters that differ from the defaults", [parameter_grid(changed)], is_open=True)
     every = {item.path: gear.value_at(item.path) for item in SteeringGear.declared()}
-    return Article(
+    return Sheet(
         title="Gear",
         lead=f"{path.name} · {repr(gear).strip('<>').removeprefix('SteeringGear: ')}",
         rows=[Row(GEOMETRY[name].show(numbers[name]), GEOMETRY[name].long_name) for name in HEAD_SIZES],
@@ -112,10 +114,11 @@ def gear_article(gear: SteeringGear, path: Path) -> Article:
                 ],
             ),
         ],
+        gear=gear,
     )
 
 
-def side_by_side(results: Mapping[Path, Result]) -> Article:
+def side_by_side(results: Mapping[Path, Result]) -> Sheet:
     """The outcomes, numbers and differing parameters of several results, by their files, in one table."""
     names = {path: path.name for path in results}
     if len(set(names.values())) < len(names):
@@ -137,7 +140,7 @@ def side_by_side(results: Mapping[Path, Result]) -> Article:
         if len({repr(value) for value in values}) > 1:
             rows.append([parameter, *(parameter_grid({parameter: value}).rows[0][1] for value in values)])
     grid = Grid(["", *names.values()], rows)
-    return Article("Results side by side", f"{len(results)} files", [Section("Numbers", [grid])])
+    return Sheet("Results side by side", f"{len(results)} files", sections=[Section("Numbers", [grid])])
 
 
 Compared = Sequence[AgainstMeasured] | None
@@ -147,7 +150,7 @@ MOST_SHARES = 6  # inputs that make the band, by name
 DEFLECTIONS = ("rack_y", "rack_roll")
 
 
-def _notices(result: Result) -> Iterable[PageBlock]:
+def _notices(result: Result) -> Iterable[Block]:
     """What must not be missed."""
     if result.status is not Status.OK:
         yield Warning(
@@ -201,7 +204,7 @@ def _losses(result: Result) -> Iterable[Section]:
         yield Section("Where the work goes", [Shares(parts)])
 
 
-def _details(result: Result, compared: Compared, path: Path) -> Iterable[PageBlock]:
+def _details(result: Result, compared: Compared, path: Path) -> Iterable[Block]:
     """Everything else, folded."""
     if result.signals and (every := signals_figure(result)) is not None:
         yield Fold("Signals that vary", [Pictures([picture(every, "Signals that vary")])])
@@ -211,10 +214,10 @@ def _details(result: Result, compared: Compared, path: Path) -> Iterable[PageBlo
     if error := error_of_law(result):
         yield Fold("Error of the contact law", [Text(error.sentence)])
     again = f"rps-exudyn rerun {path}     # repeat this run\nrps-exudyn show {path}"
-    yield Fold("Make it again", [provenance_facts(result.provenance), CodeText(again)])
+    yield make_again(result.provenance, again)
 
 
-def _numbers(result: Result) -> Iterable[PageBlock]:
+def _numbers(result: Result) -> Iterable[Block]:
     if not result.summary:
         yield Text("It has no numbers.")
         return
@@ -226,7 +229,7 @@ def _numbers(result: Result) -> Iterable[PageBlock]:
 def _scatter(band: Band) -> Iterable[Section]:
     """What makes the band, and the quantiles of every metric."""
     name = scene_named(band.nominal.scene).figure
-    errors, blocks = band.drawn.numerical, list[PageBlock]()
+    errors, blocks = band.drawn.numerical, list[Block]()
     if (shares := band.contributions.get(name)) is not None:
         parts = {**dict(list(shares.fractions.items())[:MOST_SHARES]), "acting together": shares.together}
         bars = [
@@ -249,7 +252,7 @@ def _scatter(band: Band) -> Iterable[Section]:
     )
 
 
-def _curves(result: Result, band: Band | None) -> Iterable[PageBlock]:
+def _curves(result: Result, band: Band | None) -> Iterable[Block]:
     if not result.signals:
         yield Text("No signals were kept.")
         return
@@ -275,11 +278,11 @@ def _caption(result: Result, band: Band | None) -> str:
     return as_sentence("; ".join(parts))
 
 
-def _measured_fold(result: Result, compared: Compared) -> Iterable[PageBlock]:
+def _measured_fold(result: Result, compared: Compared) -> Iterable[Block]:
     """How the simulated torque differs from the measured one that the result keeps, if it keeps one."""
     if result.measured is None:
         return
-    blocks: list[PageBlock] = []
+    blocks: list[Block] = []
     for each in compared or ():
         blocks.append(Grid(("quantity", "measured", "simulated"), each.rows, each.heading))
         blocks.append(Text(as_sentence(each.difference)))
@@ -306,7 +309,7 @@ def _scene_figure(result: Result, width: float, band: Band | None) -> Figure | N
     return figure
 
 
-def _parameters(result: Result) -> Iterable[PageBlock]:
+def _parameters(result: Result) -> Iterable[Block]:
     yield gear_facts({path: result.gear.value_at(path) for path in GEAR_FACTS})
     changed = result.gear.changes()
     if changed:
@@ -348,7 +351,7 @@ def contact_section(result: Result) -> Section:
     return Section("Contact of the teeth", list(_contact_blocks(result)))
 
 
-def _contact_blocks(result: Result) -> Iterator[PageBlock]:
+def _contact_blocks(result: Result) -> Iterator[Block]:
     from rps_exudyn.analysis.load_distribution import load_distribution  # loads the compiled contact
     from rps_exudyn.pages.charts.analyses import load_figure, pattern_figure
 

@@ -1,4 +1,4 @@
-"""The article about a study of any scene and design, also a half-finished one."""
+"""The page about a study of any scene and design, also a half-finished one."""
 
 import itertools
 from collections import Counter
@@ -22,22 +22,6 @@ from rps_exudyn.pages.report.effects_charts import (
     surface_figure,
 )
 from rps_exudyn.pages.report.html import (
-    Article,
-    Cell,
-    CodeText,
-    Facts,
-    Fold,
-    Grid,
-    Link,
-    Links,
-    PageBlock,
-    Picture,
-    Pictures,
-    Section,
-    Share,
-    Shares,
-    Text,
-    Warning,
     fidelity_facts,
     gear_facts,
     parameter_grid,
@@ -61,6 +45,24 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.names import GEAR_FACTS, named
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.rounding import rounded, shown_with_bar
+from rps_exudyn.results.sheet import (
+    Block,
+    Cell,
+    CodeText,
+    Facts,
+    Fold,
+    Grid,
+    Link,
+    Links,
+    Picture,
+    Pictures,
+    Section,
+    Share,
+    Shares,
+    Sheet,
+    Text,
+    Warning,
+)
 from rps_exudyn.study import sensitivity
 from rps_exudyn.study.definition import GRID_DESIGN, Axis, axis_quantity
 from rps_exudyn.study.effects import MainEffect, grid_effect, sampled_effect, surface
@@ -74,15 +76,13 @@ MOST_BARS = 6
 MOST_VALUES = 8  # of an axis, written out
 
 
-def study_article(store: Store) -> Article:
+def study_page(store: Store) -> Sheet:
     """Everything about the study in a folder."""
     table = CaseTable.of(store)
     description, failed, gear = table.description, len(list(table.failed())), None
     with suppress(InputError):  # what is set for all cases is no gear by itself
-        from rps_exudyn.pages.report.gear_picture import gear_picture  # a second, for pages of studies alone
-
-        gear = gear_picture(SteeringGear().replace(dict(description.base)))
-    return Article(
+        gear = SteeringGear().replace(dict(description.base))
+    return Sheet(
         title=description.title or description.name,
         lead=f"{description.scene} · fidelity {description.fidelity.get('name', '')} · {_progress(table)}",
         rows=list(study_rows(table)),
@@ -135,7 +135,7 @@ def _unfinished(table: CaseTable) -> Iterable[Section]:
         yield Section("", [Warning(text) for text in warnings])
 
 
-def _what(table: CaseTable) -> Iterable[PageBlock]:
+def _what(table: CaseTable) -> Iterable[Block]:
     description = table.description
     facts = [
         ("study", description.name),
@@ -196,7 +196,7 @@ def _values(table: CaseTable, axis: Axis) -> str:
     return f"{' to '.join(ends)}, {len(axis.values)} values"
 
 
-def _outcome(table: CaseTable) -> Iterable[PageBlock]:
+def _outcome(table: CaseTable) -> Iterable[Block]:
     if not table.numbers:
         yield Text("No case has ended ok yet.")
         return
@@ -210,7 +210,7 @@ def _outcome(table: CaseTable) -> Iterable[PageBlock]:
     )
 
 
-def _effects(table: CaseTable) -> Iterable[PageBlock]:
+def _effects(table: CaseTable) -> Iterable[Block]:
     names = ranked(table)
     if not names:
         yield Text("All completed cases have equal metrics.")
@@ -223,10 +223,10 @@ def _effects(table: CaseTable) -> Iterable[PageBlock]:
     )
     bars = " Bars are shares of the variance explained by each factor by itself." if several else ""
     yield Text(f"Dots are cases; the line {line}{bars}")
-    more: list[PageBlock] = []
+    more: list[Block] = []
     for place, name in enumerate(names):
         effects = _all_effects(table, name)
-        blocks: list[PageBlock] = [Text(f"{SUMMARY[name].long_name}.{_below_bars(table, name, effects)}")]
+        blocks: list[Block] = [Text(f"{SUMMARY[name].long_name}.{_below_bars(table, name, effects)}")]
         if len(effects) > 1:
             blocks.append(_shares(effects))
         if place < WITH_PICTURES:
@@ -315,7 +315,7 @@ def _sensitivity(table: CaseTable) -> list[Section]:
     if design not in sensitivity.DESIGNS:
         return []
     kinds = sensitivity.KINDS[design]
-    blocks: list[PageBlock] = [Facts(list(kinds.items()))]
+    blocks: list[Block] = [Facts(list(kinds.items()))]
     for name in ranked(table):
         try:
             blocks.append(_indices(table, name, list(kinds)))
@@ -347,7 +347,7 @@ def _ends(name: str) -> dict[str, str]:
     return {"lowest": f"lowest{best}", "median": "median", "highest": f"highest{worst}"}
 
 
-def _extremes(table: CaseTable, store: Store) -> Iterable[PageBlock]:
+def _extremes(table: CaseTable, store: Store) -> Iterable[Block]:
     names = ranked(table)[:LEADING]
     if not names:
         yield Text("All completed cases have equal metrics.")
@@ -355,7 +355,7 @@ def _extremes(table: CaseTable, store: Store) -> Iterable[PageBlock]:
         yield Fold(words(name), list(_extremes_of(table, store, name)), is_open=True)
 
 
-def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[PageBlock]:
+def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[Block]:
     numbers = table.numbers[name]
     order = np.argsort(numbers, kind="stable")[: int(np.isfinite(numbers).sum())]
     places = {"lowest": order[0], "median": order[(len(order) - 1) // 2], "highest": order[-1]}
@@ -383,7 +383,7 @@ def _shown(table: CaseTable, name: str, at: int) -> str:
     return shown_with_bar(SUMMARY[name], value, error) if np.isfinite(value) else ""
 
 
-def _all_cases(table: CaseTable, store: Store) -> Iterable[PageBlock]:
+def _all_cases(table: CaseTable, store: Store) -> Iterable[Block]:
     names = (ranked(table) or list(table.numbers))[:LEADING]
     remarked, seen = {case.hash for case, _ in table.remarked()}, set[str]()
     curves, drawn = curves_of_cases(table, store, table.cases[:MOST_ROWS])
@@ -403,7 +403,7 @@ def _all_cases(table: CaseTable, store: Store) -> Iterable[PageBlock]:
     yield Fold(count(len(rows), "case"), [Grid((*table.axes, "status", *names, "case"), rows, ids=ids)])
 
 
-def _provenance(table: CaseTable) -> Iterable[PageBlock]:
+def _provenance(table: CaseTable) -> Iterable[Block]:
     origin = dict(table.description.provenance)
     command = str(origin.pop("command", "")) or f"rps-exudyn study {table.path / 'study.toml'}"
     yield provenance_facts(origin)

@@ -14,24 +14,24 @@ from rps_exudyn.inference.uncertainty.statistics import LEVELS, contributions, q
 from rps_exudyn.pages.charts import style
 from rps_exudyn.pages.charts.signals import WIDTH, abscissa, label_abscissa
 from rps_exudyn.pages.report.effects_charts import COLOUR_MAP
-from rps_exudyn.pages.report.html import (
-    Cell,
-    Fold,
-    Grid,
-    Link,
-    Links,
-    PageBlock,
-    Picture,
-    Section,
-    Text,
-    Warning,
-)
 from rps_exudyn.pages.report.pictures import picture
 from rps_exudyn.pages.report.study_rows import count
 from rps_exudyn.parameters.gear import CORRELATION
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.results.result import Result
+from rps_exudyn.results.sheet import (
+    Block,
+    Cell,
+    Fold,
+    Grid,
+    Link,
+    Links,
+    Picture,
+    Section,
+    Text,
+    Warning,
+)
 from rps_exudyn.scenes import is_scene, scene_named
 from rps_exudyn.study.case_progress import Group, groups
 from rps_exudyn.study.definition import UNCERTAIN_DESIGN, Case
@@ -65,7 +65,7 @@ def remarks_section(table: CaseTable) -> list[Section]:
     found = groups(table.remarked())
     if not found:
         return []
-    blocks: list[PageBlock] = []
+    blocks: list[Block] = []
     limited = int(table.limited.sum())
     if 0 < limited < table.ok.sum():
         blocks.append(
@@ -84,7 +84,7 @@ def remarks_section(table: CaseTable) -> list[Section]:
     return [Section("Remarks", blocks)]
 
 
-def failed_blocks(table: CaseTable) -> Iterable[PageBlock]:
+def failed_blocks(table: CaseTable) -> Iterable[Block]:
     """Causes with their numbers of cases, then every failed case by the way it ended."""
     failed = list(table.failed())
     if causes := groups(failed):
@@ -193,7 +193,7 @@ def band_sections(table: CaseTable, names: Sequence[str]) -> list[Section]:
     return [Section("Bands", list(_band_blocks(table, names)))]
 
 
-def _band_blocks(table: CaseTable, names: Sequence[str]) -> Iterable[PageBlock]:
+def _band_blocks(table: CaseTable, names: Sequence[str]) -> Iterable[Block]:
     failed = sum(status not in (Status.OK, PENDING) for status in table.status)
     if failed:
         yield Warning(
@@ -222,7 +222,7 @@ def _levels_of(numbers: np.ndarray, name: str, failed: int) -> list[str]:
     return [words(name), *(show(value) for value in found.values.tolist()), *errors]
 
 
-def _contributions(table: CaseTable, name: str, inputs: list[str]) -> Iterable[PageBlock]:
+def _contributions(table: CaseTable, name: str, inputs: list[str]) -> Iterable[Block]:
     """Fractions of the variance; the quantile of a value is its rank among all that were drawn."""
     known = _known(table.numbers[name])
     ranks = [np.argsort(np.argsort(table.axes[axis])) for axis in inputs]

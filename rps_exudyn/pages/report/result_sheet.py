@@ -1,61 +1,45 @@
-"""The sheet: what a run found, in a few rows; the terminal prints them, and a page begins with them.
+"""The sheet of a run: a few rows, which the terminal prints and a page begins with; every number; JSON.
 
 sheet = sheet_of(result)
 sheet.title, [(row.value, row.words) for row in sheet.rows]
 """
 
-from collections.abc import Container, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Container, Iterable, Iterator, Sequence
 from math import isclose
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from rps_exudyn.base.units import words
 from rps_exudyn.parameters.derived import derived_values
 from rps_exudyn.parameters.gear import BY_SCENE, SteeringGear
 from rps_exudyn.parameters.names import named
-from rps_exudyn.results.law_error import law_error
+from rps_exudyn.results.law_error import error_of_law, law_error
 from rps_exudyn.results.outcome import Status, sentences
-from rps_exudyn.results.quantities import LABELS, PARTS, SUMMARY
+from rps_exudyn.results.quantities import COUNTERS, LABELS, PARTS, SIGNALS, SUMMARY
 from rps_exudyn.results.result import Result
-from rps_exudyn.results.rounding import half_width, is_vague, law_bar, rounded, rounded_metric, rounded_range
+from rps_exudyn.results.rounding import (
+    half_width,
+    is_vague,
+    law_bar,
+    rounded,
+    rounded_metric,
+    rounded_range,
+    shown_metric,
+    vague_rows,
+)
+from rps_exudyn.results.sheet import Block, Grid, Line, Row, Sheet, Text
 from rps_exudyn.scenes import is_scene, scene_named
 
 if TYPE_CHECKING:
     from rps_exudyn.analysis.measured import AgainstMeasured
+    from rps_exudyn.analysis.result_comparison import SignalPair
     from rps_exudyn.inference.uncertainty.band import Band
 
 MANY_CHANGES = 3  # parameters that are not named
 MOST_METRICS = 3  # of a scene
 MOST_ROWS = 6  # with title and files a sheet has 8 lines
-INDENT = 2  # blanks before a row
 REPEATED = ("torque_on_centre",)  # the mean again, over fewer angles
 REMARK, WORK_LOST = "remark", "work lost"
 LEAST_SHARE = 0.005  # of the work lost, below which a part is not named
-
-
-@dataclass(frozen=True)
-class Row:
-    """A row of a sheet: a value or a heading, words about it, and whether its error bar is wide."""
-
-    value: str
-    words: str
-    is_vague: bool = False
-
-
-@dataclass(frozen=True)
-class Sheet:
-    """What was simulated, and what was found."""
-
-    title: str
-    rows: tuple[Row, ...]
-
-    @property
-    def width(self) -> int:
-        """Letters of the first column."""
-        return max((len(row.value) for row in self.rows), default=0)
-
-    def lines(self) -> list[str]:
-        """The sheet as lines of text."""
-        return [self.title, *(f"{'':{INDENT}}{row.value:{self.width}}  {row.words}" for row in self.rows)]
 
 
 def sheet_of(
@@ -78,7 +62,14 @@ def sheet_of(
     losses = tuple(_losses(result)) if len(first) + len(last) + 1 < MOST_ROWS else ()
     rows = (*first, *losses, *last)
     metrics = tuple(_metrics(result, band))[: max(1, MOST_ROWS - len(rows))]
-    return Sheet(f"{title}{state}: {shown}; {model}", (*metrics, *rows))
+    return Sheet(
+        f"{title}{state}",
+        f"{shown}; {model}",
+        (*metrics, *rows),
+        text=result_text(result, compared),
+        more=f"{len(result.summary)} quantities",
+        data=lambda: result_as_dict(result) | measured_as_dict(compared),
+    )
 
 
 def gear_shown(gear: SteeringGear, but_for: Container[str] = ()) -> str:
@@ -117,13 +108,13 @@ def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
         largest[unit] = max(abs(summary[name]), largest.get(unit, 0.0))
     for name in names:
         quantity, value, like = SUMMARY[name], summary[name], largest[SUMMARY[name].unit]
-        words = LABELS.get(name, quantity.long_name)
+        about = LABELS.get(name, quantity.long_name)
         if law is not None and (wide := law_bar(result, name)):
-            words += f"; contact law {law.law} {half_width(quantity, wide, like)}"
+            about += f"; contact law {law.law} {half_width(quantity, wide, like)}"
         if band is not None and name in band.figures:
             found = band.figures[name]
-            words += f"; {rounded_range(quantity, found.low, found.high, like)} in 90 % of gears"
-        yield Row(rounded_metric(result, name, like), words, is_vague(value, result.errors.get(name)))
+            about += f"; {rounded_range(quantity, found.low, found.high, like)} in 90 % of gears"
+        yield Row(rounded_metric(result, name, like), about, is_vague(value, result.errors.get(name)))
 
 
 def loss_shares(result: Result) -> dict[str, float]:
@@ -145,8 +136,8 @@ def _measured(result: Result, compared: "Sequence[AgainstMeasured] | None") -> I
             continue
         side, sign = "above" if abs(found) > abs(ours) else "below", "+" if each.direction > 0 else "−"
         apart = f": {100 * abs(found / ours - 1):.2g} % {side} the simulated one" if ours else ""
-        words = f"measured mean towards {sign}X, {result.measured.name}{apart}"
-        yield Row(rounded(SUMMARY["torque_mean"], found), words)
+        about = f"measured mean towards {sign}X, {result.measured.name}{apart}"
+        yield Row(rounded(SUMMARY["torque_mean"], found), about)
 
 
 def _band(band: "Band | None") -> Iterable[Row]:
@@ -166,6 +157,84 @@ def _remark(result: Result) -> Iterable[Row]:
     if result.message:
         first, *others = sentences(result.message)
         yield Row(REMARK, first + f"; and {len(others)} more: --all" * bool(others))
+
+
+# --- Every number of a result, as blocks and for JSON
+
+
+def result_text(result: Result, compared: "Sequence[AgainstMeasured] | None" = None) -> Iterator[Block]:
+    """Scene, fidelity, level and status, every summary value with its bar and definition, the comparison with
+    a measured torque."""
+    level = f" · level {result.findings['level']}" if "level" in result.findings else ""
+    head = f"{result.scene} · fidelity {result.fidelity['name']}{level} · status {result.status}"
+    yield Line(head, is_bold=True)
+    if result.message:
+        yield Text(result.message)
+    rows = [(name, shown_metric(result, name), SUMMARY[name].long_name) for name in result.summary]
+    for name in ("mesh_normal_force_drive", "mesh_normal_force_coast"):
+        if name in result.signals and result[name].size:
+            shown = SIGNALS[name].show(float(result[name].mean()))
+            rows.append((f"mean of {name}", shown, SIGNALS[name].long_name))
+    yield Grid(("quantity", "value", "definition"), rows, vague=vague_rows(result))
+    if error := error_of_law(result):
+        yield Text(error.sentence)
+    counts = [
+        f"{COUNTERS[name].show(value)} of it in the solver"
+        if name == "solver_cpu"
+        else f"{value} {words(name)}"
+        for name, value in result.counters.items()
+    ]
+    yield Text(", ".join([f"{result.cpu_s:.3g} s of CPU time", *counts]))
+    yield from measured_text(compared)
+
+
+def measured_text(compared: "Sequence[AgainstMeasured] | None") -> Iterator[Block]:
+    """Metrics of the measured and the simulated torque, and how far the curves lie apart."""
+    from rps_exudyn.analysis.measured import NOTHING_TO_COMPARE
+
+    if compared is None:
+        return
+    yield Text("")
+    if not compared:
+        yield Text(NOTHING_TO_COMPARE)
+    for each in compared:
+        yield Grid(("quantity", "measured", "simulated"), each.rows, f"{each.heading}:")
+        yield Text(each.difference)
+
+
+DATA = (
+    *("scene", "status", "message", "codes", "fidelity", "summary", "errors", "counters", "geometry"),
+    *("cpu_s", "wall_s", "solver", "findings", "provenance"),
+)
+
+
+def result_as_dict(result: Result) -> dict[str, Any]:
+    """A result without its signals, in SI units."""
+    return {name: getattr(result, name) for name in DATA} | {"parameters": result.gear.model_dump()}
+
+
+def measured_as_dict(compared: "Sequence[AgainstMeasured] | None") -> dict[str, Any]:
+    """The comparisons with a measured torque, in SI units; {} if nothing was measured."""
+    if compared is None:
+        return {}
+    return {
+        "measured": [
+            {
+                "direction": each.direction,
+                "common_angle": list(each.angle_range),
+                "simulated_angle": list(each.simulated_range),
+                "measured": each.measured,
+                "simulated": each.simulated,
+                **differences(each.torque),
+            }
+            for each in compared
+        ]
+    }
+
+
+def differences(pair: "SignalPair") -> dict[str, float]:
+    """RMS and largest difference of two curves, and where it is."""
+    return {"rms": pair.rms, "largest": pair.largest, "pinion_angle": pair.angle}
 
 
 LINE = 66  # letters of a line of the terminal beside its heading
