@@ -18,7 +18,7 @@ def geometry(
     """
     from rps_exudyn.gears.export import FORMATS, export_solids
     from rps_exudyn.gears.geometry_report import geometry_report
-    from rps_exudyn.pages.charts.geometry import draw_geometry
+    from rps_exudyn.pages.animation.geometry_figure import draw_geometry
     from rps_exudyn.results.quantities import GEOMETRY
     from rps_exudyn.results.sheet import Grid, Sheet, Text
 

@@ -1,9 +1,9 @@
 """The contact law that a task gets where the gear's is by-scene, and where it is named."""
 
 import pytest
-from rps_exudyn.pages.report.result_sheet import sheet_of
 
 import rps_exudyn as rps
+from rps_exudyn.pages.report.result_sheet import sheet_of
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import SCENE_NAMES, scene_named

@@ -96,12 +96,12 @@ def test_terminal_gets_styles_and_lines_of_its_width(
 def test_terminal_greys_vague_rows(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    sheet = Sheet("Turn", (Row("1 ± 1 N", "force", is_vague=True), Row("1.0 ± 0.1 N", "force")))
-    print_sheet(sheet, [], "2 quantities")
+    sheet = Sheet("Turn", rows=(Row("1 ± 1 N", "force", is_vague=True), Row("1.0 ± 0.1 N", "force")))
+    present(sheet, [], every=False)
     assert "\x1b" not in capsys.readouterr().out
     monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
     monkeypatch.setenv("TERM", "xterm")
-    print_sheet(sheet, [], "2 quantities")
+    present(sheet, [], every=False)
     put_table(("quantity",), [["a"], ["b"]], dim=[1])
     lines = capsys.readouterr().out.splitlines()
     assert [line.startswith("\x1b[2m") for line in lines] == [False, True, False, False, True, False, True]

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from made_up_study import description, make_study, sampled
-from rps_exudyn.results.sheet import Fold, Grid, Warning
 from rps_exudyn.pages.report.study_sections import band_sections
 from rps_exudyn.results.result import Result
+from rps_exudyn.results.sheet import Fold, Grid, Warning
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable
 

@@ -4,9 +4,8 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-from rps_exudyn.pages.report.result_sheet import changes_shown, sheet_of
-
 import rps_exudyn as rps
+from rps_exudyn.pages.report.result_sheet import changes_shown, sheet_of
 from rps_exudyn.results.result import Result
 from shell import Command
 

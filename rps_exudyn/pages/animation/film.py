@@ -13,7 +13,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import replacing
 from rps_exudyn.pages.animation.camera import Camera
 from rps_exudyn.pages.animation.camera import view as camera_of
-from rps_exudyn.pages.animation.drawn import Drawing
+from rps_exudyn.pages.animation.drawn import Drawing, Triangles, paint_over
 from rps_exudyn.pages.animation.motion import Motion
 from rps_exudyn.pages.animation.overlays import ContactLines, contact_lines
 from rps_exudyn.pages.animation.parts import PicturePart, picture_parts
@@ -75,11 +75,11 @@ def still(
     return _picture(drawing, camera_of(view, motion.gear, explode), 0, size, 2, written=False)
 
 
-def cutout(drawing: Drawing, camera: Camera, size: Size) -> Image.Image:
-    """The bodies of the first instant alone, with their outlines, on a transparent ground."""
+def cutout(bodies: Sequence[Triangles], camera: Camera, size: Size) -> Image.Image:
+    """Bodies with their outlines on a transparent ground."""
     width, height = (2 * each for each in size)
     image, depth = np.ones((height, width, 3)), np.full((height, width), np.inf)
-    drawing.draw_bodies(image, depth, camera)
+    paint_over(image, camera, bodies, depth)
     seen = np.isfinite(depth)
     near = np.where(seen, depth, OUTLINE_GAP * camera.distance + depth[seen].max(initial=0.0))
     edge = np.zeros_like(seen)

@@ -108,7 +108,7 @@ def gear_picture(gear: SteeringGear, result: Result | None = None) -> GearPictur
         return None
     anchors = list(_anchors(gear, moving))
     camera = _camera(np.stack([each.point for each in anchors]))
-    image = image_bytes(cutout(drawing, camera, SIZE), "webp")
+    image = image_bytes(cutout(drawing.bodies(camera), camera, SIZE), "webp")
     played = rendered(shown, moving, parts, None, image)
     return GearPicture(
         image=f"data:image/webp;base64,{base64.b64encode(image).decode('ascii')}",

@@ -86,7 +86,12 @@ def read_sheet(path: Path) -> Sheet:
 
 def _sections(stored: Sequence[Mapping[str, Any]], depth: int) -> list[Section]:
     return [
-        Section(str(each["title"]), [_block(inner, depth) for inner in each["blocks"]]) for each in stored
+        Section(
+            str(each["title"]),
+            [_block(inner, depth) for inner in each["blocks"]],
+            each.get("is_folded", False) is True,
+        )
+        for each in stored
     ]
 
 
