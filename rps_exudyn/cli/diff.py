@@ -37,7 +37,6 @@ def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Json =
 
 
 def _text(comparison: "ResultComparison", names: tuple[str, str]) -> Iterator[Block]:
-    """The settings that differ, both summaries, and how far the curves of each signal lie apart."""
     for name, scene, status in zip(names, comparison.scene, comparison.status, strict=True):
         yield Line(f"{name}: {scene} · status {status}", is_bold=True)
     settings = [(path, *_both_shown(path, pair)) for path, pair in comparison.settings.items()]

@@ -3,9 +3,7 @@
 import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-from cyclopts import Parameter
+from typing import TYPE_CHECKING
 
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
@@ -16,9 +14,11 @@ from rps_exudyn.cli.options import (
     PAPER_GEAR,
     Columns,
     Flag,
+    Freed,
     GearOptions,
     Jobs,
     Printing,
+    Priors,
     chosen_columns,
 )
 from rps_exudyn.cli.output import (
@@ -36,28 +36,6 @@ if TYPE_CHECKING:
 
 PAGES = (".html", ".htm", ".json")
 _PRIOR = re.compile(r"(?P<value>.+?)\s*(?:\+-|\+/-|±)\s*(?P<sd>.+)")
-
-Priors = Annotated[
-    tuple[str, ...],
-    Parameter(
-        name="--prior",
-        negative=(),
-        show_default=False,
-        help='PATH="VALUE +- DEVIATION": what is expected of a parameter and its standard deviation, for '
-        'instance --prior yoke.preload="300 N +- 10 %"; may be repeated.',
-    ),
-]
-
-Freed = Annotated[
-    tuple[str, ...],
-    Parameter(
-        name="--free",
-        negative=(),
-        show_default=False,
-        help="PATH of a parameter that is fitted, instead of the usual ones, such as --free bush.drag; "
-        "bow and angle error beside them; may be repeated.",
-    ),
-]
 
 
 def fit(
@@ -95,7 +73,6 @@ def fit(
     from rps_exudyn.inference.fitting.fit import fit as fitted
     from rps_exudyn.inference.fitting.series import read_series
     from rps_exudyn.inference.fitting.unknowns import USUAL
-    from rps_exudyn.pages.report.fit_page import fit_sheet
     from rps_exudyn.simulate.cases.run_cases import checked_jobs
     from rps_exudyn.simulate.cases.time_limit import TimeLimit
 
@@ -122,6 +99,8 @@ def fit(
         show("drawing", None)
         written.extend(_written_files(found, out, plot, report, series))  # keeps those before an interrupt
     with printing(shown.quiet):
+        from rps_exudyn.pages.report.fit_page import fit_sheet
+
         present(fit_sheet(found), written, every=shown.every, json=shown.json)
     return DONE if found.converged else FAILED
 
@@ -149,8 +128,14 @@ def parse_priors(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
             )
             continue
         unit = SteeringGear.declared_at(path)[0].unit
+        si, deviation = unit.si if unit else "", found["sd"].strip()
         try:
-            priors[path] = _prior(found["value"], found["sd"], unit.si if unit else "")
+            expected = units.to_si(found["value"], si)
+            share = abs(expected) if deviation.endswith("%") else 1.0  # a deviation in % is one of the value
+            sd = share * units.to_si(deviation, "" if deviation.endswith("%") else si)
+            if not 0 < sd < float("inf"):
+                raise ValueError(f"has the standard deviation {found['sd']}, which must be more than 0")
+            priors[path] = expected, sd
             SteeringGear().replace({path: priors[path][0]})
         except InputError as error:
             problems += [f"--prior {text}: {problem}" for problem in error.problems]
@@ -159,16 +144,6 @@ def parse_priors(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
     if problems:
         raise InputError(problems)
     return priors
-
-
-def _prior(value: str, deviation: str, si: str) -> tuple[float, float]:
-    """Value and deviation; a deviation in % is one of the value."""
-    expected = units.to_si(value, si)
-    part = deviation.strip()
-    sd = abs(expected) * units.to_si(part, "") if part.endswith("%") else units.to_si(part, si)
-    if not 0 < sd < float("inf"):
-        raise ValueError(f"has the standard deviation {deviation}, which must be more than 0")
-    return expected, sd
 
 
 def _written_files(

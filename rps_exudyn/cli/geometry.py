@@ -18,7 +18,6 @@ def geometry(
     """
     from rps_exudyn.gears.export import FORMATS, export_solids
     from rps_exudyn.gears.geometry_report import geometry_report
-    from rps_exudyn.pages.animation.geometry_figure import draw_geometry
     from rps_exudyn.results.quantities import GEOMETRY
     from rps_exudyn.results.sheet import Grid, Sheet, Text
 
@@ -29,6 +28,8 @@ def geometry(
     if out and out.suffix.lower() in FORMATS:
         export_solids(chosen, out)
     elif out:
+        from rps_exudyn.pages.animation.geometry_figure import draw_geometry
+
         draw_geometry(chosen, out, force)
     rows = [(name, item.show(getattr(report, name)), item.long_name) for name, item in GEOMETRY.items()]
     rows += [(f"mass of {part}", f"{each.mass:.4g} kg", "") for part, each in report.mass_properties.items()]

@@ -11,6 +11,7 @@ from cyclopts import Parameter
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import check_depth
 from rps_exudyn.base.units import short
+from rps_exudyn.cli.output import note
 
 if TYPE_CHECKING:
     from rps_exudyn.inference.uncertainty.joint import JointInputs
@@ -18,10 +19,52 @@ if TYPE_CHECKING:
 
 Flag = Annotated[bool, Parameter(negative=(), show_default=False)]
 
-All = Annotated[bool, Parameter(name="--all", negative=(), show_default=False, help="Print every number.")]
 
-Json = Annotated[
-    bool, Parameter(name="--json", negative=(), show_default=False, help="Print the result as JSON.")
+def _flag(name: str, help: str) -> Parameter:
+    """An option without a value, or one that may be repeated."""
+    return Parameter(name=name, negative=(), show_default=False, help=help)
+
+
+Json = Annotated[bool, _flag("--json", "Print the result as JSON.")]
+All = Annotated[bool, _flag("--all", "Print every number.")]
+
+Jobs = Annotated[
+    int | None, Parameter(help="Number of processes; default: one per processor, where that is faster.")
+]
+
+Inputs = Annotated[
+    str | None,
+    Parameter(
+        help="Uncertain inputs: series (scatter about this gear), unknown (any gear with such teeth) or own "
+        '(only parameters given as "300 N +- 30 N"). Default: own if there are any, else series.'
+    ),
+]
+
+Columns = Annotated[
+    tuple[str, ...],
+    _flag(
+        "--column",
+        'QUANTITY="TITLE [unit]": column of the measured file that holds a quantity, where the header '
+        'does not state it, for instance --column pinion_torque="M2 [N cm]"; may be repeated.',
+    ),
+]
+
+Priors = Annotated[
+    tuple[str, ...],
+    _flag(
+        "--prior",
+        'PATH="VALUE +- DEVIATION": what is expected of a parameter and its standard deviation, for '
+        'instance --prior yoke.preload="300 N +- 10 %"; may be repeated.',
+    ),
+]
+
+Freed = Annotated[
+    tuple[str, ...],
+    _flag(
+        "--free",
+        "PATH of a parameter that is fitted, instead of the usual ones, such as --free bush.drag; "
+        "bow and angle error beside them; may be repeated.",
+    ),
 ]
 
 
@@ -46,29 +89,6 @@ class Printing:
 
 
 HEAD_ALONE = Printing()
-
-Jobs = Annotated[
-    int | None, Parameter(help="Number of processes; default: one per processor, where that is faster.")
-]
-
-Inputs = Annotated[
-    str | None,
-    Parameter(
-        help="Uncertain inputs: series (scatter about this gear), unknown (any gear with such teeth) or own "
-        '(only parameters given as "300 N +- 30 N"). Default: own if there are any, else series.'
-    ),
-]
-
-Columns = Annotated[
-    tuple[str, ...],
-    Parameter(
-        name="--column",
-        negative=(),
-        show_default=False,
-        help='QUANTITY="TITLE [unit]": column of the measured file that holds a quantity, where the header '
-        'does not state it, for instance --column pinion_torque="M2 [N cm]"; may be repeated.',
-    ),
-]
 
 
 @Parameter(name="*")
@@ -114,8 +134,6 @@ class GearOptions:
         Raises:
             InputError: distributions that cannot be.
         """
-        from rps_exudyn.cli.output import note
-
         own = self.carried()
         if own.parted:
             note(
@@ -126,8 +144,6 @@ class GearOptions:
 
     def say_medians(self) -> None:
         """Name on standard error the parameters that carry a distribution, of which the median is taken."""
-        from rps_exudyn.cli.output import note
-
         own = self.carried()
         if paths := [path for path in own if path not in own.posterior]:
             note(

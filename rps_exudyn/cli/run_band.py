@@ -119,7 +119,6 @@ def do_band(wanted: BandRun, files: Files, measured: MeasuredTorque | None, show
 
 
 def _text(band: Band) -> Iterator[Block]:
-    """Quantiles with their errors, contributions, and what the band does not contain."""
     count, failed = len(band.drawn.samples), band.drawn.failed
     head = f"{band.nominal.scene} · {band.method} · {failed} of {count} samples failed"
     yield Line(head, is_bold=True)

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -50,97 +49,72 @@ def study(
         toy: Try the study with two values of each axis, in a folder NAME-toy.
         yes: Also run a study of more than 5000 cases.
     """
-    folder = out or Path(f"{file.stem}-toy" if toy else file.stem)
-    request = Request(file, folder, jobs, cluster, toy, yes)
-    return _list_cases(request, json) if dry_run else _simulate(request, json)
+    from rps_exudyn.simulate.cases.run_cases import checked_jobs
 
-
-@dataclass(frozen=True)
-class Request:
-    """The command's options."""
-
-    file: Path
-    out: Path
-    jobs: int | None
-    cluster: str | None
-    toy: bool
-    yes: bool
-
-    @property
-    def processes(self) -> int:
-        """Number of worker processes.
-
-        Raises:
-            InputError: `jobs` is not from 1 to 1024.
-        """
-        from rps_exudyn.simulate.cases.run_cases import checked_jobs
-
-        return checked_jobs(self.jobs)
-
-    def work(self) -> "StudyWork":
-        """The study in its folder.
-
-        Raises:
-            InputError: everything that is wrong with file and folder, or more cases than run without `yes`.
-        """
-        from rps_exudyn.study.cases import count_of
-        from rps_exudyn.study.runner import StudyWork
-        from rps_exudyn.study.study_file import read_study
-
-        study = read_study(self.file)
-        if self.toy:
-            study = study.toy()
-        count = count_of(study)
-        if count > MANY_CASES and not self.yes:
-            raise InputError(
-                f"{self.file} has {count} cases; more than {MANY_CASES} are run with --yes only "
-                "(--dry-run --yes estimates how long they take)."
-            )
-        with shown_progress(asked=False):
-            return StudyWork.of(study, self.out)
-
-
-def _simulate(request: Request, json: bool) -> int:
-    """Simulate the missing cases and print the outcome; exit status 0, or 1 if cases failed."""
-    jobs, work = request.processes, request.work()
+    processes = checked_jobs(jobs)
+    work = _work(file, out or Path(f"{file.stem}-toy" if toy else file.stem), toy, yes)
+    if dry_run:
+        _list_cases(work, processes, json)
+        return DONE
     from rps_exudyn.results.outcome import Status
     from rps_exudyn.simulate.cases.processes import Processes, StartError
     from rps_exudyn.study.runner import StorageError, run_study
 
     executor: AbstractContextManager[Executor]
     limit = work.study.time_limit
-    if request.cluster:
+    if cluster:
         from rps_exudyn.simulate.cases.cluster import Cluster
 
-        executor = Cluster.at(request.cluster, limit)
+        executor = Cluster.at(cluster, limit)
     else:
-        executor = Processes(jobs, limit, request.out / "messages.log")
+        executor = Processes(processes, limit, work.store.path / "messages.log")
     try:
         with shown_progress(), executor as workers:
             tally = run_study(work, workers)
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(f"interrupted; {_kept(request, work)}.") from None
+        raise KeyboardInterrupt(f"interrupted; {_kept(work)}.") from None
     except (StorageError, StartError) as error:
-        kept = _kept(request, work)
+        kept = _kept(work)
         raise InputError(f"{error} {kept[0].upper()}{kept[1:]}.") from None
     _present_tally(work, tally, json)
     return DONE if set(tally.statuses) <= {Status.OK} else FAILED
 
 
-def _kept(request: Request, work: "StudyWork") -> str:
+def _work(file: Path, folder: Path, toy: bool, yes: bool) -> "StudyWork":
+    """The study in its folder.
+
+    Raises:
+        InputError: everything that is wrong with file and folder, or more cases than run without `yes`.
+    """
+    from rps_exudyn.study.cases import count_of
+    from rps_exudyn.study.runner import StudyWork
+    from rps_exudyn.study.study_file import read_study
+
+    study = read_study(file)
+    if toy:
+        study = study.toy()
+    count = count_of(study)
+    if count > MANY_CASES and not yes:
+        raise InputError(
+            f"{file} has {count} cases; more than {MANY_CASES} are run with --yes only "
+            "(--dry-run --yes estimates how long they take)."
+        )
+    with shown_progress(asked=False):
+        return StudyWork.of(study, folder)
+
+
+def _kept(work: "StudyWork") -> str:
     """What is kept of a study that ends early, and what the same command does."""
     if next(work.store.rows(), None) is None:
         return "no case is finished; the same command runs all of them"
-    return f"finished cases are kept in {request.out}; the same command runs the others"
+    return f"finished cases are kept in {work.store.path}; the same command runs the others"
 
 
-def _list_cases(request: Request, json: bool) -> int:
-    """Print the cases, which of them are missing, and the estimated time; exit status 0."""
+def _list_cases(work: "StudyWork", jobs: int, json: bool) -> None:
     from rps_exudyn.study.case_progress import estimate
     from rps_exudyn.study.handover import dispatch_of
     from rps_exudyn.study.table import show_value
 
-    work, jobs = request.work(), request.processes
     time = estimate(work.study, work.missing, work.measured(), jobs)
     with shown_progress():
         dispatch = dispatch_of(work.study, work.description)
@@ -167,7 +141,6 @@ def _list_cases(request: Request, json: bool) -> int:
         return counts | {"in_loop": dispatch.ranges is not None, "not_in_loop": dispatch.single_run_reason}
 
     present(Sheet(text=text(), data=data), json=json)
-    return DONE
 
 
 def _present_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:

@@ -267,7 +267,6 @@ def _of_flank(
 
 
 def _face(pair: GearPair) -> str:
-    """The face that bears, in words."""
     face = bearing_face(pair)
     whose = "as the bar leaves it at the rack's tips" if face < pair.face_width else "that of the pinion"
     return f"Face {1e3 * face:.3g} mm, {whose}"

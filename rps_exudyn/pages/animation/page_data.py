@@ -99,7 +99,6 @@ def _part(part: PicturePart, motion: Motion) -> dict[str, Any]:
 
 
 def _curves(signals: Mapping[str, np.ndarray]) -> list[dict[str, Any]]:
-    """Signals in their display units."""
     return [
         {
             "name": words(name),

@@ -236,7 +236,6 @@ class Answering:
 
 
 def _controls(gear: SteeringGear) -> Answer:
-    """What the page builds itself from."""
     items = {item.path: item for item in gear.declared()}
     sliders = [
         {

@@ -93,7 +93,6 @@ def _picture(gear: SteeringGear, wish: Wish) -> Answer:
 
 
 def _pattern(gear: SteeringGear, wish: Wish) -> Answer:
-    """The contact pattern of the free turning gear."""
     result = simulate(SCENE.name, Wish(wish.state).gear(gear), fidelity_of(SCENE.name))
     drawn = picture(pattern_figure(result), "Contact pattern").svg.encode()
     return {"image": f"data:image/svg+xml;base64,{base64.b64encode(drawn).decode('ascii')}"}
@@ -111,7 +110,6 @@ def _read(wish: Wish, folder: str, gear: SteeringGear) -> tuple[Path, MeasuredTo
 
 
 def _measured(gear: SteeringGear, wish: Wish) -> Answer:
-    """The curves of a measured file, each against its motion."""
     chosen = Wish(wish.state).gear(gear)
     with TemporaryDirectory() as folder:
         _, measured = _read(wish, folder, chosen)

@@ -226,7 +226,6 @@ def _described(gear: SteeringGear) -> Answer:
 
 
 def _drawn(result: Result) -> Answer:
-    """Curves, rows of the sheet, metrics, losses."""
     error = error_of_law(result)
     signal = scene_named(result.scene).signal
     along = abscissa(result)

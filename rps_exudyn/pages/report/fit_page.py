@@ -10,10 +10,8 @@ from rps_exudyn.inference.fitting.diagnosis import encoder_doubts
 from rps_exudyn.inference.fitting.fit import beyond_the_teeth
 from rps_exudyn.inference.fitting.fitted import Estimate, Fit, shape_claims
 from rps_exudyn.inference.fitting.unknowns import LEVEL
-from rps_exudyn.pages.charts.inference import curves_figure
 from rps_exudyn.pages.report.html import parameter_grid, part_of, provenance_facts
 from rps_exudyn.pages.report.judged import judgement
-from rps_exudyn.pages.report.pictures import WIDTHS, picture
 from rps_exudyn.pages.report.result_sheet import listed
 from rps_exudyn.parameters.names import named
 from rps_exudyn.results.judged_row import Verdict
@@ -29,7 +27,6 @@ from rps_exudyn.results.sheet import (
     Judgement,
     Line,
     Mark,
-    Picture,
     Pictures,
     Row,
     Section,
@@ -69,17 +66,19 @@ def fit_sheet(fit: Fit) -> Sheet:
 
 def fit_page(fit: Fit, command: str) -> Sheet:
     """The sheet with pictures and what it rests on; `command` makes it again."""
-    pictures = list(_pictures(fit))
+    from rps_exudyn.pages.charts.inference import curves_figure  # with matplotlib
+    from rps_exudyn.pages.report.pictures import at_widths
+
+    pictures = at_widths(lambda width: curves_figure(fit, width), CURVES)
     sections = [
         Section("Parameters", list(_found(fit))),
-        *([Section("Measured and fitted torque", pictures)] if pictures else []),
+        *([Section("Measured and fitted torque", [Pictures(pictures)])] if pictures else []),
         Section("Details", [*_basis(fit), Fold("Make it again", [CodeText(command)])]),
     ]
     return replace(fit_sheet(fit), sections=sections)
 
 
 def _text(fit: Fit, tests: str) -> Iterable[Block]:
-    """Level, what is not separable, the tables of parameters and of the budget, and warnings."""
     yield Line(f"fit · tests: {tests} · {'converged' if fit.converged else 'NOT CONVERGED'}", is_bold=True)
     said = [findings.level_sentence(fit), *findings.open_sentences(fit)]
     yield from (Text(sentence) for sentence in said if sentence)
@@ -93,7 +92,6 @@ def _text(fit: Fit, tests: str) -> Iterable[Block]:
 
 
 def _rows(fit: Fit) -> Iterable[Row]:
-    """The level, what is known, what is not separable, and the next tests."""
     if fit.level is not None:
         half = fit.level.interval[1] - fit.level.value
         value = rounded(SUMMARY["torque_mean"], fit.level.value, half)
@@ -109,7 +107,6 @@ def _rows(fit: Fit) -> Iterable[Row]:
 
 
 def _verdicts(fit: Fit) -> Iterable[Row]:
-    """What is known, by the tests or with priors, and what is not separable."""
     known = [f"{named(each.path)} {_range(each)}" for each in fit.estimates
              if each.verdict in (Verdict.FOUND, Verdict.NOT_ZERO)]  # fmt: skip
     if known:
@@ -174,15 +171,6 @@ def _judged(each: Estimate, verdict: str) -> Judgement:
     return replace(
         placed, mark=Mark.KEPT if known else Mark.OPEN, limits=(), remark="", part=part_of([each.path])
     )
-
-
-def _pictures(fit: Fit) -> Iterable[Block]:
-    drawn: list[Picture] = []
-    for place, width in WIDTHS.items():
-        if (figure := curves_figure(fit, width)) is not None:
-            drawn.append(replace(picture(figure, CURVES), place=place))
-    if drawn:
-        yield Pictures(drawn)
 
 
 def _basis(fit: Fit) -> Iterable[Block]:

@@ -182,7 +182,6 @@ def _straight(gear: SteeringGear, drawing: Drawing, camera: Camera) -> Iterator[
 
 
 def _bent(gear: SteeringGear, camera: Camera) -> ForceArrow:
-    """The torque, around the end of the shaft."""
     pair = GearPair.of(gear)
     across, up, along = pair.pinion_frame.T
     angle = np.linspace(*BENT, ROUND)[:, None]

@@ -30,7 +30,7 @@ def page(sheets: Iterable[Sheet]) -> str:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     from rps_exudyn.pages.animation.animation_page import admitted, hash_of
-    from rps_exudyn.pages.charts.style import PART_COLOURS
+    from rps_exudyn.pages.charts.style import PART_COLOURS, theme
     from rps_exudyn.pages.report.gear_picture import gear_picture
 
     drawn = [(sheet, gear_picture(sheet.gear, sheet.result) if sheet.gear else None) for sheet in sheets]
@@ -41,7 +41,7 @@ def page(sheets: Iterable[Sheet]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    css = (_FOLDER / "page.css").read_text(encoding="utf-8")
+    css = theme() + (_FOLDER / "page.css").read_text(encoding="utf-8")
     script = (_FOLDER / "page.js").read_text(encoding="utf-8")
     hashes = [hash_of(script), *([admitted()[1]] if any(gear for _, gear in drawn) else [])]
     return environment.get_template("page.html").render(

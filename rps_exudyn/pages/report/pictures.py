@@ -8,7 +8,8 @@ import io
 import json
 import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from html import escape
 from typing import Any
 
@@ -56,6 +57,12 @@ def picture(figure: Figure, caption: str, links: Mapping[str, tuple[str, str]] |
     return Picture(svg, caption, width, axes=json.dumps(places) if places else "")
 
 
+def at_widths(draw: Callable[[float], Figure | None], caption: str) -> list[Picture]:
+    """What `draw` makes of a width [in], for wide and narrow screens; nothing where it makes no picture."""
+    figures = {place: draw(width) for place, width in WIDTHS.items()}
+    return [replace(picture(each, caption), place=place) for place, each in figures.items() if each]
+
+
 def curves_of(axes: Axes) -> list[Line2D]:
     """Lines over the axes' data: no dots, no lines of reference across the axes."""
     return [
@@ -88,13 +95,12 @@ def axes_of(
         "log": [axes.get_xscale() == "log", axes.get_yscale() == "log"],
         "along": {"name": along, "unit": unit_along},
         "across": {"name": name or axes.get_title(loc="left"), "unit": unit},
-        "curves": [_curve(number, str(line.get_label()), links) for number, line in curves.items()],
+        "curves": [
+            {"number": number, "label": "" if label.startswith("_") else label}
+            | ({"to": links[label][1]} if label in links else {})
+            for number, label in ((number, str(line.get_label())) for number, line in curves.items())
+        ],
     }
-
-
-def _curve(number: int, label: str, links: Mapping[str, tuple[str, str]]) -> dict[str, Any]:
-    shown = "" if label.startswith("_") else label
-    return {"number": number, "label": shown, **({"to": links[label][1]} if label in links else {})}
 
 
 def name_and_unit(label: str) -> tuple[str, str]:

@@ -28,15 +28,15 @@ from rps_exudyn.pages.report.html import (
     parameter_grid,
     part_of,
 )
-from rps_exudyn.pages.report.pictures import WIDTHS, picture
-from rps_exudyn.pages.report.result_sheet import REMARK, WORK_LOST, loss_shares, sheet_of
+from rps_exudyn.pages.report.pictures import at_widths, picture
+from rps_exudyn.pages.report.result_sheet import REMARK, WORK_LOST, loss_shares, sheet_of, summary_grid
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.names import GEAR_FACTS, named
 from rps_exudyn.results.law_error import error_of_law
 from rps_exudyn.results.outcome import Status, sentences
 from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, LABELS, PARTS, SUMMARY, Quantity
 from rps_exudyn.results.result import Result
-from rps_exudyn.results.rounding import rounded, shown_metric, vague_rows
+from rps_exudyn.results.rounding import rounded, shown_metric
 from rps_exudyn.results.sheet import (
     Block,
     CodeText,
@@ -71,14 +71,19 @@ def result_page(result: Result, path: Path, more: Sequence[Section] = (), band: 
     """
     compared = compared_with_own(result)
     sheet = sheet_of(result, compared, band)
+    is_free, heading = result.scene == FREE_TURNING_SCENE.name, "Curves"
+    if result.signals and is_scene(result.scene):
+        heading = words(scene_named(result.scene).signal).capitalize() + " over the pinion's angle" * is_free
+    beside = [*_losses(result), *_ripple(result)]
+    notices = list(_notices(result))
     return Sheet(
         title=scene_of(result),
         lead=f"{path.name} · {about(result)} · {result.provenance['date'][:10]}",
         rows=[row for row in sheet.rows if row.value not in (REMARK, WORK_LOST)],
         sections=[
-            *([Section("Outcome", notices)] if (notices := list(_notices(result))) else []),
-            Section(_heading(result), list(_curves(result, band))),
-            *_beside(result),
+            *([Section("Outcome", notices)] if notices else []),
+            Section(heading, list(_curves(result, band))),
+            *([Section("", [Columns(beside)])] if len(beside) > 1 else beside),
             *([] if band is None else _scatter(band)),
             *more,
             Section("Details", list(_details(result, compared, path))),
@@ -151,7 +156,6 @@ DEFLECTIONS = ("rack_y", "rack_roll")
 
 
 def _notices(result: Result) -> Iterable[Block]:
-    """What must not be missed."""
     if result.status is not Status.OK:
         yield Warning(
             f"The simulation failed ({result.status}): {result.message or 'no message'} "
@@ -159,23 +163,6 @@ def _notices(result: Result) -> Iterable[Block]:
         )
     elif result.message:
         yield Grid(("remarks",), [[sentence] for sentence in sentences(result.message)])
-
-
-def _heading(result: Result) -> str:
-    """What the curve shows."""
-    if not result.signals or not is_scene(result.scene):
-        return "Curves"
-    signal = words(scene_named(result.scene).signal).capitalize()
-    return f"{signal} over the pinion's angle" if result.scene == FREE_TURNING_SCENE.name else signal
-
-
-def _beside(result: Result) -> Iterable[Section]:
-    """Losses and ripple, side by side."""
-    sections = [*_losses(result), *_ripple(result)]
-    if len(sections) > 1:
-        yield Section("", [Columns(sections)])
-    else:
-        yield from sections
 
 
 def _ripple(result: Result) -> Iterable[Section]:
@@ -192,7 +179,6 @@ def _ripple(result: Result) -> Iterable[Section]:
 
 
 def _losses(result: Result) -> Iterable[Section]:
-    """Where the work goes; none where a result has no losses."""
     if shares := loss_shares(result):
         mean = result.summary.get("torque_mean", 0.0) if result.scene == FREE_TURNING_SCENE.name else 0.0
         torque = SUMMARY["torque_mean"]
@@ -205,11 +191,18 @@ def _losses(result: Result) -> Iterable[Section]:
 
 
 def _details(result: Result, compared: Compared, path: Path) -> Iterable[Block]:
-    """Everything else, folded."""
     if result.signals and (every := signals_figure(result)) is not None:
         yield Fold("Signals that vary", [Pictures([picture(every, "Signals that vary")])])
-    yield from _measured_fold(result, compared)
-    yield from _numbers(result)
+    if result.measured is not None:
+        found: list[Block] = []
+        for each in compared or ():
+            found.append(Grid(("quantity", "measured", "simulated"), each.rows, each.heading))
+            found.append(Text(as_sentence(each.difference)))
+        yield Fold(f"Comparison with {result.measured.name}", found or [Text(NOTHING_TO_COMPARE)])
+    if result.summary:
+        yield Fold(f"All {len(result.summary)} quantities", [summary_grid(result)])
+    else:
+        yield Text("It has no numbers.")
     yield Fold("Parameters", list(_parameters(result)))
     if error := error_of_law(result):
         yield Fold("Error of the contact law", [Text(error.sentence)])
@@ -217,38 +210,28 @@ def _details(result: Result, compared: Compared, path: Path) -> Iterable[Block]:
     yield make_again(result.provenance, again)
 
 
-def _numbers(result: Result) -> Iterable[Block]:
-    if not result.summary:
-        yield Text("It has no numbers.")
-        return
-    count = len(result.summary)
-    rows = [[name, shown_metric(result, name), SUMMARY[name].long_name] for name in result.summary]
-    yield Fold(f"All {count} quantities", [Grid(QUANTITIES, rows, vague=vague_rows(result))])
-
-
 def _scatter(band: Band) -> Iterable[Section]:
-    """What makes the band, and the quantiles of every metric."""
     name = scene_named(band.nominal.scene).figure
-    errors, blocks = band.drawn.numerical, list[Block]()
+    errors, found = band.drawn.numerical, list[Block]()
     if (shares := band.contributions.get(name)) is not None:
         parts = {**dict(list(shares.fractions.items())[:MOST_SHARES]), "acting together": shares.together}
         bars = [
             Share(part_of(path.split(" with ")), named(path), 100 * share, f"{100 * share:.0f} %")
             for path, share in parts.items()
         ]
-        blocks += [Text(f"Shares of the variance of the {LABELS.get(name, name)}"), Shares(bars, apart=True)]
+        found += [Text(f"Shares of the variance of the {LABELS.get(name, name)}"), Shares(bars, apart=True)]
     causes = [f"{count} of the gears failed: {cause}" for cause, count in band.drawn.failures.items()]
     rows = [
         [
             name,
-            *(SUMMARY[name].show(float(value)) for value in (found.low, found.median, found.high)),
+            *(SUMMARY[name].show(float(value)) for value in (each.low, each.median, each.high)),
             SUMMARY[name].show(errors[name].of_sample) if name in errors else "",
         ]
-        for name, found in band.figures.items()
+        for name, each in band.figures.items()
     ]
     grid = Grid(("quantity", "5 %", "median", "95 %", "numerical error"), rows)
     yield Section(
-        "Scatter", [*map(Warning, causes), *blocks, Fold(f"Quantiles of {len(rows)} quantities", [grid])]
+        "Scatter", [*map(Warning, causes), *found, Fold(f"Quantiles of {len(rows)} quantities", [grid])]
     )
 
 
@@ -256,17 +239,11 @@ def _curves(result: Result, band: Band | None) -> Iterable[Block]:
     if not result.signals:
         yield Text("No signals were kept.")
         return
-    drawn = {place: _scene_figure(result, width, band) for place, width in WIDTHS.items()}
-    pictures = [
-        replace(picture(figure, _caption(result, band)), place=place)
-        for place, figure in drawn.items()
-        if figure is not None
-    ]
+    pictures = at_widths(lambda width: _scene_figure(result, width, band), _caption(result, band))
     yield Pictures(pictures) if pictures else Text("No curve to draw.")
 
 
 def _caption(result: Result, band: Band | None) -> str:
-    """What the marks are."""
     parts = ["Line: this gear"]
     if band is not None:
         parts.append(f"grey: {len(band.drawn.samples)} gears of a series")
@@ -276,17 +253,6 @@ def _caption(result: Result, band: Band | None) -> str:
         dots = f"dots: {short(result.measured.name, 40)}, filled towards −X"
         parts += [dots, "below, measured − simulated"]
     return as_sentence("; ".join(parts))
-
-
-def _measured_fold(result: Result, compared: Compared) -> Iterable[Block]:
-    """How the simulated torque differs from the measured one that the result keeps, if it keeps one."""
-    if result.measured is None:
-        return
-    blocks: list[Block] = []
-    for each in compared or ():
-        blocks.append(Grid(("quantity", "measured", "simulated"), each.rows, each.heading))
-        blocks.append(Text(as_sentence(each.difference)))
-    yield Fold(f"Comparison with {result.measured.name}", blocks or [Text(NOTHING_TO_COMPARE)])
 
 
 def _scene_figure(result: Result, width: float, band: Band | None) -> Figure | None:
@@ -371,7 +337,6 @@ def _contact_blocks(result: Result) -> Iterator[Block]:
 
 
 def _largest_loads(loads: "LoadDistribution") -> Grid:
-    """The numbers of both sides over the first pass."""
     from rps_exudyn.pages.charts.analyses import FLANK_NAMES
 
     rows = []

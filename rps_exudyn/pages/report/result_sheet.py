@@ -5,6 +5,7 @@ sheet.title, [(row.value, row.words) for row in sheet.rows]
 """
 
 from collections.abc import Container, Iterable, Iterator, Sequence
+from dataclasses import replace
 from math import isclose
 from typing import TYPE_CHECKING, Any
 
@@ -170,12 +171,13 @@ def result_text(result: Result, compared: "Sequence[AgainstMeasured] | None" = N
     yield Line(head, is_bold=True)
     if result.message:
         yield Text(result.message)
-    rows = [(name, shown_metric(result, name), SUMMARY[name].long_name) for name in result.summary]
+    summary = summary_grid(result)
+    rows = list(summary.rows)
     for name in ("mesh_normal_force_drive", "mesh_normal_force_coast"):
         if name in result.signals and result[name].size:
             shown = SIGNALS[name].show(float(result[name].mean()))
             rows.append((f"mean of {name}", shown, SIGNALS[name].long_name))
-    yield Grid(("quantity", "value", "definition"), rows, vague=vague_rows(result))
+    yield replace(summary, rows=rows)
     if error := error_of_law(result):
         yield Text(error.sentence)
     counts = [
@@ -186,6 +188,12 @@ def result_text(result: Result, compared: "Sequence[AgainstMeasured] | None" = N
     ]
     yield Text(", ".join([f"{result.cpu_s:.3g} s of CPU time", *counts]))
     yield from measured_text(compared)
+
+
+def summary_grid(result: Result) -> Grid:
+    """Every summary value with its bar and definition."""
+    rows = [(name, shown_metric(result, name), SUMMARY[name].long_name) for name in result.summary]
+    return Grid(("quantity", "value", "definition"), rows, vague=vague_rows(result))
 
 
 def measured_text(compared: "Sequence[AgainstMeasured] | None") -> Iterator[Block]:
