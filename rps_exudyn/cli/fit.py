@@ -21,15 +21,7 @@ from rps_exudyn.cli.options import (
     Priors,
     chosen_columns,
 )
-from rps_exudyn.cli.output import (
-    DONE,
-    FAILED,
-    command_line,
-    named_if_interrupted,
-    present,
-    printing,
-    say,
-)
+from rps_exudyn.cli.output import DONE, FAILED, command_line, named_if_interrupted, present, printing, say
 
 if TYPE_CHECKING:
     from rps_exudyn.inference.fitting.fitted import Fit
