@@ -37,9 +37,15 @@ def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Json =
 
 
 def _text(comparison: "ResultComparison", names: tuple[str, str]) -> Iterator[Block]:
+    from rps_exudyn.parameters.gear import Setup
+
     for name, scene, status in zip(names, comparison.scene, comparison.status, strict=True):
         yield Line(f"{name}: {scene} · status {status}", is_bold=True)
-    settings = [(path, *_both_shown(path, pair)) for path, pair in comparison.settings.items()]
+    known = {item.path: item for item in Setup.declared()}
+    settings = []
+    for path, pair in comparison.settings.items():
+        show = known[path].show if path in known else str
+        settings.append((path, *("-" if value is None else show(value) for value in pair)))
     yield Grid(("setting", *names), settings) if settings else Text("No setting differs.")
     yield Text("")
     yield Grid(("quantity", *names, "difference"), list(_summary_differences(comparison)))
@@ -86,15 +92,6 @@ def _angle(angle: float) -> str:
     from rps_exudyn.results.quantities import SIGNALS
 
     return SIGNALS["pinion_angle"].show(round(float(angle), 9) + 0.0)
-
-
-def _both_shown(path: str, pair: tuple[Any, Any]) -> tuple[str, str]:
-    """Two values of a setting as text; those of a parameter in its unit."""
-    from rps_exudyn.parameters.gear import Setup
-
-    item = {item.path: item for item in Setup.declared()}.get(path)
-    first, second = ("-" if value is None else item.show(value) if item else str(value) for value in pair)
-    return first, second
 
 
 def _summary_differences(comparison: "ResultComparison") -> Iterable[tuple[str, ...]]:

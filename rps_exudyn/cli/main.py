@@ -85,7 +85,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except InputError as error:
         return _refuse(error.problems)
     except CycloptsError as error:
-        return _refuse([_sentence(error)])
+        if isinstance(error, UnusedCliTokensError):
+            surplus = " ".join(error.unused_tokens or ())
+            return _refuse([f"{surplus} is not an argument of this command; see --help."])
+        return _refuse([" ".join(str(error).split())])
     except KeyboardInterrupt as interrupt:
         say(str(interrupt) or "interrupted; nothing was written.")
         return INTERRUPTED
@@ -109,14 +112,6 @@ def _check_folder() -> None:
         Path.cwd()
     except FileNotFoundError:
         raise InputError("the current folder does not exist any more; change to another one.") from None
-
-
-def _sentence(error: CycloptsError) -> str:
-    """The error of the command line's grammar in one sentence."""
-    if isinstance(error, UnusedCliTokensError):
-        surplus = " ".join(error.unused_tokens or ())
-        return f"{surplus} is not an argument of this command; see --help."
-    return " ".join(str(error).split())
 
 
 def _refuse(problems: Iterable[str]) -> int:

@@ -199,24 +199,21 @@ class SetupOptions(GearOptions):
         with _reporting_together(problems):
             return Setup.from_tables(tables | {"fidelity": preset}, settings, where=str(self.gear or ""))
 
-    @property
-    def chooses_model(self) -> bool:
-        """Whether any option chooses how the gear is modelled."""
-        settings, _ = parse_settings(self.settings)
-        return bool(self.fidelity or self._parts() or any(path.startswith("fidelity.") for path in settings))
-
     def preset_alone(self) -> str | None:
         """The preset named, or None: the only choice of the model that --accuracy allows.
 
         Raises:
             InputError: single choices of the model, which --accuracy makes itself.
         """
-        settings, _ = parse_settings(self.settings)
-        own = [f"--{part}" for part in self._parts()]
-        own += [f"--set {path}" for path in settings if path.startswith("fidelity.")]
-        if own:
+        if own := self.choices():
             raise InputError(f"--accuracy chooses the model itself; leave out {', '.join(own)}.")
         return self.fidelity
+
+    def choices(self) -> list[str]:
+        """The options that choose single parts of the model."""
+        settings, _ = parse_settings(self.settings)
+        own = [f"--{part}" for part in self._parts()]
+        return own + [f"--set {path}" for path in settings if path.startswith("fidelity.")]
 
     def _parts(self) -> dict[str, str]:
         """The options that choose a part of the fidelity, by its name there."""

@@ -170,8 +170,13 @@ def present(
     names = [] if files is None else files
     with naming(names):
         try:
-            if not json:
-                _print_text(sheet.text) if every else _print_head(sheet)
+            if every and not json:
+                _print_text(sheet.text)
+            elif not json:
+                title, *lines = sheet.lines()
+                put(title, "bold", indent=INDENT)
+                for line, row in zip(lines, sheet.rows, strict=True):
+                    put(line, "dim" if row.is_vague else "", indent=INDENT + sheet.width + GAP)
             sys.stdout.flush()
         finally:
             finish()
@@ -184,13 +189,6 @@ def present(
         else:
             written = ", ".join(map(str, names))
             put(f"{f'written: {written}' if names else 'nothing written'}  (--all: {sheet.more})")
-
-
-def _print_head(sheet: Sheet) -> None:
-    title, *lines = sheet.lines()
-    put(title, "bold", indent=INDENT)
-    for line, row in zip(lines, sheet.rows, strict=True):
-        put(line, "dim" if row.is_vague else "", indent=INDENT + sheet.width + GAP)
 
 
 def _print_text(blocks: Iterable[Block]) -> None:

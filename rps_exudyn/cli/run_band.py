@@ -52,7 +52,7 @@ class BandRun:
             InputError: distributions or a number of samples that cannot be, or a gear that fails.
         """
         own, processes = self.options.drawn(), checked_jobs(self.jobs)
-        if self.options.chooses_model:
+        if self.options.fidelity or self.options.choices():
             setup = self.options.load()
         else:  # equilibria in steps that a band needs
             quick = replace(self.options, fidelity="quasi-static")

@@ -151,6 +151,9 @@ def _present_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:
     folder, count = work.store.path, sum(tally.statuses.values())
 
     def text() -> Iterator[Block]:
+        from rps_exudyn.pages.report.study_rows import range_rows
+        from rps_exudyn.study.table import CaseTable
+
         outcomes = ", ".join(f"{number} {status}" for status, number in sorted(tally.statuses.items()))
         loop = f", {tally.in_loop} computed together" if tally.in_loop else ""
         how = f" ({tally.through_batch} in groups{loop})" if tally.through_batch else ""
@@ -158,7 +161,9 @@ def _present_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:
         yield Text(f"{work.study.title}: {done}")
         if tally.single_run_reason and tally.through_batch:
             yield Text(_NOT_TOGETHER.format(tally.single_run_reason))
-        yield from _ranges(work)
+        rows = list(range_rows(CaseTable.of(work.store)))[:SHOWN_RANGES]
+        width = max((len(row.value) for row in rows), default=0)
+        yield from (Line(f"  {row.value:{width}}  {row.words}", indent=width + 4) for row in rows)
         yield from group_lines(tally.said)
         yield Text(f"one page of it: rps-exudyn report {folder}")
 
@@ -179,15 +184,6 @@ def _present_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:
         }
 
     present(Sheet(text=text(), data=data), json=json)
-
-
-def _ranges(work: "StudyWork") -> Iterator[Block]:
-    from rps_exudyn.pages.report.study_rows import range_rows
-    from rps_exudyn.study.table import CaseTable
-
-    rows = list(range_rows(CaseTable.of(work.store)))[:SHOWN_RANGES]
-    width = max((len(row.value) for row in rows), default=0)
-    yield from (Line(f"  {row.value:{width}}  {row.words}", indent=width + 4) for row in rows)
 
 
 def group_lines(said: "Sequence[Group]") -> Iterator[Block]:

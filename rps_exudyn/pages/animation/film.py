@@ -138,19 +138,9 @@ def _write_gif(pictures: list[Image.Image], path: Path) -> None:
 
 def _write_mp4(pictures: Iterator[Image.Image], path: Path, encoder: str) -> None:
     rate = FILM_FRAMES / SECONDS
-    source = [
-        "-f",
-        "rawvideo",
-        "-pix_fmt",
-        "rgb24",
-        "-s",
-        f"{SIZE[0]}x{SIZE[1]}",
-        "-r",
-        f"{rate:g}",
-        "-i",
-        "-",
-    ]
-    made = ["-c:v", "libx264", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-y", str(path)]
+    size = f"{SIZE[0]}x{SIZE[1]}"
+    source = f"-f rawvideo -pix_fmt rgb24 -s {size} -r {rate:g} -i -".split()
+    made = [*["-c:v", "libx264", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-y"], str(path)]
     content = b"".join(picture.tobytes() for picture in pictures)
     done = subprocess.run([encoder, "-loglevel", "error", *source, *made], input=content, capture_output=True)
     if done.returncode:

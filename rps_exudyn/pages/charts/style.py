@@ -179,7 +179,8 @@ def name_curves(axes: Axes) -> None:
     ends = np.array([_end_of(axes, handle) for handle in handles])
     order = np.argsort(-ends, kind="stable")
     for k, place in zip(order, _spread(ends[order], heights[order]), strict=True):
-        colour = to_hex(_colour_of(handles[k])).upper()
+        drawn = handles[k].get_color() if hasattr(handles[k], "get_color") else COLOURS["reference"]
+        colour = to_hex(drawn).upper()
         text = axes.annotate(
             "\n".join(named[k]),
             (1, place),
@@ -227,10 +228,6 @@ def _end_of(axes: Axes, handle: Any) -> float:
     last = points[points[:, 0] > points[:, 0].max() - 1.0]
     middle = (0.0, (last[:, 1].min() + last[:, 1].max()) / 2)
     return float(np.clip(axes.transAxes.inverted().transform(middle)[1], 0.0, 1.0))
-
-
-def _colour_of(handle: Any) -> Any:
-    return handle.get_color() if hasattr(handle, "get_color") else COLOURS["reference"]
 
 
 def _spread(places: np.ndarray, heights: np.ndarray) -> np.ndarray:

@@ -116,7 +116,8 @@ def _for_a_page(svg: str, ids: Mapping[int, str]) -> str:
     svg = re.sub(r"<metadata>.*?</metadata>\s*|<style.*?</style>\s*", "", svg, flags=re.S)
     svg = re.sub(r'^(<svg\b[^>]*?) width="[^"]*"', r"\1", svg)
     svg = re.sub(r'^(<svg\b[^>]*?) height="[^"]*"', r"\1", svg)
-    svg = re.sub(r' (?:x|y|d)="[^"]*"', _to_hundredths, svg)
+    # To hundredths of a point: more digits are invisible and double the page's size
+    svg = re.sub(r' (?:x|y|d)="[^"]*"', lambda found: re.sub(r"(\.\d\d)\d+", r"\1", found[0]), svg)
     used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', svg))
     mark = hashlib.sha256(svg.encode(errors="replace")).hexdigest()[:8]  # no other picture's
     svg = re.sub(r'(href="#|url\(#)', rf"\g<1>{mark}", svg)
@@ -131,8 +132,3 @@ def _for_a_page(svg: str, ids: Mapping[int, str]) -> str:
         return f' data-curve="{number}"{own}'
 
     return re.sub(r' id="([^"]*)"', kept, svg)
-
-
-def _to_hundredths(coordinates: re.Match[str]) -> str:
-    """Round to hundredths of a point (1/72 inch): more digits are invisible and double the page's size."""
-    return re.sub(r"(\.\d\d)\d+", r"\1", coordinates[0])
