@@ -59,7 +59,13 @@ def write_film(result: Result, path: Path, view: str, *, explode: float = 0.0) -
         if encoder and path.suffix.lower() == ".mp4":
             _write_mp4(pictures, partial, encoder)
         else:
-            _write_gif(list(pictures), partial)
+            frames = list(pictures)
+            # All share the palette of one of them: others flicker
+            palette = frames[len(frames) // 2].quantize(128, dither=Image.Dither.NONE)
+            first, *more = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in frames]
+            duration = round(1000 * SECONDS / len(frames))
+            kept = {"append_images": more, "duration": duration, "loop": 0, "optimize": False}
+            first.save(partial, "gif", save_all=True, **kept)
 
 
 def still(
@@ -126,14 +132,6 @@ def _picture(
                  for name in ("pinion_angle", "pinion_torque") if name in signals]  # fmt: skip
         ImageDraw.Draw(picture).text((12, height - 26), ", ".join(shown), INK, font_size=16)
     return picture
-
-
-def _write_gif(pictures: list[Image.Image], path: Path) -> None:
-    """All frames share the palette of one of them: others flicker."""
-    palette = pictures[len(pictures) // 2].quantize(128, dither=Image.Dither.NONE)
-    few = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
-    duration = round(1000 * SECONDS / len(few))
-    few[0].save(path, "gif", save_all=True, append_images=few[1:], duration=duration, loop=0, optimize=False)
 
 
 def _write_mp4(pictures: Iterator[Image.Image], path: Path, encoder: str) -> None:

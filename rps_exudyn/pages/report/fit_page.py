@@ -70,8 +70,16 @@ def fit_page(fit: Fit, command: str) -> Sheet:
     from rps_exudyn.pages.report.pictures import at_widths
 
     pictures = at_widths(lambda width: curves_figure(fit, width), CURVES)
+    verdicts = {path: verdict for path, *_, verdict in findings.rows(fit)}
+    parameters: list[Block] = [Judged(HEADS, [_judged(each, verdicts[each.path]) for each in fit.estimates])]
+    if not fit.converged:
+        text = "The fit did not converge: these values are its last iteration, not estimates."
+        parameters.insert(0, Warning(text))
+    said = [findings.level_sentence(fit), *findings.open_sentences(fit)]
+    if determined := [Text(as_sentence(each)) for each in said if each]:
+        parameters.append(Fold("What the tests determine, and which would determine more", determined))
     sections = [
-        Section("Parameters", list(_found(fit))),
+        Section("Parameters", parameters),
         *([Section("Measured and fitted torque", [Pictures(pictures)])] if pictures else []),
         Section("Details", [*_basis(fit), Fold("Make it again", [CodeText(command)])]),
     ]
@@ -102,7 +110,14 @@ def _rows(fit: Fit) -> Iterable[Row]:
         yield Row("no estimate", "the fit did not converge: these values are its last iteration")
     if fit.advice and fit.advice.tests:
         yield Row("next test", listed([findings.test_words(test) for test in fit.advice.tests]))
-    if doubts := list(_doubts(fit)):
+    doubts = [
+        *(each.sentence for each in fit.refusals),
+        *beyond_the_teeth(fit.problem.measurement, fit.given),
+        *fit.problem.measurement.late,
+    ]
+    for level in (each for each in fit.levels if each.test.of_kind.by_angle):
+        doubts += encoder_doubts(level, fit.given.pinion.teeth)
+    if doubts:
         yield Row("check", doubts[0] + (f"; and {len(doubts) - 1} more" if len(doubts) > 1 else ""))
 
 
@@ -121,16 +136,6 @@ def _verdicts(fit: Fit) -> Iterable[Row]:
         yield Row("not separable", listed(left))
 
 
-def _doubts(fit: Fit) -> Iterable[str]:
-    """What speaks against the fit, or against a file as it was read."""
-    measurement = fit.problem.measurement
-    yield from (each.sentence for each in fit.refusals)
-    yield from beyond_the_teeth(measurement, fit.given)
-    yield from measurement.late
-    for level in (each for each in fit.levels if each.test.of_kind.by_angle):
-        yield from encoder_doubts(level, fit.given.pinion.teeth)
-
-
 def _range(each: Estimate) -> str:
     """The 95 % interval with two digits, in a unit that needs no zeros."""
     return interval(*(_two_digits(each.path, end) for end in each.interval))
@@ -144,16 +149,6 @@ def _two_digits(path: str, value: float) -> str:
     digits = 3 if abs(size) >= 100 else 2
     places = max(0, digits - 1 - floor(log10(abs(size)))) if size else 0
     return f"{float(f'{size:.{digits}g}'):.{places}f} {unit}".strip()
-
-
-def _found(fit: Fit) -> Iterable[Block]:
-    if not fit.converged:
-        yield Warning("The fit did not converge: these values are its last iteration, not estimates.")
-    verdicts = {path: verdict for path, *_, verdict in findings.rows(fit)}
-    yield Judged(HEADS, [_judged(each, verdicts[each.path]) for each in fit.estimates])
-    said = [findings.level_sentence(fit), *findings.open_sentences(fit)]
-    if sentences := [Text(as_sentence(each)) for each in said if each]:
-        yield Fold("What the tests determine, and which would determine more", sentences)
 
 
 def _judged(each: Estimate, verdict: str) -> Judgement:

@@ -129,9 +129,12 @@ def _shown_shaft(gear: SteeringGear) -> float:
 def _anchors(gear: SteeringGear, motion: Motion) -> Iterator[Anchor]:
     pair = GearPair.of(gear)
     axis, half, along = pair.bar_axis_height, _shown_shaft(gear) / 2, pair.pinion_frame[:, 2]
+    found = passes(motion.signals) if "pinion_angle" in motion.signals else []
+    # Of the first pass: the mean torque of both directions together is next to nothing
+    first = replace(motion, signals=found[0].signals) if len(found) > 1 else motion
     nut = axis + plunger_ends(gear)[1] + gear.yoke.clearance + gear.yoke.nut_thickness
     drag, friction = (_shown(gear, path) for path in ("bush.drag", "bearing.friction_torque"))
-    yoke, torque = _mean(motion, "seat_force"), _mean_torque(motion)
+    yoke, torque = _mean(motion, "seat_force"), _mean(first, "pinion_torque")
     sides = [_mean(motion, f"mesh_normal_force_{side}") for side in ("drive", "coast")]
     teeth = " and ".join(each for each in sides if each).replace(" N and", " and")
     push = f"yoke {'presses with ' * bool(yoke)}{yoke}"
@@ -150,12 +153,6 @@ def _mean(motion: Motion, signal: str) -> str:
     if signal not in motion.signals:
         return ""
     return rounded(SIGNALS[signal], float(motion.signals[signal].mean()))
-
-
-def _mean_torque(motion: Motion) -> str:
-    """The mean torque of the first pass: that of both directions together is next to nothing."""
-    found = passes(motion.signals) if "pinion_angle" in motion.signals else []
-    return _mean(replace(motion, signals=found[0].signals) if len(found) > 1 else motion, "pinion_torque")
 
 
 def _shown(gear: SteeringGear, path: str) -> str:

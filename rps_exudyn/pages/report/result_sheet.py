@@ -59,9 +59,14 @@ def sheet_of(
     law = law_error(result.gear, result.fidelity)
     model = f"{result.fidelity['name']}; law {law.law}" if law else result.fidelity["name"]
     state = "" if result.status is Status.OK else f" ({result.status})"
-    first, last = (*_measured(result, compared), *_band(band)), tuple(_remark(result))
-    losses = tuple(_losses(result)) if len(first) + len(last) + 1 < MOST_ROWS else ()
-    rows = (*first, *losses, *last)
+    rows = [*_measured(result, compared), *_band(band)]
+    remarks = sentences(result.message) if result.message else []
+    if (shares := loss_shares(result)) and len(rows) + bool(remarks) + 1 < MOST_ROWS:
+        lost = ", ".join(f"{PARTS[part]} {100 * share:.0f} %" for part, share in shares.items())
+        rows.append(Row(WORK_LOST, lost))
+    if remarks:
+        others = f"; and {len(remarks) - 1} more: --all" * (len(remarks) > 1)
+        rows.append(Row(REMARK, remarks[0] + others))
     metrics = tuple(_metrics(result, band))[: max(1, MOST_ROWS - len(rows))]
     return Sheet(
         f"{title}{state}",
@@ -124,12 +129,6 @@ def loss_shares(result: Result) -> dict[str, float]:
     return {part: share for part, share in shares.items() if share >= LEAST_SHARE}
 
 
-def _losses(result: Result) -> Iterable[Row]:
-    if shares := loss_shares(result):
-        text = ", ".join(f"{PARTS[part]} {100 * share:.0f} %" for part, share in shares.items())
-        yield Row(WORK_LOST, text)
-
-
 def _measured(result: Result, compared: "Sequence[AgainstMeasured] | None") -> Iterable[Row]:
     for each in compared or ():
         found, ours = each.measured.get("torque_mean"), each.simulated.get("torque_mean")
@@ -151,13 +150,6 @@ def _band(band: "Band | None") -> Iterable[Row]:
         yield Row("scatter", f"of the {LABELS.get(name, name)}: {', '.join(largest)}")
     state = f", {failed} failed" * (failed > 0) + ", interrupted" * band.interrupted
     yield Row("band", f"{count} gears{state}; {band.method}")
-
-
-def _remark(result: Result) -> Iterable[Row]:
-    """The first remark as a whole, and how many there are beside it."""
-    if result.message:
-        first, *others = sentences(result.message)
-        yield Row(REMARK, first + f"; and {len(others)} more: --all" * bool(others))
 
 
 # --- Every number of a result, as blocks and for JSON
