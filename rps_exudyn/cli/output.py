@@ -19,10 +19,10 @@ from typing import TYPE_CHECKING, Any
 from rps_exudyn.base.errors import InputError, unwrapped_interrupts
 from rps_exudyn.base.files import number_existing
 from rps_exudyn.base.screen import silent
-from rps_exudyn.results.sheet import INDENT, Block, Grid, Line, Sheet, Text
 
 if TYPE_CHECKING:
     from rps_exudyn.results.result import Result
+    from rps_exudyn.results.sheet import Block, Sheet
 
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
 """Exit statuses."""
@@ -148,7 +148,7 @@ def _finite(value: Any) -> Any:
 
 
 def present(
-    sheet: Sheet,
+    sheet: "Sheet",
     files: list[Path] | None = None,
     *,
     every: bool = True,
@@ -167,6 +167,8 @@ def present(
     Raises:
         InputError: the output cannot be written; it names a file.
     """
+    from rps_exudyn.results.sheet import INDENT
+
     names = [] if files is None else files
     with naming(names):
         try:
@@ -191,7 +193,9 @@ def present(
             put(f"{f'written: {written}' if names else 'nothing written'}  (--all: {sheet.more})")
 
 
-def _print_text(blocks: Iterable[Block]) -> None:
+def _print_text(blocks: "Iterable[Block]") -> None:
+    from rps_exudyn.results.sheet import Grid, Line, Text
+
     for block in blocks:
         if isinstance(block, Grid):
             if block.caption:

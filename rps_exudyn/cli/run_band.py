@@ -22,10 +22,11 @@ from rps_exudyn.pages.report.result_page import result_page
 from rps_exudyn.pages.report.result_sheet import measured_as_dict, measured_text, result_as_dict, sheet_of
 from rps_exudyn.pages.report.sheet_file import KEY, sheet_as_dict
 from rps_exudyn.parameters.fidelity import MEAN_STEP
+from rps_exudyn.results.page_blocks import CodeText, Fold
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.results.rounding import shown_with_bar
-from rps_exudyn.results.sheet import Block, CodeText, Fold, Grid, Line, Section, Text
+from rps_exudyn.results.sheet import Block, Grid, Line, Section, Text
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.law_by_scene import with_law
 from rps_exudyn.simulate.cases.run_cases import checked_jobs

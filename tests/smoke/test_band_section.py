@@ -7,8 +7,9 @@ import pytest
 
 from made_up_study import description, make_study, sampled
 from rps_exudyn.pages.report.study_page import band_blocks, study_page
+from rps_exudyn.results.page_blocks import Fold, Warning
 from rps_exudyn.results.result import Result
-from rps_exudyn.results.sheet import Fold, Grid, Warning
+from rps_exudyn.results.sheet import Grid
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable
 

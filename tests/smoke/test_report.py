@@ -22,9 +22,9 @@ from rps_exudyn.pages.report.effects_charts import main_effect_figure
 from rps_exudyn.pages.report.pictures import picture
 from rps_exudyn.parameters.gear import gear_file
 from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.page_blocks import Fold, Pictures
 from rps_exudyn.results.quantities import GEOMETRY, SUMMARY
 from rps_exudyn.results.result import Result
-from rps_exudyn.results.sheet import Fold, Pictures
 from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.study.definition import Axis
 from rps_exudyn.study.effects import grid_effect

@@ -10,9 +10,10 @@ from rps_exudyn.pages.report.html import make_again, parameter_grid
 from rps_exudyn.pages.report.judged import ORDER, judgement, mark_of
 from rps_exudyn.pages.report.result_sheet import gear_shown, listed
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.page_blocks import Fold, Judged, Judgement, Mark
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.results.rounding import rounded, rounded_range, shown_with_bar
-from rps_exudyn.results.sheet import Block, Fold, Grid, Judged, Judgement, Mark, Row, Section, Sheet, Text
+from rps_exudyn.results.sheet import Block, Grid, Row, Section, Sheet, Text
 
 COLUMNS = ("requirement", "limit", "nominal", "5 to 95 %", "gears that keep it", "verdict")
 HEADS = ("requirement", "value and 90 % of the gears; grey is beyond the limit", "value", "limit")

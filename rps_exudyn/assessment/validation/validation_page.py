@@ -16,22 +16,10 @@ from rps_exudyn.pages.report.judged import ORDER, judgement, limits_of, mark_of
 from rps_exudyn.pages.report.pictures import picture
 from rps_exudyn.pages.report.result_sheet import listed
 from rps_exudyn.results.judged_row import ON_COMPARISONS, Verdict
+from rps_exudyn.results.page_blocks import Facts, Fold, Judged, Judgement, Mark, Pictures
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.results.rounding import rounded
-from rps_exudyn.results.sheet import (
-    Facts,
-    Fold,
-    Grid,
-    Judged,
-    Judgement,
-    Line,
-    Mark,
-    Pictures,
-    Row,
-    Section,
-    Sheet,
-    Text,
-)
+from rps_exudyn.results.sheet import Grid, Line, Row, Section, Sheet, Text
 
 RATIO = "E / u_val, or gears that keep a limit"
 COLUMNS = ("row", "D", "S (5 to 95 %)", "E", "u_num", "u_input", "u_D", RATIO, "verdict")

@@ -15,25 +15,11 @@ from rps_exudyn.pages.report.judged import judgement
 from rps_exudyn.pages.report.result_sheet import listed
 from rps_exudyn.parameters.names import named
 from rps_exudyn.results.judged_row import Verdict
+from rps_exudyn.results.page_blocks import CodeText, Fold, Judged, Judgement, Mark, Pictures, Warning
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.rounding import interval, rounded
-from rps_exudyn.results.sheet import (
-    Block,
-    CodeText,
-    Fold,
-    Grid,
-    Judged,
-    Judgement,
-    Line,
-    Mark,
-    Pictures,
-    Row,
-    Section,
-    Sheet,
-    Text,
-    Warning,
-)
+from rps_exudyn.results.sheet import Block, Grid, Line, Row, Section, Sheet, Text
 
 COLUMNS = ("parameter", "value", "95 % interval", "prior", "verdict")
 HEADS = ("parameter", "bar: 95 % interval; grey: prior", "estimate", "verdict")

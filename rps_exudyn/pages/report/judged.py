@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from math import inf, isfinite
 
 from rps_exudyn.results.judged_row import JudgedRow, Verdict
+from rps_exudyn.results.page_blocks import Judgement, Mark
 from rps_exudyn.results.rounding import interval
-from rps_exudyn.results.sheet import Judgement, Mark
 
 MARKS = {
     Verdict.PASS: Mark.KEPT,

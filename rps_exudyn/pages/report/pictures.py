@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.text import Text as Words
 
-from rps_exudyn.results.sheet import Picture
+from rps_exudyn.results.page_blocks import Picture
 
 _NO_METADATA = {"Creator": None, "Date": None, "Format": None, "Type": None}
 POINTS_PER_INCH = 72  # units of matplotlib's SVG

@@ -34,25 +34,11 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.names import GEAR_FACTS, named
 from rps_exudyn.results.law_error import error_of_law
 from rps_exudyn.results.outcome import Status, sentences
+from rps_exudyn.results.page_blocks import CodeText, Columns, Facts, Fold, Pictures, Share, Shares, Warning
 from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, LABELS, PARTS, SUMMARY, Quantity
 from rps_exudyn.results.result import Result
 from rps_exudyn.results.rounding import rounded, shown_metric
-from rps_exudyn.results.sheet import (
-    Block,
-    CodeText,
-    Columns,
-    Facts,
-    Fold,
-    Grid,
-    Pictures,
-    Row,
-    Section,
-    Share,
-    Shares,
-    Sheet,
-    Text,
-    Warning,
-)
+from rps_exudyn.results.sheet import Block, Grid, Row, Section, Sheet, Text
 from rps_exudyn.scenes import is_scene, scene_named
 from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_TURNING_SCENE
 

@@ -18,23 +18,18 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of, write_json
 from rps_exudyn.pages.report.html import write_page
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.sheet import (
-    Block,
+from rps_exudyn.results.page_blocks import (
     CodeText,
     Columns,
     Facts,
     Fold,
-    Grid,
     Judged,
     Picture,
     Pictures,
-    Row,
-    Section,
     Shares,
-    Sheet,
-    Text,
     Warning,
 )
+from rps_exudyn.results.sheet import Block, Grid, Row, Section, Sheet, Text
 
 KEY = "sheet"
 DEEPEST = 4  # folds in folds

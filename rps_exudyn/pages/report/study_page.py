@@ -25,27 +25,11 @@ from rps_exudyn.pages.report.study_rows import count, ranked, study_rows
 from rps_exudyn.parameters.gear import CORRELATION, SteeringGear
 from rps_exudyn.parameters.names import GEAR_FACTS, named
 from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.page_blocks import CodeText, Facts, Fold, Picture, Pictures, Share, Shares, Warning
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.results.result import Result
 from rps_exudyn.results.rounding import rounded, shown_with_bar
-from rps_exudyn.results.sheet import (
-    Block,
-    Cell,
-    CodeText,
-    Facts,
-    Fold,
-    Grid,
-    Link,
-    Links,
-    Picture,
-    Pictures,
-    Section,
-    Share,
-    Shares,
-    Sheet,
-    Text,
-    Warning,
-)
+from rps_exudyn.results.sheet import Block, Cell, Grid, Link, Links, Section, Sheet, Text
 from rps_exudyn.scenes import is_scene, scene_named
 from rps_exudyn.study import sensitivity
 from rps_exudyn.study.case_progress import Group, groups
