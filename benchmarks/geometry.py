@@ -13,7 +13,7 @@ from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.pinion_mesh import flank_patch, pinion_mesh
 from rps_exudyn.gears.solids import rack_solid
-from rps_exudyn.pages.charts.geometry import draw_geometry
+from rps_exudyn.pages.animation.geometry_figure import draw_geometry
 from rps_exudyn.parameters.gear import SteeringGear
 from verification.flank_deviation import flank_deviation
 from verification.shaping import shaped_pinion

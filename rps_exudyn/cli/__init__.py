@@ -1,4 +1,4 @@
 """The command line `rps-exudyn`: one file a command, called by main.py.
 
-options.py declares what several commands have; output.py and printed.py print.
+options.py declares what several commands have; output.py prints their sheets.
 """

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from rps_exudyn.base.files import check_writable
-from rps_exudyn.cli.output import DONE, say
-from rps_exudyn.cli.study import SHOWN_SKIPPED, print_said
+from rps_exudyn.cli.output import DONE, present, say
+from rps_exudyn.cli.study import SHOWN_SKIPPED, group_lines
 
 
 def collect(folder: Path, /, *, out: Path | None = None) -> int:
@@ -15,6 +15,7 @@ def collect(folder: Path, /, *, out: Path | None = None) -> int:
         out: Table (.h5, .csv, .parquet, .mat), or netCDF over the axes (.nc); default: table.h5
             in the folder.
     """
+    from rps_exudyn.results.sheet import Sheet, Text
     from rps_exudyn.study.case_progress import groups
     from rps_exudyn.study.collected import SUFFIXES, write_table
     from rps_exudyn.study.store import Store
@@ -28,6 +29,5 @@ def collect(folder: Path, /, *, out: Path | None = None) -> int:
     if (count := len(table.skipped)) > SHOWN_SKIPPED:
         say(f"{count} files are left out, these among them; the command study repeats their cases.")
     write_table(table, out)
-    print(f"written: {out}")
-    print_said(groups(table.ended()))
+    present(Sheet(text=[Text(f"written: {out}"), *group_lines(groups(table.ended()))]))
     return DONE

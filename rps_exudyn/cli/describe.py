@@ -1,13 +1,15 @@
 """The command `describe`: parameters with their values, units, meanings and sources."""
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from rps_exudyn.cli.options import PAPER_SETUP, Json, SetupOptions
-from rps_exudyn.cli.output import DONE, print_json, put, put_table
+from rps_exudyn.cli.output import DONE, present
 
 if TYPE_CHECKING:
     from rps_exudyn.parameters.declaration import Declared
     from rps_exudyn.parameters.gear import Setup
+    from rps_exudyn.results.sheet import Block
 
 
 def describe(path: str = "", /, *, setup: SetupOptions = PAPER_SETUP, json: Json = False) -> int:
@@ -17,24 +19,28 @@ def describe(path: str = "", /, *, setup: SetupOptions = PAPER_SETUP, json: Json
         path: Parameter such as yoke.preload, or table such as yoke or fidelity; default: all.
     """
     from rps_exudyn.parameters.gear import Setup
-    from rps_exudyn.results.law_error import law_error
+    from rps_exudyn.results.sheet import Sheet
 
     items = Setup.declared_at(path)
     table = setup.load()
-    if json:
-        print_json(_as_dict(table, items))
-        return DONE
+    present(Sheet(text=_text(table, items), data=lambda: _as_dict(table, items)), json=json)
+    return DONE
+
+
+def _text(table: "Setup", items: "list[Declared]") -> "Iterator[Block]":
+    from rps_exudyn.results.law_error import law_error
+    from rps_exudyn.results.sheet import Grid, Text
+
     rows = [(item.path, item.show(table.value_at(item.path)), item.meaning, item.source) for item in items]
-    put_table(("parameter", "value", "meaning", "source"), rows)
+    yield Grid(("parameter", "value", "meaning", "source"), rows)
     for item in items:
         if (derived := _derived(table, item)) is not None and item.unit is not None:
-            put(f"{item.path} is {item.unit.show(derived)} for this gear.")
+            yield Text(f"{item.path} is {item.unit.show(derived)} for this gear.")
     law = law_error(table, table.fidelity.model_dump())
     if law and "mesh.law" in (item.path for item in items):
-        put(law.sentence)
+        yield Text(law.sentence)
     if len(items) == 1:
-        put(f"{items[0].path} must be {items[0].allowed}.")
-    return DONE
+        yield Text(f"{items[0].path} must be {items[0].allowed}.")
 
 
 def _derived(table: "Setup", item: "Declared") -> float | None:

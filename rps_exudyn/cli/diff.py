@@ -1,15 +1,16 @@
 """The command `diff`: two results compared."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rps_exudyn.base.files import PICTURES, check_writable
 from rps_exudyn.cli.options import Json
-from rps_exudyn.cli.output import DONE, print_files, print_json, put, put_table
+from rps_exudyn.cli.output import DONE, present
 
 if TYPE_CHECKING:
     from rps_exudyn.analysis.result_comparison import ResultComparison
+    from rps_exudyn.results.sheet import Block
 
 
 def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Json = False) -> int:
@@ -22,6 +23,7 @@ def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Json =
     """
     from rps_exudyn.analysis.result_comparison import compare
     from rps_exudyn.pages.charts.analyses import draw_comparison
+    from rps_exudyn.results.sheet import Sheet
     from rps_exudyn.study.case_blocks import load
 
     if plot:
@@ -30,48 +32,45 @@ def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Json =
     names = (first.stem, second.stem) if first.stem != second.stem else (str(first), str(second))
     if plot:
         draw_comparison(comparison, names, plot)
-    files = [plot] if plot else []
-    if json:
-        print_json(comparison_as_dict(comparison, files))
-    else:
-        print_comparison(comparison, names, files)
+    sheet = Sheet(text=_text(comparison, names), data=lambda: _as_dict(comparison))
+    present(sheet, [plot] if plot else [], json=json)
     return DONE
 
 
-def print_comparison(
-    comparison: "ResultComparison", names: tuple[str, str], files: Iterable[Path] = ()
-) -> None:
-    """Print the settings that differ, both summaries, and how far the curves of each signal lie apart."""
+def _text(comparison: "ResultComparison", names: tuple[str, str]) -> "Iterator[Block]":
+    from rps_exudyn.parameters.gear import Setup
+    from rps_exudyn.results.sheet import Grid, Line, Text
+
     for name, scene, status in zip(names, comparison.scene, comparison.status, strict=True):
-        put(f"{name}: {scene} · status {status}", "bold")
-    settings = [(path, *_both_shown(path, pair)) for path, pair in comparison.settings.items()]
-    if settings:
-        put_table(("setting", *names), settings)
-    else:
-        put("No setting differs.")
-    put()
-    put_table(("quantity", *names, "difference"), _summary_differences(comparison))
+        yield Line(f"{name}: {scene} · status {status}", is_bold=True)
+    known = {item.path: item for item in Setup.declared()}
+    settings = []
+    for path, pair in comparison.settings.items():
+        show = known[path].show if path in known else str
+        settings.append((path, *("-" if value is None else show(value) for value in pair)))
+    yield Grid(("setting", *names), settings) if settings else Text("No setting differs.")
+    yield Text("")
+    yield Grid(("quantity", *names, "difference"), list(_summary_differences(comparison)))
     if bars := comparison.joint_bars:
         beyond = comparison.exceeding
         count = f"{len(beyond)} of {len(bars)} differences {'exceeds' if len(beyond) == 1 else 'exceed'}"
-        put(f"{count} the sum of both error bars{': ' * bool(beyond)}{', '.join(beyond)}.")
-    put()
-    if comparison.signals:
-        angles = f"{_angle(comparison.angle[0])} to {_angle(comparison.angle[-1])}"
-        put(f"Signals over pinion angles of {angles}, the torque's in % of its mean:")
-        rows = (
-            (name, pair.shown(pair.rms), pair.shown(pair.largest), _angle(pair.angle))
-            for name, pair in comparison.signals.items()
-        )
-        put_table(("quantity", "RMS difference", "largest", "at"), rows)
-    else:
-        put("The results share no range of the pinion angle: no signals are compared.")
-    print_files(files)
+        yield Text(f"{count} the sum of both error bars{': ' * bool(beyond)}{', '.join(beyond)}.")
+    yield Text("")
+    if not comparison.signals:
+        yield Text("The results share no range of the pinion angle: no signals are compared.")
+        return
+    angles = f"{_angle(comparison.angle[0])} to {_angle(comparison.angle[-1])}"
+    rows = [
+        (name, pair.shown(pair.rms), pair.shown(pair.largest), _angle(pair.angle))
+        for name, pair in comparison.signals.items()
+    ]
+    caption = f"Signals over pinion angles of {angles}, the torque's in % of its mean:"
+    yield Grid(("quantity", "RMS difference", "largest", "at"), rows, caption)
 
 
-def comparison_as_dict(comparison: "ResultComparison", files: Iterable[Path] = ()) -> dict[str, Any]:
+def _as_dict(comparison: "ResultComparison") -> dict[str, Any]:
     """A comparison without the curves, in SI units; pairs are [first, second]."""
-    from rps_exudyn.cli.printed import differences
+    from rps_exudyn.pages.report.result_sheet import differences
     from rps_exudyn.results.quantities import SIGNALS
 
     return {
@@ -87,7 +86,6 @@ def comparison_as_dict(comparison: "ResultComparison", files: Iterable[Path] = (
             name: {"unit": SIGNALS[name].unit, "mean": pair.mean, **differences(pair)}
             for name, pair in comparison.signals.items()
         },
-        "files": [str(file) for file in files],
     }
 
 
@@ -96,15 +94,6 @@ def _angle(angle: float) -> str:
     from rps_exudyn.results.quantities import SIGNALS
 
     return SIGNALS["pinion_angle"].show(round(float(angle), 9) + 0.0)
-
-
-def _both_shown(path: str, pair: tuple[Any, Any]) -> tuple[str, str]:
-    """Two values of a setting as text; those of a parameter in its unit."""
-    from rps_exudyn.parameters.gear import Setup
-
-    item = {item.path: item for item in Setup.declared()}.get(path)
-    first, second = ("-" if value is None else item.show(value) if item else str(value) for value in pair)
-    return first, second
 
 
 def _summary_differences(comparison: "ResultComparison") -> Iterable[tuple[str, ...]]:

@@ -28,7 +28,15 @@ def doctor(*, clear_cache: Flag = False) -> int:
     import_module("rps_exudyn.solvers.gear_forces")  # what a run needs
     loaded = process_time() - began
     if clear_cache:
-        _clear()
+        from rps_exudyn.base.kernel_code import object_files
+
+        files = object_files()
+        try:
+            for file in files:
+                file.unlink()
+        except OSError as error:
+            raise InputError(f"{error.filename} cannot be removed: {error.strerror or error}.") from None
+        print(f"removed: {len(files)} files of machine code")
     well = True
     for name, text, fine in (*_machine(), *_code(), _reference(loaded)):
         print(f"{'ok ' if fine else 'NO '} {name:<18} {text}")
@@ -97,15 +105,3 @@ def _reference(loaded: float) -> tuple[str, str, bool]:
     torque = result.summary["torque_mean"]
     fine = abs(torque / PUBLISHED - 1) < AGREES
     return "reference run", f"{torque:.5f} N m, published {PUBLISHED} N m; {took}", fine
-
-
-def _clear() -> None:
-    from rps_exudyn.base.kernel_code import object_files
-
-    files = object_files()
-    try:
-        for file in files:
-            file.unlink()
-    except OSError as error:
-        raise InputError(f"{error.filename} cannot be removed: {error.strerror or error}.") from None
-    print(f"removed: {len(files)} files of machine code")

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from rps_exudyn.base.files import PICTURES, check_writable
 from rps_exudyn.cli.options import PAPER_GEAR, Flag, GearOptions, Json
-from rps_exudyn.cli.output import DONE, print_files, print_json, put, put_table
+from rps_exudyn.cli.output import DONE, present
 
 
 def geometry(
@@ -18,8 +18,8 @@ def geometry(
     """
     from rps_exudyn.gears.export import FORMATS, export_solids
     from rps_exudyn.gears.geometry_report import geometry_report
-    from rps_exudyn.pages.charts.geometry import draw_geometry
     from rps_exudyn.results.quantities import GEOMETRY
+    from rps_exudyn.results.sheet import Grid, Sheet, Text
 
     chosen = gear.load()
     if out:
@@ -28,15 +28,12 @@ def geometry(
     if out and out.suffix.lower() in FORMATS:
         export_solids(chosen, out)
     elif out:
+        from rps_exudyn.pages.animation.geometry_figure import draw_geometry
+
         draw_geometry(chosen, out, force)
-    files = [out] if out else []
-    if json:
-        print_json(report.as_dict() | {"files": files})
-        return DONE
     rows = [(name, item.show(getattr(report, name)), item.long_name) for name, item in GEOMETRY.items()]
     rows += [(f"mass of {part}", f"{each.mass:.4g} kg", "") for part, each in report.mass_properties.items()]
-    put_table(("quantity", "value", "definition"), rows)
-    for warning in report.warnings:
-        put(f"warning: {warning}")
-    print_files(files)
+    warnings = [Text(f"warning: {warning}") for warning in report.warnings]
+    text = [Grid(("quantity", "value", "definition"), rows), *warnings]
+    present(Sheet(text=text, data=report.as_dict), [out] if out else [], json=json)
     return DONE

@@ -19,9 +19,17 @@ from rps_exudyn.base.files import printable
 from rps_exudyn.cli.output import DONE, INTERRUPTED, WRONG_INPUT, say
 
 COMMANDS = (
-    *("run", "study", "show", "diff", "rerun", "geometry", "describe", "collect", "report", "fit", "check"),
-    *("validate", "animate", "view", "explore", "doctor", "init", "schema"),
+    *("run", "study", "show", "diff", "rerun", "geometry", "describe", "collect", "report", "fit"),
+    *("plan-tests", "judge-batch", "check", "validate", "animate", "view", "explore", "doctor", "init"),
+    "schema",
 )
+MOVED = {
+    "--plan": "plan-tests",
+    "--minutes": "plan-tests",
+    "--batch": "judge-batch",
+    "--tolerance": "judge-batch",
+}
+"""Option that `fit` had -> the command that does this."""
 
 SELDOM = (500_000, 100, 1000)
 """Thresholds of the search for unused objects: as often as Python's own it is a fourteenth of a short run."""
@@ -41,7 +49,8 @@ app = App(
 )
 app.register_install_completion_command(add_to_startup=False)
 for command in COMMANDS:
-    app.command(f"rps_exudyn.cli.{command}:{command}")
+    module = command.replace("-", "_")
+    app.command(f"rps_exudyn.cli.{module}:{module}", name=command)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -57,6 +66,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if not given or given[0] not in COMMANDS:
             for command in COMMANDS:
                 app[command]  # is imported by that, and the help describes it
+        if given[:1] == ["fit"] and (moved := [each for each in MOVED if each in given]):
+            raise InputError(
+                f"fit has no option {moved[0]}; use rps-exudyn {MOVED[moved[0]]}, see its --help."
+            )
         with unwrapped_interrupts():
             status = app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
         sys.stdout.flush()
@@ -72,7 +85,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except InputError as error:
         return _refuse(error.problems)
     except CycloptsError as error:
-        return _refuse([_sentence(error)])
+        if isinstance(error, UnusedCliTokensError):
+            surplus = " ".join(error.unused_tokens or ())
+            return _refuse([f"{surplus} is not an argument of this command; see --help."])
+        return _refuse([" ".join(str(error).split())])
     except KeyboardInterrupt as interrupt:
         say(str(interrupt) or "interrupted; nothing was written.")
         return INTERRUPTED
@@ -96,14 +112,6 @@ def _check_folder() -> None:
         Path.cwd()
     except FileNotFoundError:
         raise InputError("the current folder does not exist any more; change to another one.") from None
-
-
-def _sentence(error: CycloptsError) -> str:
-    """The error of the command line's grammar in one sentence."""
-    if isinstance(error, UnusedCliTokensError):
-        surplus = " ".join(error.unused_tokens or ())
-        return f"{surplus} is not an argument of this command; see --help."
-    return " ".join(str(error).split())
 
 
 def _refuse(problems: Iterable[str]) -> int:

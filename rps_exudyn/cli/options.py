@@ -11,6 +11,7 @@ from cyclopts import Parameter
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import check_depth
 from rps_exudyn.base.units import short
+from rps_exudyn.cli.output import note
 
 if TYPE_CHECKING:
     from rps_exudyn.inference.uncertainty.joint import JointInputs
@@ -18,11 +19,14 @@ if TYPE_CHECKING:
 
 Flag = Annotated[bool, Parameter(negative=(), show_default=False)]
 
-All = Annotated[bool, Parameter(name="--all", negative=(), show_default=False, help="Print every number.")]
 
-Json = Annotated[
-    bool, Parameter(name="--json", negative=(), show_default=False, help="Print the result as JSON.")
-]
+def _flag(name: str, help: str) -> Parameter:
+    """An option without a value, or one that may be repeated."""
+    return Parameter(name=name, negative=(), show_default=False, help=help)
+
+
+Json = Annotated[bool, _flag("--json", "Print the result as JSON.")]
+All = Annotated[bool, _flag("--all", "Print every number.")]
 
 Jobs = Annotated[
     int | None, Parameter(help="Number of processes; default: one per processor, where that is faster.")
@@ -38,14 +42,53 @@ Inputs = Annotated[
 
 Columns = Annotated[
     tuple[str, ...],
-    Parameter(
-        name="--column",
-        negative=(),
-        show_default=False,
-        help='QUANTITY="TITLE [unit]": column of the measured file that holds a quantity, where the header '
+    _flag(
+        "--column",
+        'QUANTITY="TITLE [unit]": column of the measured file that holds a quantity, where the header '
         'does not state it, for instance --column pinion_torque="M2 [N cm]"; may be repeated.',
     ),
 ]
+
+Priors = Annotated[
+    tuple[str, ...],
+    _flag(
+        "--prior",
+        'PATH="VALUE +- DEVIATION": what is expected of a parameter and its standard deviation, for '
+        'instance --prior yoke.preload="300 N +- 10 %"; may be repeated.',
+    ),
+]
+
+Freed = Annotated[
+    tuple[str, ...],
+    _flag(
+        "--free",
+        "PATH of a parameter that is fitted, instead of the usual ones, such as --free bush.drag; "
+        "bow and angle error beside them; may be repeated.",
+    ),
+]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Printing:
+    """Options that choose what is printed of a sheet."""
+
+    every: All = False
+    quiet: Flag = False
+    """Print only errors."""
+    json: Json = False
+
+    def check(self) -> None:
+        """Refuse options that contradict each other.
+
+        Raises:
+            InputError: they do.
+        """
+        if self.quiet and (self.every or self.json):
+            raise InputError("--quiet prints nothing but errors; leave out --all and --json.")
+
+
+HEAD_ALONE = Printing()
 
 
 @Parameter(name="*")
@@ -91,8 +134,6 @@ class GearOptions:
         Raises:
             InputError: distributions that cannot be.
         """
-        from rps_exudyn.cli.output import note
-
         own = self.carried()
         if own.parted:
             note(
@@ -103,8 +144,6 @@ class GearOptions:
 
     def say_medians(self) -> None:
         """Name on standard error the parameters that carry a distribution, of which the median is taken."""
-        from rps_exudyn.cli.output import note
-
         own = self.carried()
         if paths := [path for path in own if path not in own.posterior]:
             note(
@@ -160,24 +199,21 @@ class SetupOptions(GearOptions):
         with _reporting_together(problems):
             return Setup.from_tables(tables | {"fidelity": preset}, settings, where=str(self.gear or ""))
 
-    @property
-    def chooses_model(self) -> bool:
-        """Whether any option chooses how the gear is modelled."""
-        settings, _ = parse_settings(self.settings)
-        return bool(self.fidelity or self._parts() or any(path.startswith("fidelity.") for path in settings))
-
     def preset_alone(self) -> str | None:
         """The preset named, or None: the only choice of the model that --accuracy allows.
 
         Raises:
             InputError: single choices of the model, which --accuracy makes itself.
         """
-        settings, _ = parse_settings(self.settings)
-        own = [f"--{part}" for part in self._parts()]
-        own += [f"--set {path}" for path in settings if path.startswith("fidelity.")]
-        if own:
+        if own := self.choices():
             raise InputError(f"--accuracy chooses the model itself; leave out {', '.join(own)}.")
         return self.fidelity
+
+    def choices(self) -> list[str]:
+        """The options that choose single parts of the model."""
+        settings, _ = parse_settings(self.settings)
+        own = [f"--{part}" for part in self._parts()]
+        return own + [f"--set {path}" for path in settings if path.startswith("fidelity.")]
 
     def _parts(self) -> dict[str, str]:
         """The options that choose a part of the fidelity, by its name there."""

@@ -1,4 +1,4 @@
-"""What commands print, and the exit statuses: sentences, tables, JSON, names of files.
+"""What commands print, and the exit statuses: sheets, sentences, tables, JSON, names of files.
 
 In a terminal text and tables are in bold or dim, and broken between words. The library that prints the help
 does this too, but takes longer for the list of all parameters than Python takes to begin.
@@ -10,7 +10,7 @@ import os
 import shlex
 import sys
 import textwrap
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +22,7 @@ from rps_exudyn.base.screen import silent
 
 if TYPE_CHECKING:
     from rps_exudyn.results.result import Result
+    from rps_exudyn.results.sheet import Block, Sheet
 
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
 """Exit statuses."""
@@ -45,9 +46,6 @@ def note(sentence: str) -> None:
     """Print on standard error what is no error, unless only errors are wanted."""
     if not _quiet:
         say(sentence)
-
-
-QUIET_ALONE = "--quiet prints nothing but errors; leave out --all and --json."
 
 
 def command_line() -> str:
@@ -149,10 +147,64 @@ def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def print_files(files: Iterable[Path]) -> None:
-    """Print the paths of the files that were written."""
-    for file in files:
-        put(f"written: {file}")
+def present(
+    sheet: "Sheet",
+    files: list[Path] | None = None,
+    *,
+    every: bool = True,
+    json: bool = False,
+    finish: Callable[[], None] = lambda: None,
+) -> None:
+    """Print a sheet: its data as JSON, every block of its text, or its head.
+
+    Args:
+        sheet: what was found.
+        files: paths of the files that were written; a list even where none was.
+        every, json: whether its text or its data are printed, not its head.
+        finish: called once the sheet is printed, or cannot be, before the names of the files, to which it
+            may add.
+
+    Raises:
+        InputError: the output cannot be written; it names a file.
+    """
+    from rps_exudyn.results.sheet import INDENT
+
+    names = [] if files is None else files
+    with naming(names):
+        try:
+            if every and not json:
+                _print_text(sheet.text)
+            elif not json:
+                title, *lines = sheet.lines()
+                put(title, "bold", indent=INDENT)
+                for line, row in zip(lines, sheet.rows, strict=True):
+                    put(line, "dim" if row.is_vague else "", indent=INDENT + sheet.width + GAP)
+            sys.stdout.flush()
+        finally:
+            finish()
+        if json:
+            kept = {} if files is None else {"files": [str(file) for file in files]}
+            print_json({**sheet.data(), **kept})
+        elif every:
+            for file in names:
+                put(f"written: {file}")
+        else:
+            written = ", ".join(map(str, names))
+            put(f"{f'written: {written}' if names else 'nothing written'}  (--all: {sheet.more})")
+
+
+def _print_text(blocks: "Iterable[Block]") -> None:
+    from rps_exudyn.results.sheet import Grid, Line, Text
+
+    for block in blocks:
+        if isinstance(block, Grid):
+            if block.caption:
+                put(block.caption)
+            put_table(block.columns, [[str(cell) for cell in row] for row in block.rows], block.vague)
+        elif isinstance(block, Line):
+            put(block.text, "bold" if block.is_bold else "", block.indent)
+        elif isinstance(block, Text):
+            put(block.text)
 
 
 @contextmanager
@@ -192,6 +244,16 @@ def naming(files: Sequence[Path]) -> Iterator[None]:
         raise InputError(f"the output cannot be written: {error.strerror}.{where}") from None
 
 
+def verdict(result: "Result") -> int:
+    """Return the exit status of a simulation; of a failed one, print on standard error what to do."""
+    from rps_exudyn.results.outcome import Status
+
+    if result.status is Status.OK:
+        return DONE
+    say(f"the simulation failed ({result.status}): {result.message.rstrip('.')}. {result.status.remedy}")
+    return FAILED
+
+
 # --- The files of a simulation, kept whatever the disk does
 
 
@@ -219,8 +281,8 @@ class Files:
         return Files(out or self.out, plot, overwrite=True)
 
 
-def keep(result: "Result", files: Files) -> tuple[list[Path], bool]:
-    """Write both files; return the paths of those written, and whether there were problems.
+def keep(result: "Result", files: Files, written: list[Path]) -> bool:
+    """Write both files, add the paths of those written to a list, and return whether all went well.
 
     A failed run is written beside existing files as NAME.failed. A result that cannot be written there goes
     to the folder of temporary files.
@@ -232,47 +294,28 @@ def keep(result: "Result", files: Files) -> tuple[list[Path], bool]:
 
     if result.status is not Status.OK:
         files = files.of_failed
-    out, plot = files.out, files.plot
     try:
         files.make_room()
-        result.save(out)
+        result.save(files.out)
     except (InputError, OSError) as error:
-        return _kept_elsewhere(result, out, str(error))
-    if not result.signals or plot is None:
-        return [out], False
+        written += _kept_elsewhere(result, files.out, str(error))
+        return False
+    written.append(files.out)
+    if not result.signals or files.plot is None:
+        return True
     try:
-        with named_if_interrupted([out]):
+        with named_if_interrupted([files.out]):
             from rps_exudyn.pages.charts.scene_figures import draw
 
-            draw(result, plot)
+            draw(result, files.plot)
     except (OSError, ValueError) as error:  # also what matplotlib makes of a strange environment
         say(f"the picture is missing: {error}")
-        return [out], True
-    return [out, plot], False
+        return False
+    written.append(files.plot)
+    return True
 
 
-class LateFiles:
-    """The files of a result, written where they are named: once all printed before is on the screen."""
-
-    def __init__(self, result: "Result", files: Files) -> None:
-        self.written: list[Path] = []
-        self.have_problems = False
-        self._wanted: tuple[Result, Files] | None = (result, files)
-
-    def __iter__(self) -> Iterator[Path]:
-        sys.stdout.flush()
-        self.write()
-        return iter(self.written)
-
-    def write(self) -> None:
-        """Write them, unless that has begun."""
-        if (wanted := self._wanted) is not None:
-            self._wanted = None
-            made, self.have_problems = keep(*wanted)
-            self.written += made
-
-
-def _kept_elsewhere(result: "Result", out: Path, problem: str) -> tuple[list[Path], bool]:
+def _kept_elsewhere(result: "Result", out: Path, problem: str) -> list[Path]:
     """Write a result whose own place cannot be written, and print where; never fails."""
     from tempfile import mkdtemp
 
@@ -285,6 +328,6 @@ def _kept_elsewhere(result: "Result", out: Path, problem: str) -> tuple[list[Pat
             with suppress(OSError):
                 folder.rmdir()
         say(f"{problem} The result could not be stored elsewhere either: {error}")
-        return [], True
+        return []
     say(f"{problem} The result is kept in {other} instead.")
-    return [other], True
+    return [other]

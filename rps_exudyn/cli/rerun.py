@@ -1,15 +1,20 @@
 """The command `rerun`: what a result holds, simulated again."""
 
 import sys
+from collections.abc import Iterator
 from contextlib import redirect_stdout
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import RESULT_FILES, check_writable
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import All, Json
-from rps_exudyn.cli.output import note, print_json, put, put_table
+from rps_exudyn.cli.output import note, present, verdict
+
+if TYPE_CHECKING:
+    from rps_exudyn.results.sheet import Block
 
 
 def rerun(file: Path, /, *, out: Path | None = None, every: All = False, json: Json = False) -> int:
@@ -20,10 +25,11 @@ def rerun(file: Path, /, *, out: Path | None = None, every: All = False, json: J
         out: HDF5 file of the new result; default: none is written.
     """
     from rps_exudyn.analysis.result_comparison import differing_numbers, largest_difference
-    from rps_exudyn.cli.printed import print_result, result_as_dict, verdict
+    from rps_exudyn.pages.report.result_sheet import result_as_dict, result_text
     from rps_exudyn.parameters.fidelity import Fidelity
     from rps_exudyn.parameters.gear import SteeringGear
     from rps_exudyn.parameters.retired import gone
+    from rps_exudyn.results.sheet import Grid, Sheet, Text
     from rps_exudyn.simulate.run import simulate
     from rps_exudyn.study.case_blocks import load
 
@@ -39,21 +45,24 @@ def rerun(file: Path, /, *, out: Path | None = None, every: All = False, json: J
     new = replace(new, measured=old.measured)
     if out:
         new.save(out)
-    differing, largest = differing_numbers(old, new), largest_difference(old, new)
-    files = [out] if out else []
-    if json:
-        print_json(result_as_dict(new, files) | {"differing": differing, "largest": largest})
-        return verdict(new)
-    if every:
-        print_result(new, files)
-    if not differing:
-        put(f"Every number equals that of {file}, bit for bit.")
-        return verdict(new)
-    if every:
-        put_table(
-            ("differs", str(file), "now"), [(what, *map(str, pair)) for what, pair in differing.items()]
+    differing, (quantity, size) = differing_numbers(old, new), largest_difference(old, new)
+
+    def compared() -> "Iterator[Block]":
+        if not differing:
+            yield Text(f"Every number equals that of {file}, bit for bit.")
+            return
+        if every:
+            rows = [(what, *map(str, pair)) for what, pair in differing.items()]
+            yield Grid(("differs", str(file), "now"), rows)
+        words = f"The largest relative difference is {size:.2g}{f', of {quantity}' if quantity else ''}."
+        yield Text(
+            f"{len(differing)} numbers differ from {file}{'' if every else ' (--all: which)'}. {words}"
         )
-    quantity, size = largest
-    words = f"The largest relative difference is {size:.2g}{f', of {quantity}' if quantity else ''}."
-    put(f"{len(differing)} numbers differ from {file}{'' if every else ' (--all: which)'}. {words}")
+
+    def data() -> dict[str, object]:
+        return result_as_dict(new) | {"differing": differing, "largest": (quantity, size)}
+
+    text = [*(result_text(new) if every else ()), *compared()]
+    files = [out] if out and (every or json) else []
+    present(Sheet(text=text, data=data), files, json=json)
     return verdict(new)

@@ -15,17 +15,17 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import PICTURES, RESULT_FILES, check_writable
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import (
+    HEAD_ALONE,
     PAPER_SETUP,
-    All,
     Columns,
     Flag,
     Inputs,
     Jobs,
-    Json,
+    Printing,
     SetupOptions,
     chosen_columns,
 )
-from rps_exudyn.cli.output import DONE, FAILED, QUIET_ALONE, Files, LateFiles, keep, naming, note, printing
+from rps_exudyn.cli.output import DONE, FAILED, Files, keep, note, present, printing, verdict
 from rps_exudyn.scenes import SCENE_NAMES
 
 if TYPE_CHECKING:
@@ -55,9 +55,7 @@ def run(
     progress: Flag = False,
     overwrite: Flag = False,
     no_plot: Flag = False,
-    every: All = False,
-    quiet: Flag = False,
-    json: Json = False,
+    shown: Printing = HEAD_ALONE,
 ) -> int:
     """Simulate one scene: print a summary, write an HDF5 file and a picture.
 
@@ -85,14 +83,13 @@ def run(
         progress: Show progress even when output is redirected.
         overwrite: Replace the files of an earlier run instead of renaming them.
         no_plot: Draw no picture.
-        quiet: Print only errors.
     """
     began = monotonic()
-    if quiet and (every or json):
-        raise InputError(QUIET_ALONE)
+    shown.check()
     if no_plot and plot:
         raise InputError(f"--no-plot draws no picture; leave out --plot {plot}.")
-    from rps_exudyn.cli.printed import put_accuracy, put_result, verdict
+    from rps_exudyn.analysis.measured import compared_with_own
+    from rps_exudyn.pages.report.result_sheet import sheet_of
     from rps_exudyn.results.outcome import Interrupted
     from rps_exudyn.simulate.cases.time_limit import TimeLimit
     from rps_exudyn.simulate.run import simulate
@@ -103,41 +100,25 @@ def run(
     out = check_writable(out or Path(f"{scene}.h5"), RESULT_FILES)
     picture = None if no_plot else check_writable(plot or out.with_suffix(".png"), PICTURES)
     if band is not None or inputs is not None:
-        from rps_exudyn.cli.run_band import do_band, sample_count
+        from rps_exudyn.cli.run_band import BandRun, do_band, sample_count
 
         refused = {"level": level is not None, "accuracy": accuracy, "metrics": metrics, "robust": robust}
         count = sample_count(band, [name for name, given in refused.items() if given])
-        seconds = limit.seconds if limit else inf
-        files = Files(out, picture, overwrite)
-        with printing(quiet):
+        with printing(shown.quiet):
             curve = read_measured(measured, column, scene, chosen.steering_gear) if measured else None
-            return do_band(
-                scene,
-                setup,
-                count,
-                inputs,
-                files,
-                curve,
-                every=every,
-                as_json=json,
-                jobs=jobs,
-                time_limit=seconds,
-            )
+            wanted = BandRun(scene, setup, count, inputs, jobs, limit.seconds if limit else inf)
+            return do_band(wanted, Files(out, picture, overwrite), curve, shown)
     if jobs is not None:
         raise InputError("--jobs shares the runs of a band among processes; add --band.")
     gear = chosen.steering_gear
-    with printing(quiet):
+    with printing(shown.quiet):
         setup.say_medians()
         curve = read_measured(measured, column, scene, gear) if measured else None
         if curve is not None and not setup.states("test.path"):
             gear = as_turned(gear, scene, curve)
     model = chosen.fidelity if accuracy is None else preset
     try:
-        with (
-            printing(quiet),
-            redirect_stdout(sys.stderr),
-            shown_progress(progress),
-        ):  # stdout is for the result
+        with printing(shown.quiet), redirect_stdout(sys.stderr), shown_progress(progress):
             result = simulate(
                 scene,
                 gear,
@@ -149,19 +130,23 @@ def run(
                 time_limit=limit,
             )
     except Interrupted as interrupt:
-        kept, _ = keep(replace(interrupt.recorded, measured=curve), Files(out, picture, overwrite))
+        kept = list[Path]()
+        keep(replace(interrupt.recorded, measured=curve), Files(out, picture, overwrite), kept)
         where = f"kept in {kept[0]}" if kept else "lost"
         raise KeyboardInterrupt(f"interrupted; the record until then is {where}.") from None
     result = replace(result, measured=curve)
-    with printing(quiet):
-        put_accuracy(result)
-        late = LateFiles(result, Files(out, picture, overwrite))
-        with naming(late.written):
-            try:
-                put_result(result, json, late, every)
-            finally:  # also where the terminal is gone
-                late.write()
-    return max(verdict(result), FAILED if late.have_problems else DONE)
+    files, is_kept = list[Path](), False
+
+    def finish() -> None:
+        nonlocal is_kept
+        is_kept = keep(result, Files(out, picture, overwrite), files)
+
+    with printing(shown.quiet):
+        if text := result.findings.get("accuracy"):  # what it has reached, and what the next level would cost
+            note(f"{text}.")
+        sheet = sheet_of(result, compared_with_own(result))
+        present(sheet, files, every=shown.every, json=shown.json, finish=finish)
+    return max(verdict(result), DONE if is_kept else FAILED)
 
 
 def as_turned(gear: "SteeringGear", scene: str, measured: "MeasuredTorque") -> "SteeringGear":

@@ -1,41 +1,32 @@
 """The option `run --band`: a scene with the uncertainty of its inputs."""
 
+import itertools
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import redirect_stdout
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from rps_exudyn.analysis.measured import compared_with_own
 from rps_exudyn.base.errors import InputError, as_sentence
 from rps_exudyn.base.files import write_json
 from rps_exudyn.base.screen import shown_progress
-from rps_exudyn.cli.options import SetupOptions
-from rps_exudyn.cli.output import (
-    DONE,
-    INTERRUPTED,
-    Files,
-    command_line,
-    naming,
-    note,
-    print_files,
-    print_json,
-    put,
-    put_table,
-)
-from rps_exudyn.cli.printed import measured_as_dict, print_measured, print_sheet, result_as_dict
+from rps_exudyn.cli.options import Printing, SetupOptions
+from rps_exudyn.cli.output import DONE, INTERRUPTED, Files, command_line, naming, note, present
 from rps_exudyn.inference.uncertainty.band import Band, band_of_runs
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.inference.uncertainty.quick_band import SCENE, quick_band
-from rps_exudyn.pages.report.html import CodeText, Fold, Section
-from rps_exudyn.pages.report.result_page import result_article
-from rps_exudyn.pages.report.sheet import sheet_of
+from rps_exudyn.pages.report.result_page import result_page
+from rps_exudyn.pages.report.result_sheet import measured_as_dict, measured_text, result_as_dict, sheet_of
 from rps_exudyn.pages.report.sheet_file import KEY, sheet_as_dict
 from rps_exudyn.parameters.fidelity import MEAN_STEP
+from rps_exudyn.results.page_blocks import CodeText, Fold
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.results.rounding import shown_with_bar
+from rps_exudyn.results.sheet import Block, Grid, Line, Section, Text
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.law_by_scene import with_law
 from rps_exudyn.simulate.cases.run_cases import checked_jobs
@@ -44,23 +35,54 @@ QUICK_OTHERWISE = 64  # runs of a scene without a quick band
 SHOWN = 5  # contributions
 
 
-def do_band(
-    scene: str,
-    options: SetupOptions,
-    count: int | None,
-    inputs: str | None,
-    files: Files,
-    measured: MeasuredTorque | None = None,
-    *,
-    every: bool = True,
-    as_json: bool = False,
-    jobs: int | None = None,
-    time_limit: float = float("inf"),
-) -> int:
+@dataclass(frozen=True)
+class BandRun:
+    """What `run --band` is asked for; a sample that takes longer than the time limit [s] has failed."""
+
+    scene: str
+    options: SetupOptions
+    count: int | None  # of samples; None: a quick band
+    inputs: str | None
+    jobs: int | None = None
+    time_limit: float = float("inf")
+
+    def band(self) -> Band:
+        """Compute the band.
+
+        Raises:
+            InputError: distributions or a number of samples that cannot be, or a gear that fails.
+        """
+        own, processes = self.options.drawn(), checked_jobs(self.jobs)
+        if self.options.fidelity or self.options.choices():
+            setup = self.options.load()
+        else:  # equilibria in steps that a band needs
+            quick = replace(self.options, fidelity="quasi-static")
+            setup = quick.load().replace({"fidelity.step_angle": MEAN_STEP})
+        gear = setup.steering_gear
+        chosen = uncertain_inputs(gear, self.inputs, own)
+        made = partial(quick_band, gear, setup.fidelity, chosen)
+        if self.count is not None or self.scene != SCENE:
+            runs = QUICK_OTHERWISE if self.count is None else self.count
+            made = partial(band_of_runs, self.scene, gear, setup.fidelity, chosen, runs)
+        with redirect_stdout(sys.stderr), shown_progress() as show:
+
+            def report(done: int, of: int) -> None:
+                show(f"sample {done} of {of}", done / of)
+
+            band = made(on_progress=report, jobs=processes, time_limit=self.time_limit)
+        law = band.nominal.gear.mesh.law
+        single = with_law(gear, setup.fidelity, scene_named(self.scene).law).mesh.law
+        if law != single:
+            note(
+                f"the band uses the contact law {law}, as every series of gears; a single run uses {single}."
+            )
+        return band
+
+
+def do_band(wanted: BandRun, files: Files, measured: MeasuredTorque | None, shown: Printing) -> int:
     """Compute, keep and print a band; the nominal result goes to the HDF5 file as of any run.
 
-    A sample that takes longer than the time limit [s] is one that failed. A measured torque is compared with
-    the nominal result and drawn over the band.
+    A measured torque is compared with the nominal result and drawn over the band.
 
     Raises:
         InputError: distributions or a number of samples that cannot be, or a gear that fails.
@@ -68,69 +90,45 @@ def do_band(
     from rps_exudyn.pages.charts.inference import band_figure
     from rps_exudyn.pages.charts.style import save
 
-    own, processes = options.drawn(), checked_jobs(jobs)
-    if options.chooses_model:
-        setup = options.load()
-    else:  # equilibria in steps that a band needs
-        setup = replace(options, fidelity="quasi-static").load().replace({"fidelity.step_angle": MEAN_STEP})
-    gear = setup.steering_gear
-    chosen = uncertain_inputs(gear, inputs, own)
-    quick = count is None and scene == SCENE
-    with redirect_stdout(sys.stderr), shown_progress() as show:
-
-        def report(done: int, of: int) -> None:
-            show(f"sample {done} of {of}", done / of)
-
-        made = partial(quick_band, gear, setup.fidelity, chosen)
-        if not quick:
-            runs = QUICK_OTHERWISE if count is None else count
-            made = partial(band_of_runs, scene, gear, setup.fidelity, chosen, runs)
-        band = made(on_progress=report, jobs=processes, time_limit=time_limit)
-    law = band.nominal.gear.mesh.law
-    single = with_law(gear, setup.fidelity, scene_named(scene).law).mesh.law
-    if law != single:
-        note(f"the band uses the contact law {law}, as every series of gears; a single run uses {single}.")
+    band = wanted.band()
     band = replace(band, nominal=replace(band.nominal, measured=measured))
     compared = compared_with_own(band.nominal)
     table = files.out.with_suffix(".band.json")
     files.make_room(table)
     written: list[Path] = []
-    with naming(written):
+    content = band.as_dict()
+    with naming(written), shown_progress() as show:
         band.nominal.save(files.out)
         written.append(files.out)
-        content = band.as_dict()
-        with shown_progress() as show:
-            show("drawing", None)
-            again = Section("", [Fold("Make the band again", [CodeText(command_line())])])
-            article = result_article(band.nominal, files.out, [again], band)
-            write_json(table, content | {KEY: sheet_as_dict(article, band.nominal.gear)})
-            written.append(table)
-            if files.plot is not None:
-                save(band_figure(band), files.plot)
-                written.append(files.plot)
-        if as_json:
-            del content["values"]  # the file has them
-            nominal = result_as_dict(band.nominal) | measured_as_dict(compared)
-            print_json(content | {"nominal": nominal, "files": [str(file) for file in written]})
-        elif every:
-            print_band(band, written)
-            print_measured(compared)
-        else:
-            count = len(band.nominal.summary)
-            print_sheet(sheet_of(band.nominal, compared, band), written, f"{count} quantities")
+        show("drawing", None)
+        again = Section("", [Fold("Make the band again", [CodeText(command_line())])])
+        page = result_page(band.nominal, files.out, [again], band)
+        write_json(table, content | {KEY: sheet_as_dict(page)})
+        written.append(table)
+        if files.plot is not None:
+            save(band_figure(band), files.plot)
+            written.append(files.plot)
+    del content["values"]  # the file has them
+
+    def data() -> dict[str, Any]:
+        return content | {"nominal": result_as_dict(band.nominal) | measured_as_dict(compared)}
+
+    text = itertools.chain(_text(band), measured_text(compared))
+    sheet = replace(sheet_of(band.nominal, compared, band), text=text, data=data)
+    present(sheet, written, every=shown.every, json=shown.json)
     return INTERRUPTED if band.interrupted else DONE
 
 
-def print_band(band: Band, files: Iterable[Path]) -> None:
-    """Print quantiles with their errors, contributions, and what the band does not contain."""
+def _text(band: Band) -> Iterator[Block]:
     count, failed = len(band.drawn.samples), band.drawn.failed
-    put(f"{band.nominal.scene} · {band.method} · {failed} of {count} samples failed", "bold")
+    head = f"{band.nominal.scene} · {band.method} · {failed} of {count} samples failed"
+    yield Line(head, is_bold=True)
     if band.interrupted:
-        put("Interrupted: the band contains the samples finished before.")
+        yield Text("Interrupted: the band contains the samples finished before.")
     for cause, number in band.drawn.failures.items():
-        put(f"{number} x {cause}")
-    put_table(_HEAD, list(_figure_rows(band)))
-    put(
+        yield Text(f"{number} x {cause}")
+    yield Grid(_HEAD, list(_figure_rows(band)))
+    yield Text(
         "At medians: the run at median inputs, ± its numerical error. Errors: standard errors of the "
         "quantiles; numerical: by how far they move if all samples are wrong by their error bars."
     )
@@ -138,15 +136,12 @@ def print_band(band: Band, files: Iterable[Path]) -> None:
     if (shares := band.contributions.get(name)) is not None:
         largest = list(shares.fractions.items())[:SHOWN]
         text = ", ".join(f"{path} {100 * share:.0f} %" for path, share in largest)
-        put(f"Contributions to {name}: {text}; acting together {100 * shares.together:.0f} %.")
+        yield Text(f"Contributions to {name}: {text}; acting together {100 * shares.together:.0f} %.")
     if failed and name in band.figures:
         low, high = band.figures[name].lowest[0], band.figures[name].highest[-1]
-        put(
-            f"With the failed samples at either end, 5 to 95 % of {name}: {_end(name, low)} to "
-            f"{_end(name, high)}."
-        )
-    put(_beside(band, name))
-    print_files(files)
+        ends = f"{_end(name, low)} to {_end(name, high)}"
+        yield Text(f"With the failed samples at either end, 5 to 95 % of {name}: {ends}.")
+    yield Text(_beside(band, name))
 
 
 _HEAD = (

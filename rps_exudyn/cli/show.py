@@ -4,7 +4,7 @@ from pathlib import Path
 
 from rps_exudyn.base.files import PICTURES, check_writable
 from rps_exudyn.cli.options import Flag, Json
-from rps_exudyn.cli.output import DONE, naming
+from rps_exudyn.cli.output import DONE, present
 
 
 def show(file: Path, /, *, plot: Path | None = None, from_zero: Flag = False, json: Json = False) -> int:
@@ -15,7 +15,8 @@ def show(file: Path, /, *, plot: Path | None = None, from_zero: Flag = False, js
         plot: Picture (.png, .svg, .pdf) of the result.
         from_zero: Begin the torque and force axes of the picture at zero.
     """
-    from rps_exudyn.cli.printed import put_result
+    from rps_exudyn.analysis.measured import compared_with_own
+    from rps_exudyn.pages.report.result_sheet import sheet_of
     from rps_exudyn.study.case_blocks import load
 
     if plot:
@@ -23,7 +24,5 @@ def show(file: Path, /, *, plot: Path | None = None, from_zero: Flag = False, js
     result = load(file)
     if plot:
         result.plot(plot, from_zero=from_zero)
-    files = [plot] if plot else []
-    with naming(files):
-        put_result(result, json, files)
+    present(sheet_of(result, compared_with_own(result)), [plot] if plot else [], json=json)
     return DONE

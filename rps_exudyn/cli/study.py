@@ -1,9 +1,7 @@
 """The command `study`: options checked before anything runs, cases listed, outcome printed."""
 
-import json as json_text
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,9 +9,10 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import duration
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import Flag, Json
-from rps_exudyn.cli.output import DONE, FAILED, put, say
+from rps_exudyn.cli.output import DONE, FAILED, present, say
 
 if TYPE_CHECKING:
+    from rps_exudyn.results.sheet import Block
     from rps_exudyn.simulate.cases.task import Executor
     from rps_exudyn.study.case_progress import Group
     from rps_exudyn.study.runner import StudyWork, Tally
@@ -50,174 +49,153 @@ def study(
         toy: Try the study with two values of each axis, in a folder NAME-toy.
         yes: Also run a study of more than 5000 cases.
     """
-    folder = out or Path(f"{file.stem}-toy" if toy else file.stem)
-    request = Request(file, folder, jobs, cluster, toy, yes)
-    return _list_cases(request, json) if dry_run else _simulate(request, json)
+    from rps_exudyn.simulate.cases.run_cases import checked_jobs
 
-
-@dataclass(frozen=True)
-class Request:
-    """The command's options."""
-
-    file: Path
-    out: Path
-    jobs: int | None
-    cluster: str | None
-    toy: bool
-    yes: bool
-
-    @property
-    def processes(self) -> int:
-        """Number of worker processes.
-
-        Raises:
-            InputError: `jobs` is not from 1 to 1024.
-        """
-        from rps_exudyn.simulate.cases.run_cases import checked_jobs
-
-        return checked_jobs(self.jobs)
-
-    def work(self) -> "StudyWork":
-        """The study in its folder.
-
-        Raises:
-            InputError: everything that is wrong with file and folder, or more cases than run without `yes`.
-        """
-        from rps_exudyn.study.cases import count_of
-        from rps_exudyn.study.runner import StudyWork
-        from rps_exudyn.study.study_file import read_study
-
-        study = read_study(self.file)
-        if self.toy:
-            study = study.toy()
-        count = count_of(study)
-        if count > MANY_CASES and not self.yes:
-            raise InputError(
-                f"{self.file} has {count} cases; more than {MANY_CASES} are run with --yes only "
-                "(--dry-run --yes estimates how long they take)."
-            )
-        with shown_progress(asked=False):
-            return StudyWork.of(study, self.out)
-
-
-def _simulate(request: Request, json: bool) -> int:
-    """Simulate the missing cases and print the outcome; exit status 0, or 1 if cases failed."""
-    jobs, work = request.processes, request.work()
+    processes = checked_jobs(jobs)
+    work = _work(file, out or Path(f"{file.stem}-toy" if toy else file.stem), toy, yes)
+    if dry_run:
+        _list_cases(work, processes, json)
+        return DONE
     from rps_exudyn.results.outcome import Status
     from rps_exudyn.simulate.cases.processes import Processes, StartError
     from rps_exudyn.study.runner import StorageError, run_study
 
     executor: AbstractContextManager[Executor]
     limit = work.study.time_limit
-    if request.cluster:
+    if cluster:
         from rps_exudyn.simulate.cases.cluster import Cluster
 
-        executor = Cluster.at(request.cluster, limit)
+        executor = Cluster.at(cluster, limit)
     else:
-        executor = Processes(jobs, limit, request.out / "messages.log")
+        executor = Processes(processes, limit, work.store.path / "messages.log")
     try:
         with shown_progress(), executor as workers:
             tally = run_study(work, workers)
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(f"interrupted; {_kept(request, work)}.") from None
+        raise KeyboardInterrupt(f"interrupted; {_kept(work)}.") from None
     except (StorageError, StartError) as error:
-        kept = _kept(request, work)
+        kept = _kept(work)
         raise InputError(f"{error} {kept[0].upper()}{kept[1:]}.") from None
-    _print_tally(work, tally, json)
+    _present_tally(work, tally, json)
     return DONE if set(tally.statuses) <= {Status.OK} else FAILED
 
 
-def _kept(request: Request, work: "StudyWork") -> str:
+def _work(file: Path, folder: Path, toy: bool, yes: bool) -> "StudyWork":
+    """The study in its folder.
+
+    Raises:
+        InputError: everything that is wrong with file and folder, or more cases than run without `yes`.
+    """
+    from rps_exudyn.study.cases import count_of
+    from rps_exudyn.study.runner import StudyWork
+    from rps_exudyn.study.study_file import read_study
+
+    study = read_study(file)
+    if toy:
+        study = study.toy()
+    count = count_of(study)
+    if count > MANY_CASES and not yes:
+        raise InputError(
+            f"{file} has {count} cases; more than {MANY_CASES} are run with --yes only "
+            "(--dry-run --yes estimates how long they take)."
+        )
+    with shown_progress(asked=False):
+        return StudyWork.of(study, folder)
+
+
+def _kept(work: "StudyWork") -> str:
     """What is kept of a study that ends early, and what the same command does."""
     if next(work.store.rows(), None) is None:
         return "no case is finished; the same command runs all of them"
-    return f"finished cases are kept in {request.out}; the same command runs the others"
+    return f"finished cases are kept in {work.store.path}; the same command runs the others"
 
 
-def _list_cases(request: Request, json: bool) -> int:
-    """Print the cases, which of them are missing, and the estimated time; exit status 0."""
+def _list_cases(work: "StudyWork", jobs: int, json: bool) -> None:
+    from rps_exudyn.results.sheet import Sheet, Text
     from rps_exudyn.study.case_progress import estimate
     from rps_exudyn.study.handover import dispatch_of
     from rps_exudyn.study.table import show_value
 
-    work, jobs = request.work(), request.processes
     seconds, source = estimate(work.study, work.missing, work.measured(), jobs)
     with shown_progress():
         dispatch = dispatch_of(work.study, work.description)
     missing = {case.hash for case in work.missing}
     cases = work.description.cases
-    if json:
+
+    def text() -> "Iterator[Block]":
+        for case in cases:
+            state = "to do" if case.hash in missing else "done "
+            values = (f"{axis.name} = {show_value(axis, case.values[axis.name])}" for axis in work.study.axes)
+            yield Text(f"{case.hash}  {state}  {', '.join(values)}")
+        yield Text(
+            f"{len(cases)} cases, {len(missing)} of them to be done: about {duration(seconds)} "
+            f"with {jobs} {'process' if jobs == 1 else 'processes'} ({source})"
+        )
+        if dispatch.ranges is not None:
+            yield Text("  most of them computed together, several times as fast")
+        elif dispatch.single_run_reason:
+            yield Text(_NOT_TOGETHER.format(dispatch.single_run_reason))
+
+    def data() -> dict[str, Any]:
         rows = [{"hash": case.hash, "values": case.values, "missing": case.hash in missing} for case in cases]
-        content = {"cases": rows, "missing": len(missing), "jobs": jobs, "seconds": seconds}
-        content |= {"in_loop": dispatch.ranges is not None, "not_in_loop": dispatch.single_run_reason}
-        print(json_text.dumps(content, indent=2))
-        return DONE
-    for case in cases:
-        state = "to do" if case.hash in missing else "done "
-        values = (f"{axis.name} = {show_value(axis, case.values[axis.name])}" for axis in work.study.axes)
-        print(f"{case.hash}  {state}  {', '.join(values)}")
-    print(
-        f"{len(cases)} cases, {len(missing)} of them to be done: about {duration(seconds)} "
-        f"with {jobs} {'process' if jobs == 1 else 'processes'} ({source})"
-    )
-    if dispatch.ranges is not None:
-        print("  most of them computed together, several times as fast")
-    elif dispatch.single_run_reason:
-        print(_NOT_TOGETHER.format(dispatch.single_run_reason))
-    return DONE
+        counts = {"cases": rows, "missing": len(missing), "jobs": jobs, "seconds": seconds}
+        return counts | {"in_loop": dispatch.ranges is not None, "not_in_loop": dispatch.single_run_reason}
+
+    present(Sheet(text=text(), data=data), json=json)
 
 
-def _print_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:
+def _present_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:
+    from rps_exudyn.results.sheet import Line, Sheet, Text
+
     for path, sentence in tally.skipped[:SHOWN_SKIPPED]:
         say(f"{sentence} It was set aside as {path.stem}.set-aside.")
     if len(tally.skipped) > SHOWN_SKIPPED:
         say(f"{len(tally.skipped) - SHOWN_SKIPPED} more such files.")
     folder, count = work.store.path, sum(tally.statuses.values())
-    if json:
-        statuses = {status.value: number for status, number in tally.statuses.items()}
+
+    def text() -> "Iterator[Block]":
+        from rps_exudyn.pages.report.study_rows import range_rows
+        from rps_exudyn.study.table import CaseTable
+
+        outcomes = ", ".join(f"{number} {status}" for status, number in sorted(tally.statuses.items()))
+        loop = f", {tally.in_loop} computed together" if tally.in_loop else ""
+        how = f" ({tally.through_batch} in groups{loop})" if tally.through_batch else ""
+        done = f"{count} cases in {folder} ({outcomes}), {tally.done_now} of them done now{how}"
+        yield Text(f"{work.study.title}: {done}")
+        if tally.single_run_reason and tally.through_batch:
+            yield Text(_NOT_TOGETHER.format(tally.single_run_reason))
+        rows = list(range_rows(CaseTable.of(work.store)))[:SHOWN_RANGES]
+        width = max((len(row.value) for row in rows), default=0)
+        yield from (Line(f"  {row.value:{width}}  {row.words}", indent=width + 4) for row in rows)
+        yield from group_lines(tally.said)
+        yield Text(f"one page of it: rps-exudyn report {folder}")
+
+    def data() -> dict[str, Any]:
         said = [
             {"status": group.status.value, "cases": len(group.cases), "message": group.example}
             for group in tally.said
         ]
-        content: dict[str, Any] = {"folder": str(folder), "cases": count, "statuses": statuses}
-        content |= {
+        return {
+            "folder": str(folder),
+            "cases": count,
+            "statuses": {status.value: number for status, number in tally.statuses.items()},
             "said": said,
             "done_now": tally.done_now,
             "in_groups": tally.through_batch,
             "in_loop": tally.in_loop,
             "not_in_loop": tally.single_run_reason,
         }
-        print(json_text.dumps(content, indent=2))
-        return
-    outcomes = ", ".join(f"{number} {status}" for status, number in sorted(tally.statuses.items()))
-    loop = f", {tally.in_loop} computed together" if tally.in_loop else ""
-    how = f" ({tally.through_batch} in groups{loop})" if tally.through_batch else ""
-    print(
-        f"{work.study.title}: {count} cases in {folder} ({outcomes}), {tally.done_now} of them done now{how}"
-    )
-    if tally.single_run_reason and tally.through_batch:
-        print(_NOT_TOGETHER.format(tally.single_run_reason))
-    _print_ranges(work)
-    print_said(tally.said)
-    put(f"one page of it: rps-exudyn report {folder}")
+
+    present(Sheet(text=text(), data=data), json=json)
 
 
-def _print_ranges(work: "StudyWork") -> None:
-    from rps_exudyn.pages.report.study_rows import range_rows
-    from rps_exudyn.study.table import CaseTable
-
-    rows = list(range_rows(CaseTable.of(work.store)))[:SHOWN_RANGES]
-    width = max((len(row.value) for row in rows), default=0)
-    for row in rows:
-        put(f"  {row.value:{width}}  {row.words}", indent=width + 4)
-
-
-def print_said(said: "Sequence[Group]") -> None:
-    """Print causes of failure, then remarks, with the numbers of their cases; the commonest of each."""
+def group_lines(said: "Sequence[Group]") -> "Iterator[Block]":
+    """Causes of failure, then remarks, with the numbers of their cases; the commonest of each."""
     from rps_exudyn.results.outcome import Status
+    from rps_exudyn.results.sheet import Text
 
     for failed in (True, False):
         lines = [f"  {group.line()}" for group in said if (group.status is not Status.OK) is failed]
-        print(*lines[:SHOWN_GROUPS], sep="\n", end="\n" if lines else "")
+        yield from map(Text, lines[:SHOWN_GROUPS])
         if (more := len(lines) - SHOWN_GROUPS) > 0:
-            print(f"  {more} more {'causes' if failed else 'kinds of remarks'}, see the report")
+            yield Text(f"  {more} more {'causes' if failed else 'kinds of remarks'}, see the report")

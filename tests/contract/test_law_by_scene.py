@@ -3,7 +3,7 @@
 import pytest
 
 import rps_exudyn as rps
-from rps_exudyn.pages.report.sheet import sheet_of
+from rps_exudyn.pages.report.result_sheet import sheet_of
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import SCENE_NAMES, scene_named

@@ -7,10 +7,9 @@ from rich.console import Console
 from rich.table import Table as Grid
 
 from rps_exudyn.cli import output
-from rps_exudyn.cli.output import GAP, put, put_table
-from rps_exudyn.cli.printed import print_sheet
-from rps_exudyn.pages.report.sheet import Row, Sheet
+from rps_exudyn.cli.output import GAP, present, put, put_table
 from rps_exudyn.parameters.gear import Setup
+from rps_exudyn.results.sheet import Row, Sheet
 
 HEADS = ("parameter", "value", "meaning", "source")
 
@@ -45,8 +44,8 @@ def test_broken_lines_of_a_sheet_keep_their_columns(
     monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
     monkeypatch.setattr(output, "_width", lambda: 40)
     monkeypatch.setenv("TERM", "dumb")
-    sheet = Sheet("Free pinion torque: " + "teeth, " * 9, (Row("0.03 N m", "ripple, " * 9), Row("a", "b")))
-    print_sheet(sheet, [], "24 quantities")
+    rows = Row("0.03 N m", "ripple, " * 9), Row("a", "b")
+    present(Sheet("Free pinion torque", "teeth, " * 9, rows, more="24 quantities"), [], every=False)
     lines = capsys.readouterr().out.splitlines()
     first = next(k for k, line in enumerate(lines) if line.startswith("  0.03 N m  ripple"))
     last = lines.index("  a         b")
@@ -97,12 +96,12 @@ def test_terminal_gets_styles_and_lines_of_its_width(
 def test_terminal_greys_vague_rows(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    sheet = Sheet("Turn", (Row("1 ± 1 N", "force", is_vague=True), Row("1.0 ± 0.1 N", "force")))
-    print_sheet(sheet, [], "2 quantities")
+    sheet = Sheet("Turn", rows=(Row("1 ± 1 N", "force", is_vague=True), Row("1.0 ± 0.1 N", "force")))
+    present(sheet, [], every=False)
     assert "\x1b" not in capsys.readouterr().out
     monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
     monkeypatch.setenv("TERM", "xterm")
-    print_sheet(sheet, [], "2 quantities")
+    present(sheet, [], every=False)
     put_table(("quantity",), [["a"], ["b"]], dim=[1])
     lines = capsys.readouterr().out.splitlines()
     assert [line.startswith("\x1b[2m") for line in lines] == [False, True, False, False, True, False, True]

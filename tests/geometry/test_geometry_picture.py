@@ -8,27 +8,32 @@ import trimesh
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.export import assembled, export_solids
-from rps_exudyn.pages.charts.geometry import draw_geometry, geometry_figure, shaded_image
+from rps_exudyn.pages.animation.camera import UNCUT, Camera
+from rps_exudyn.pages.animation.drawn import Triangles
+from rps_exudyn.pages.animation.film import cutout
+from rps_exudyn.pages.animation.geometry_figure import draw_geometry, geometry_figure
 from rps_exudyn.parameters.gear import SteeringGear
 
 GEAR = SteeringGear()
 
 
-def square(z: float, half: float) -> tuple[np.ndarray, np.ndarray]:
-    corners = np.array([[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]])
-    return corners, np.array([[0, 1, 2], [0, 2, 3]])
+def square(z: float, half: float, colour: tuple[float, float, float]) -> Triangles:
+    """Two triangles that face +Z."""
+    a, b, c, d = np.array([[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]])
+    corners = np.array([[a, b, c], [a, c, d]])
+    return corners, np.zeros((2, 3, 3)), np.array([colour] * 2), np.full(2, UNCUT)
 
 
 def test_nearer_surfaces_hide_farther_ones() -> None:
     """A small red square in front of a large blue one, drawn in either order."""
-    red, blue = (*square(1.0, 0.5), (1.0, 0.0, 0.0)), (*square(0.0, 1.0), (0.0, 0.0, 1.0))
-    for parts in ([red, blue], [blue, red]):
-        image = shaded_image(parts, np.array([0, 0, 1.0]), np.array([0, 1.0, 0]), 40)
+    red, blue = square(1.0, 0.5, (1.0, 0.0, 0.0)), square(0.0, 1.0, (0.0, 0.0, 1.0))
+    for bodies in ([red, blue], [blue, red]):
+        image = np.asarray(cutout(bodies, Camera(np.zeros(3), 0.0, 0.0, 5.0), (40, 40)))
         assert image.shape == (40, 40, 4)
         assert image[20, 20, 0] > 0
         assert image[20, 20, 2] == 0
-        assert image[3, 3, 2] > 0
-        assert image[3, 3, 0] == 0
+        assert image[8, 8, 2] > 0
+        assert image[8, 8, 0] == 0
 
 
 def test_picture_has_its_three_views_and_the_numbers(tmp_path: Path) -> None:

@@ -26,7 +26,7 @@ from rps_exudyn.inference.fitting.unknowns import LEVEL, NUISANCES, USUAL, setti
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.inference.uncertainty.quick_band import formula_torques
 from rps_exudyn.inference.uncertainty.samples import Samples
-from rps_exudyn.pages.report.fit_page import fit_head
+from rps_exudyn.pages.report.fit_page import fit_sheet
 from rps_exudyn.parameters.gear import SteeringGear, gear_file
 from rps_exudyn.results.judged_row import Verdict
 from rps_exudyn.scenes.error_bars import FACTOR, FLOOR
@@ -271,8 +271,8 @@ def test_signs_of_a_bench_are_turned_and_said() -> None:
 
 def test_a_fit_that_did_not_converge_calls_nothing_known() -> None:
     lost = replace(free_fit(), ended=replace(free_fit().ended, converged=False))
-    names = [row.value for row in fit_head(lost).rows]
-    assert "known" in [row.value for row in fit_head(free_fit()).rows]
+    names = [row.value for row in fit_sheet(lost).rows]
+    assert "known" in [row.value for row in fit_sheet(free_fit()).rows]
     assert "no estimate" in names
     assert not {"known", "with priors", "not separable"} & {*names}
     assert {(row[2], row[4]) for row in rows(lost)} == {("", "last iteration, no estimate")}

@@ -14,7 +14,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.multibody.model import build_model
 from rps_exudyn.multibody.recorder import Recorder
 from rps_exudyn.multibody.solve import SolverPlan, solve
-from rps_exudyn.pages.report.sheet import sheet_of
+from rps_exudyn.pages.report.result_sheet import sheet_of
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status

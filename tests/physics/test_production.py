@@ -81,8 +81,7 @@ def test_the_command_judges_a_folder_and_names_what_it_cannot_read(command: Comm
     (folder / "gear13.csv").write_text("angle [deg],torque\n0,1\n1,2\n")
     begun = process_time()
     arguments = [
-        "fit",
-        "--batch",
+        "judge-batch",
         "line",
         "--tolerance",
         "0.5 N*m to 0.8 N*m",
@@ -104,13 +103,11 @@ def test_the_command_judges_a_folder_and_names_what_it_cannot_read(command: Comm
     assert [row.split(",")[0] for row in rows[1:]] == [f"gear{i}" for i in range(1, 13)]
     (tmp_path / "none").mkdir()
     for wrong, sentence in (
-        (["fit", "--batch", "none"], "holds 0 curves that can be read; a batch needs at least 5"),
-        (["fit", "--batch", "absent"], "is no folder"),
-        (["fit", "a.csv", "--batch", "line"], "leave out the measured files"),
-        (["fit", "--batch", "line", "--tolerance", "wide"], "write for instance"),
-        (["fit", "--batch", "line", "--report", "a.html", "--quiet"], "leave out --report, --quiet"),
-        (["fit", "--plan", "bush.drag=20%", "--out", "a.toml"], "prints a plan alone; leave out --out"),
-        (["fit", "--tolerance", "0.5 N*m to 0.8 N*m"], "add --batch"),
+        (["judge-batch", "none"], "holds 0 curves that can be read; a batch needs at least 5"),
+        (["judge-batch", "absent"], "is no folder"),
+        (["judge-batch", "line", "--tolerance", "wide"], "write for instance"),
+        (["fit", "--batch", "line"], "use rps-exudyn judge-batch"),
+        (["fit", "--tolerance", "0.5 N*m to 0.8 N*m"], "use rps-exudyn judge-batch"),
     ):
         refused = command(wrong)
         assert refused.status == 2

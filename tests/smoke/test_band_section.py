@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from made_up_study import description, make_study, sampled
-from rps_exudyn.pages.report.html import Fold, Grid, Warning
-from rps_exudyn.pages.report.study_sections import band_sections
+from rps_exudyn.pages.report.study_page import band_blocks, study_page
+from rps_exudyn.results.page_blocks import Fold, Warning
 from rps_exudyn.results.result import Result
+from rps_exudyn.results.sheet import Grid
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable
 
@@ -26,8 +27,7 @@ def test_uncertain_study_has_quantiles_contributions_and_its_failures(
     failed = {3: "it broke", 7: "it broke"}
     folder = make_study(tmp_path / "s", made_up_result, sampled(POINTS, "uncertain"), failed=failed)
     table = CaseTable.of(Store.open(folder))
-    (section,) = band_sections(table, ["torque_mean"])
-    warning, quantiles, fold = section.blocks
+    warning, quantiles, fold = band_blocks(table, ["torque_mean"])
     assert isinstance(warning, Warning)
     assert warning.text.startswith("2 of 40 samples failed")
     assert isinstance(quantiles, Grid)
@@ -42,4 +42,4 @@ def test_uncertain_study_has_quantiles_contributions_and_its_failures(
 
 def test_other_designs_have_no_bands(tmp_path: Path, made_up_result: Result) -> None:
     folder = make_study(tmp_path / "s", made_up_result, description(POINTS[:4]))
-    assert band_sections(CaseTable.of(Store.open(folder)), ["torque_mean"]) == []
+    assert "Bands" not in [section.title for section in study_page(Store.open(folder)).sections]

@@ -11,7 +11,7 @@ import rps_exudyn as rps
 from benchmarks import tooth_compliance
 from benchmarks.topic import RESULTS, load_data
 from rps_exudyn.pages.charts.scene_figures import torque_figure
-from rps_exudyn.pages.report.sheet import sheet_of
+from rps_exudyn.pages.report.result_sheet import sheet_of
 from rps_exudyn.pages.report.write_report import write_report
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import MEASURED, error_of_law, law_error

@@ -42,7 +42,7 @@ CLOSE_UP = "a close-up of the impacts, under the whole record in the panel above
 SECTION = "the section around the pitch point; pinion and rack are drawn whole in other pictures"
 ZOOMS = {
     "rps_exudyn.pages.charts.scene_figures.impact_figure": {1: CLOSE_UP, 2: CLOSE_UP},
-    "rps_exudyn.pages.charts.geometry.geometry_figure": {2: SECTION},
+    "rps_exudyn.pages.animation.geometry_figure.geometry_figure": {2: SECTION},
 }
 LONG = "a_long_name_of_a_file_with_$signs$_2024-04-03_12-00-00_run_17"
 SENTENCE = "the rack lies 12.4 mm beyond the teeth of the pinion at 143.2 deg, where no flank touches; " * 3
@@ -164,7 +164,7 @@ def fits(album: Album) -> None:
     Path("line").mkdir()
     folder_of(Path("line"), 6, 4.0)
     for more in ((), ("--tolerance", "0.5 N*m to 0.9 N*m")):
-        do(album, "fit", "--batch", "line", "--plot", "drift.png", *more)
+        do(album, "judge-batch", "line", "--plot", "drift.png", *more)
 
 
 def validations(album: Album) -> None:

@@ -19,10 +19,10 @@ from rps_exudyn.base.screen import silent
 from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.pages.report import study_page
 from rps_exudyn.pages.report.effects_charts import main_effect_figure
-from rps_exudyn.pages.report.html import Fold, Pictures
 from rps_exudyn.pages.report.pictures import picture
 from rps_exudyn.parameters.gear import gear_file
 from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.page_blocks import Fold, Pictures
 from rps_exudyn.results.quantities import GEOMETRY, SUMMARY
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import SCENE_NAMES
@@ -164,7 +164,7 @@ def test_charts_of_a_study_have_names_in_words_one_scale_and_the_width_of_the_pa
     folder = make_study(tmp_path / "s", made_up_result, description(grid_points(axes), axes=axes))
     (section,) = (
         each
-        for each in study_page.study_article(Store.open(folder)).sections
+        for each in study_page.study_page(Store.open(folder)).sections
         if each.title.startswith("Main effects")
     )
     fold = next(each for each in section.blocks if isinstance(each, Fold))

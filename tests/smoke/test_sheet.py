@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import rps_exudyn as rps
-from rps_exudyn.pages.report.sheet import changes_shown, sheet_of
+from rps_exudyn.pages.report.result_sheet import changes_shown, sheet_of
 from rps_exudyn.results.result import Result
 from shell import Command
 

@@ -1,35 +1,29 @@
 """The sheet of a gear's requirements: how many are kept, and each on its scale."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from math import isnan
+from typing import Any
 
 from rps_exudyn.assessment.requirements.limits import LABELS, REQUIRED
 from rps_exudyn.assessment.requirements.sheet import ASSURED, RequirementRow, law_of_sheet
-from rps_exudyn.pages.report.html import (
-    Article,
-    CodeText,
-    Fold,
-    Grid,
-    Judged,
-    Judgement,
-    Mark,
-    Section,
-    parameter_grid,
-    provenance_facts,
-)
+from rps_exudyn.pages.report.html import make_again, parameter_grid
 from rps_exudyn.pages.report.judged import ORDER, judgement, mark_of
-from rps_exudyn.pages.report.sheet import Row, gear_shown, listed
+from rps_exudyn.pages.report.result_sheet import gear_shown, listed
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.page_blocks import Fold, Judged, Judgement, Mark
 from rps_exudyn.results.provenance import provenance
-from rps_exudyn.results.rounding import rounded, rounded_range
+from rps_exudyn.results.rounding import rounded, rounded_range, shown_with_bar
+from rps_exudyn.results.sheet import Block, Grid, Row, Section, Sheet, Text
 
+COLUMNS = ("requirement", "limit", "nominal", "5 to 95 %", "gears that keep it", "verdict")
 HEADS = ("requirement", "value and 90 % of the gears; grey is beyond the limit", "value", "limit")
 WORDS = {Mark.NOT_KEPT: "not kept", Mark.OPEN: "open", Mark.KEPT: "kept"}
 
 
-def requirement_article(
+def requirement_page(
     sheet: Sequence[RequirementRow], gear: SteeringGear, torque: float, command: str
-) -> Article:
-    """Return the sheet of all requirements, without the gear's picture.
+) -> Sheet:
+    """Return the sheet of all requirements.
 
     Args:
         sheet: judged requirements.
@@ -51,15 +45,59 @@ def requirement_article(
     details = [
         Fold("Sources of the limits, and choices", [Grid(heads, sources)]),
         *([Fold("Parameters", [parameter_grid(changed)])] if changed else []),
-        Fold("Make it again", [provenance_facts(provenance()), CodeText(command)]),
+        make_again(provenance(), command),
     ]
     judged = [_judged(each, torque) for mark in ORDER for each in of[mark]]
-    return Article(
+    return Sheet(
         title="Requirements",
         lead=f"{gear_shown(gear)} · rated torque {torque:g} N m · contact law {law_of_sheet(gear)}",
         rows=rows,
+        text=_text(sheet, gear, torque),
+        more="limits, bands and sources",
+        data=lambda: _as_dict(sheet, gear),
         sections=[Section("All requirements", [Judged(HEADS, judged)]), Section("Details", details)],
+        gear=gear,
     )
+
+
+def _text(sheet: Sequence[RequirementRow], gear: SteeringGear, torque: float) -> Iterator[Block]:
+    rows = []
+    for each in sheet:
+        quantity = REQUIRED[each.name]
+        nominal = shown_with_bar(quantity, each.value, each.error) if each.is_known else ""
+        band = each.band_shown(quantity.show)
+        share = f"{each.share:.0%}" if band else ""
+        rows.append((each.name, each.limit.show(quantity), nominal, band, share, each.verdict))
+    yield Grid(COLUMNS, rows)
+    for each in sheet:
+        remark = f" {each.remark}." if each.remark else ""
+        yield Text(f"{each.name}: {REQUIRED[each.name].long_name}. From: {each.limit.source}.{remark}")
+    yield Text(f"Rated torque {torque:g} N m. Contact law {law_of_sheet(gear)}.")
+    yield Text(f"A requirement passes if {ASSURED:.0%} of the gears keep it.")
+
+
+def _as_dict(sheet: Sequence[RequirementRow], gear: SteeringGear) -> dict[str, Any]:
+    """For JSON, which has no nan: None stands for what is missing."""
+    rows = {
+        each.name: {
+            "verdict": each.verdict,
+            "nominal": _known(each.value),
+            "error": _known(each.error) if each.is_known else None,
+            "band": [_known(each.low), _known(each.high)],
+            "unit": REQUIRED[each.name].unit,
+            "limit": each.limit.show(REQUIRED[each.name]),
+            "share": each.share,
+            "source": each.limit.source,
+            "remark": each.remark,
+        }
+        for each in sheet
+    }
+    kept = all(each.verdict == "pass" for each in sheet)
+    return {"all_kept": kept, "contact_law": law_of_sheet(gear), "requirements": rows}
+
+
+def _known(value: float) -> float | None:
+    return None if isnan(value) else value
 
 
 def _missed(each: RequirementRow) -> str:

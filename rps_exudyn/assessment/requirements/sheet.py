@@ -143,68 +143,25 @@ def judge(
         runs = quick_band if scene == TURN_FREELY else partial(band_of_runs, scene)
         return lambda of: runs(of, FOR_MEANS, inputs, samples, on_progress=report, jobs=jobs)
 
+    one = _Judged(gear, limits)
     turning = band_of(TURN_FREELY, samples, counted("free torque and its variation", 0))
-    yield from _of_turning(gear, limits, turning)
+    yield from one.turning(turning)
     loaded = band_of(LOAD_TEST.name, few, counted("efficiencies", samples))
-    yield _row("efficiency_ratio", limits, partial(_of_efficiency, gear, limits, loaded))
+    yield one.row("efficiency_ratio", partial(one.efficiency, loaded))
     pair = GearPair.of(gear)
     bears = borne_under(gear, rated_torque)
     for name, form in {"rated_root_pinion": pinion_form(pair), "rated_root_rack": rack_form(pair)}.items():
-        yield _row(name, limits, partial(_of_root, name, form, gear, rated_torque, bears, limits))
-    yield _row("rated_flank", limits, partial(_of_flank, gear, rated_torque, bears, limits))
+        yield one.row(name, partial(one.root, name, form, rated_torque, bears))
+    yield one.row("rated_flank", partial(one.flank, rated_torque, bears))
     lifted = band_of(RACK_LIFT.name, few, counted(f"lift under {rated_torque:g} N m", samples + few))
-    yield _row("rated_lift", limits, partial(_of_lift, gear, limits, rated_torque, lifted))
-    yield _exact("travel", 2 * RackBar.of(gear).largest_displacement, limits)
-    yield _exact("gain", 2 * np.pi * float(pair.gain), limits)
+    yield one.row("rated_lift", partial(one.lift, rated_torque, lifted))
+    yield one.exact("travel", 2 * RackBar.of(gear).largest_displacement)
+    yield one.exact("gain", 2 * np.pi * float(pair.gain))
 
 
 def law_of_sheet(gear: SteeringGear) -> str:
     """Return the contact law of the sheet's runs."""
     return with_law(gear, FOR_MEANS, SERIES).mesh.contact_law
-
-
-def _row(name: str, limits: Mapping[str, Limit], computed: Callable[[], RequirementRow]) -> RequirementRow:
-    """Return one requirement, not evaluated with the cause where computing it fails."""
-    try:
-        row = computed()
-    except InputError as error:
-        return _not_evaluated(name, limits, error)
-    if not row.is_close:
-        return row
-    half = REQUIRED[name].show(row.error)
-    close = f"Too close to the limit to tell within the numerical error, ± {half}"
-    return replace(row, remark="; ".join(each for each in (close, row.remark) if each))
-
-
-def _not_evaluated(name: str, limits: Mapping[str, Limit], error: InputError) -> RequirementRow:
-    cause = " ".join(error.problems)
-    return requirement_row(name, limits[name], (np.nan,) * 3, 0.0, remark=f"Not evaluated: {cause}")
-
-
-def _of_turning(gear: SteeringGear, limits: Mapping[str, Limit], band_of: BandOf) -> Iterator[RequirementRow]:
-    """Torques over a turn about the centre; lock to lock where the torque changes along the travel."""
-    path: dict[str, object] = {"test.path": "lock-to-lock"}
-    if not (gear.rack.bow or gear.rack.pitch_errors or gear.installation.gravity):
-        start = -np.pi * gear.test.direction
-        path = {"test.path": "there-and-back", "test.start_angle": start, "test.turns": 1.0}
-    try:
-        band = band_of(gear.replace(path))
-    except InputError as error:
-        yield from (_not_evaluated(name, limits, error) for name in TURNING)
-        return
-    for name, figure in TURNING.items():
-        yield _row(name, limits, partial(_from_band, name, figure, band, limits))
-
-
-def _of_efficiency(gear: SteeringGear, limits: Mapping[str, Limit], band_of: BandOf) -> RequirementRow:
-    short = gear.replace({"test.path": "there-and-back", "test.turns": 2 / gear.pinion.teeth})
-    judged = _from_band("efficiency_ratio", "efficiency_ratio", band_of(short), limits)
-    weight = f"With {gear.test.load_mass:.4g} kg; the ratio is about 1 − (T₀ / W s′)²"
-    if judged.verdict is Verdict.PASS:
-        return replace(judged, remark=weight)
-    enough = weight_for_ratio(gear, judged.limit.least)
-    found = f"it would take {enough:.3g} kg" if enough else f"no weight up to {HEAVIEST:g} kg is enough"
-    return replace(judged, remark=f"{weight}: {found} at the medians, by the closed form")
 
 
 @dataclass(frozen=True)
@@ -235,49 +192,105 @@ def borne_under(gear: SteeringGear, torque: float) -> FaceLoading:
     return FaceLoading(factor, f"face load factor {factor:.2f} {how}: {', '.join(found)}", moved)
 
 
-def _of_root(
-    name: str,
-    form: ToothForm,
-    gear: SteeringGear,
-    torque: float,
-    bears: FaceLoading,
-    limits: Mapping[str, Limit],
-) -> RequirementRow:
-    """The standard's stress times K_F-beta, and what was chosen for it."""
-    pair = GearPair.of(gear)
-    factor = root_load_factor(pair, form, bears.factor)
-    stress = root_stress(gear, form, torque)
-    error = (root_load_factor(pair, form, bears.factor + bears.error) - factor) * stress
-    row = _exact(name, factor * stress, limits, error)
-    inclined = f"Y_beta of this part's {np.degrees(form.helix):.3g} deg, load at the tip of a tooth"
-    known = f"factor {factor:.2f} at the root of face load factor {bears.factor:.2f}, all other K = 1"
-    return replace(row, remark=f"{_face(pair)}, {inclined}, {known}")
+@dataclass(frozen=True)
+class _Judged:
+    """A gear whose requirements are judged."""
 
+    gear: SteeringGear
+    limits: Mapping[str, Limit]
 
-def _of_flank(
-    gear: SteeringGear, torque: float, bears: FaceLoading, limits: Mapping[str, Limit]
-) -> RequirementRow:
-    """The standard's stress times the root of K_H-beta, and what was chosen for it."""
-    pair = GearPair.of(gear)
-    stress = float(np.sqrt(bears.factor)) * flank_stress(gear, torque)
-    row = _exact("rated_flank", stress, limits, stress * bears.error / (2 * bears.factor))
-    ratio = transverse_contact_ratio(pair)
-    shared = f"Z_epsilon {flank_sharing(pair):.3g} for a contact ratio of {ratio:.2g}"
-    return replace(row, remark=f"{_face(pair)}, {shared}, all other K = 1; {bears.words}")
+    def row(self, name: str, computed: Callable[[], RequirementRow]) -> RequirementRow:
+        """One requirement, not evaluated with the cause where computing it fails."""
+        try:
+            row = computed()
+        except InputError as error:
+            return self.not_evaluated(name, error)
+        if not row.is_close:
+            return row
+        half = REQUIRED[name].show(row.error)
+        close = f"Too close to the limit to tell within the numerical error, ± {half}"
+        return replace(row, remark="; ".join(each for each in (close, row.remark) if each))
+
+    def not_evaluated(self, name: str, error: InputError) -> RequirementRow:
+        """A requirement without a number."""
+        cause = f"Not evaluated: {' '.join(error.problems)}"
+        return requirement_row(name, self.limits[name], (np.nan,) * 3, 0.0, remark=cause)
+
+    def exact(self, name: str, value: float, error: float = 0.0) -> RequirementRow:
+        """A requirement of one number; half of its error bar is `error`."""
+        value, limit = float(value), self.limits[name]
+        return replace(requirement_row(name, limit, (value,) * 3, float(limit.keeps(value))), error=error)
+
+    def of_band(self, name: str, metric: str, band: Band) -> RequirementRow:
+        """Judge a metric by its band: the share of its runs; failed ones keep nothing."""
+        if metric not in band.figures:
+            raise InputError(f"the runs give no {metric}.")
+        limit, numbers = self.limits[name], band.drawn.numbers[metric]
+        known = numbers[np.isfinite(numbers)]
+        share = float(np.count_nonzero(limit.keeps(known)) / numbers.size)
+        found, missing = band.figures[metric], numbers.size - known.size
+        cause = next(iter(band.drawn.failures), "")
+        remark = f"{missing} of {numbers.size} samples failed, most often {cause}" if missing else ""
+        values = band.nominal.summary[metric], found.low, found.high
+        row = requirement_row(name, limit, values, share, missing / numbers.size, remark)
+        return replace(row, error=band.nominal.errors.get(metric, 0.0))
+
+    def turning(self, band_of: BandOf) -> Iterator[RequirementRow]:
+        """Torques over a turn about the centre; lock to lock where the torque changes along the travel."""
+        gear, path = self.gear, dict[str, object]({"test.path": "lock-to-lock"})
+        if not (gear.rack.bow or gear.rack.pitch_errors or gear.installation.gravity):
+            start = -np.pi * gear.test.direction
+            path = {"test.path": "there-and-back", "test.start_angle": start, "test.turns": 1.0}
+        try:
+            band = band_of(gear.replace(path))
+        except InputError as error:
+            yield from (self.not_evaluated(name, error) for name in TURNING)
+            return
+        for name, metric in TURNING.items():
+            yield self.row(name, partial(self.of_band, name, metric, band))
+
+    def efficiency(self, band_of: BandOf) -> RequirementRow:
+        """The ratio of the efficiencies, and the weight that it would take."""
+        gear = self.gear
+        short = gear.replace({"test.path": "there-and-back", "test.turns": 2 / gear.pinion.teeth})
+        judged = self.of_band("efficiency_ratio", "efficiency_ratio", band_of(short))
+        weight = f"With {gear.test.load_mass:.4g} kg; the ratio is about 1 − (T₀ / W s′)²"
+        if judged.verdict is Verdict.PASS:
+            return replace(judged, remark=weight)
+        enough = weight_for_ratio(gear, judged.limit.least)
+        found = f"it would take {enough:.3g} kg" if enough else f"no weight up to {HEAVIEST:g} kg is enough"
+        return replace(judged, remark=f"{weight}: {found} at the medians, by the closed form")
+
+    def root(self, name: str, form: ToothForm, torque: float, bears: FaceLoading) -> RequirementRow:
+        """The standard's stress times K_F-beta, and what was chosen for it."""
+        pair = GearPair.of(self.gear)
+        factor = root_load_factor(pair, form, bears.factor)
+        stress = root_stress(self.gear, form, torque)
+        error = (root_load_factor(pair, form, bears.factor + bears.error) - factor) * stress
+        inclined = f"Y_beta of this part's {np.degrees(form.helix):.3g} deg, load at the tip of a tooth"
+        known = f"factor {factor:.2f} at the root of face load factor {bears.factor:.2f}, all other K = 1"
+        row = self.exact(name, factor * stress, error)
+        return replace(row, remark=f"{_face(pair)}, {inclined}, {known}")
+
+    def flank(self, torque: float, bears: FaceLoading) -> RequirementRow:
+        """The standard's stress times the root of K_H-beta, and what was chosen for it."""
+        pair = GearPair.of(self.gear)
+        stress = float(np.sqrt(bears.factor)) * flank_stress(self.gear, torque)
+        ratio = transverse_contact_ratio(pair)
+        shared = f"Z_epsilon {flank_sharing(pair):.3g} for a contact ratio of {ratio:.2g}"
+        row = self.exact("rated_flank", stress, stress * bears.error / (2 * bears.factor))
+        return replace(row, remark=f"{_face(pair)}, {shared}, all other K = 1; {bears.words}")
+
+    def lift(self, torque: float, band_of: BandOf) -> RequirementRow:
+        """The rack's lift under the torque [N m]."""
+        band = band_of(self.gear.replace({"test.lift_torque": torque}))
+        return self.of_band("rated_lift", "rack_lift", band)
 
 
 def _face(pair: GearPair) -> str:
-    """The face that bears, in words."""
     face = bearing_face(pair)
     whose = "as the bar leaves it at the rack's tips" if face < pair.face_width else "that of the pinion"
     return f"Face {1e3 * face:.3g} mm, {whose}"
-
-
-def _of_lift(
-    gear: SteeringGear, limits: Mapping[str, Limit], rated_torque: float, band_of: BandOf
-) -> RequirementRow:
-    lift = band_of(gear.replace({"test.lift_torque": rated_torque}))
-    return _from_band("rated_lift", "rack_lift", lift, limits)
 
 
 def weight_for_ratio(gear: SteeringGear, ratio: float) -> float | None:
@@ -294,23 +307,3 @@ def weight_for_ratio(gear: SteeringGear, ratio: float) -> float | None:
         if beyond(heavier) >= 0:
             return float(brentq(beyond, lighter, heavier, xtol=1e-6)) if beyond(lighter) < 0 else lighter
     return None
-
-
-def _exact(name: str, value: float, limits: Mapping[str, Limit], error: float = 0.0) -> RequirementRow:
-    limit, value = limits[name], float(value)
-    return replace(requirement_row(name, limit, (value,) * 3, float(limit.keeps(value))), error=error)
-
-
-def _from_band(name: str, figure: str, band: Band, limits: Mapping[str, Limit]) -> RequirementRow:
-    """Judge a figure by its band: the share of its runs; failed ones keep nothing."""
-    if figure not in band.figures:
-        raise InputError(f"the runs give no {figure}.")
-    limit, numbers = limits[name], band.drawn.numbers[figure]
-    known = numbers[np.isfinite(numbers)]
-    share = float(np.count_nonzero(limit.keeps(known)) / numbers.size)
-    found, missing = band.figures[figure], numbers.size - known.size
-    cause = next(iter(band.drawn.failures), "")
-    remark = f"{missing} of {numbers.size} samples failed, most often {cause}" if missing else ""
-    values = band.nominal.summary[figure], found.low, found.high
-    row = requirement_row(name, limit, values, share, missing / numbers.size, remark)
-    return replace(row, error=band.nominal.errors.get(figure, 0.0))

@@ -11,26 +11,15 @@ from matplotlib.figure import Figure
 from rps_exudyn.assessment.validation.compared_rows import COVERAGE, ComparedRow, predictions
 from rps_exudyn.assessment.validation.row import KINDS
 from rps_exudyn.pages.charts import style
-from rps_exudyn.pages.report.html import (
-    Article,
-    CodeText,
-    Facts,
-    Fold,
-    Grid,
-    Judged,
-    Judgement,
-    Mark,
-    Pictures,
-    Section,
-    Text,
-    provenance_facts,
-)
+from rps_exudyn.pages.report.html import make_again
 from rps_exudyn.pages.report.judged import ORDER, judgement, limits_of, mark_of
 from rps_exudyn.pages.report.pictures import picture
-from rps_exudyn.pages.report.sheet import Row, listed
+from rps_exudyn.pages.report.result_sheet import listed
 from rps_exudyn.results.judged_row import ON_COMPARISONS, Verdict
+from rps_exudyn.results.page_blocks import Facts, Fold, Judged, Judgement, Mark, Pictures
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.results.rounding import rounded
+from rps_exudyn.results.sheet import Grid, Line, Row, Section, Sheet, Text
 
 RATIO = "E / u_val, or gears that keep a limit"
 COLUMNS = ("row", "D", "S (5 to 95 %)", "E", "u_num", "u_input", "u_D", RATIO, "verdict")
@@ -65,7 +54,7 @@ COLOURS = {
 LINEAR = 1.0  # percent, below which the axis is linear
 
 
-def validation_article(comparisons: Sequence[ComparedRow], command: str) -> Article:
+def validation_page(comparisons: Sequence[ComparedRow], command: str) -> Sheet:
     """Return the sheet of all rows: verdicts, then each row with the published range in grey.
 
     Args:
@@ -94,13 +83,23 @@ def validation_article(comparisons: Sequence[ComparedRow], command: str) -> Arti
             ]
             sections.append(Section(TITLES[kind], [Judged(HEADS, [_judged(each) for each in some]), *folds]))
     verdicts = Facts([(each.value, each.meaning) for each in ON_COMPARISONS])
+    origin = provenance()
     details = [
         Fold("Meaning of the verdicts", [verdicts, Text(UNKNOWN)]),
         Fold("All errors in one picture", [Pictures([picture(validation_figure(comparisons), PICTURE)])]),
-        Fold("Make it again", [provenance_facts(provenance()), CodeText(command)]),
+        make_again(origin, command),
     ]
-    lead = "manuals, standards, other programs, closed forms"
-    return Article("Validation", lead, [*sections, Section("Details", details)], rows=rows)
+    total = Counter(each.verdict.value for each in comparisons)
+    found = ", ".join(f"{count} {verdict}" for verdict, count in total.items())
+    return Sheet(
+        "Validation",
+        "manuals, standards, other programs, closed forms",
+        rows,
+        text=[Grid(COLUMNS, [row_cells(each) for each in comparisons]), Line(f"{found}.", is_bold=True)],
+        more="every row",
+        data=lambda: {"origin": origin, "rows": [each.as_dict() for each in comparisons]},
+        sections=[*sections, Section("Details", details)],
+    )
 
 
 def _judged(each: ComparedRow) -> Judgement:

@@ -79,10 +79,10 @@ def parse_targets(texts: Sequence[str]) -> dict[str, float]:
         except ValueError:
             half = np.nan
         if path not in LEVEL:
-            problems.append(f"--plan {text}: {path or text} is no target; there are {', '.join(LEVEL)}.")
+            problems.append(f"{text}: {path or text} is no target; there are {', '.join(LEVEL)}.")
         elif not 0 < half <= LARGEST_WANTED:
             problems.append(
-                f"--plan {text}: write half of the 95 % interval, more than 0 and at most 100 %, for "
+                f"{text}: write half of the 95 % interval, more than 0 and at most 100 %, for "
                 f"instance {path}=5%."
             )
         else:

@@ -169,7 +169,7 @@ def judge_lot(
     """
     folder, gear = Path(folder), gear or SteeringGear()
     if not folder.is_dir():
-        raise InputError(f"--batch {folder} is no folder; name one with a measured file for each gear.")
+        raise InputError(f"{folder} is no folder; name one with a measured file for each gear.")
     files = sorted((each for each in folder.iterdir() if each.suffix.lower() in SUFFIXES), key=_in_order)
     tasks = {Task(partial(measured_gear, file, gear)): number for number, file in enumerate(files)}
     found: dict[int, MeasuredGear] = {}
@@ -183,11 +183,9 @@ def judge_lot(
         if on_progress is not None:
             on_progress(len(found) + len(refused), len(files))
     if len(found) < FEWEST:
-        why = f"; the first refusal: {refused[min(refused)]}".removesuffix(".") if refused else ""
-        raise InputError(
-            f"--batch {folder} holds {len(found)} curves that can be read; a batch needs at least "
-            f"{FEWEST}{why}."
-        )
+        why = f"; the first refusal: {refused[min(refused)]}" if refused else ""
+        needed = f"{folder} holds {len(found)} curves that can be read; a batch needs at least {FEWEST}"
+        raise InputError(f"{needed}{why}".removesuffix(".") + ".")
     gears = [found[number] for number in sorted(found)]
     return lot_of(gears, gear, tuple(refused[number] for number in sorted(refused)))
 

@@ -107,7 +107,6 @@ def hash_of(text: str) -> str:
 
 
 def _notes(result: Result, motion: Motion) -> list[str]:
-    """What must not be missed."""
     notes = []
     if result.status is not Status.OK:
         notes.append(f"This run failed ({result.status}): {result.message}")
@@ -120,7 +119,6 @@ def _notes(result: Result, motion: Motion) -> list[str]:
 
 
 def _remarks(result: Result, motion: Motion, lines: ContactLines | None) -> Any:
-    """What is shown how, in sentences."""
     most = motion.largest_factors
     yield (
         f"{motion.frames} of {motion.recorded} recorded instants are shown, with those of every "

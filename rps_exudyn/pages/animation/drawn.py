@@ -17,6 +17,7 @@ from rps_exudyn.pages.animation.page_data import SECTIONED
 from rps_exudyn.pages.animation.parts import COLOURS, PicturePart
 
 LONGEST = 2.6  # arrow of the strongest force, over the pinion's tip radius
+Triangles = tuple[np.ndarray, ...]  # corners and normals (n, 3, 3), colours (n, 3), largest Z drawn (n,)
 RIBBON = 0.005  # width of a line of contact over the eye's distance
 
 
@@ -32,19 +33,21 @@ class Drawing:
     def draw(self, image: np.ndarray, camera: Camera, frame: int) -> None:
         """Draw one instant, deflections magnified, over an image (height, width, 3) in 0..1."""
         poses, _ = self._places(frame)
-        self.draw_bodies(image, np.full(image.shape[:2], np.inf), camera, frame)
+        paint_over(image, camera, self.bodies(camera, frame))
         if over := [mesh for arrow in self.arrows for mesh in self._arrow(arrow, frame)]:
-            _paint(image, None, camera, *(np.concatenate(each) for each in zip(*over, strict=True)))
+            paint_over(image, camera, over)
         if self.lines is not None and not self.explode:
-            _paint(image, None, camera, *self._ribbons(self.lines, frame, poses["pinion"], camera))
+            paint_over(image, camera, [self._ribbons(self.lines, frame, poses["pinion"], camera)])
 
-    def draw_bodies(self, image: np.ndarray, depth: np.ndarray, camera: Camera, frame: int = 0) -> None:
-        """Draw the bodies of one instant where `depth` (height, width) is larger than theirs; change both."""
+    def bodies(self, camera: Camera, frame: int = 0) -> list[Triangles]:
+        """The bodies of one instant."""
         poses, away = self._places(frame)
-        bodies = [
-            self._body(part, poses[part.name], away[part.name], camera.shaft_cut) for part in self.parts
-        ]
-        _paint(image, depth, camera, *(np.concatenate(each) for each in zip(*bodies, strict=True)))
+        found = []
+        for part in self.parts:
+            turn, origin = poses[part.name]
+            cut = camera.shaft_cut if part.name == "pinion" else 0.0 if part.name in SECTIONED else UNCUT
+            found.append(triangles_of(part, (turn, origin + away[part.name]), cut))
+        return found
 
     def _places(self, frame: int) -> tuple[dict[str, Pose], dict[str, np.ndarray]]:
         """Pose of each part, and how far it stands from its place."""
@@ -61,19 +64,7 @@ class Drawing:
         """The largest force of the record [N]."""
         return max(float(np.abs(self.motion.signals[each.signal]).max()) for each in self.arrows)
 
-    def _body(
-        self, part: PicturePart, pose: Pose, away: np.ndarray, shaft_cut: float
-    ) -> tuple[np.ndarray, ...]:
-        turn, origin = pose
-        world = part.vertices @ turn.T + origin + away
-        normals = part.normals @ turn.T
-        count = len(part.faces)
-        colours = np.broadcast_to(COLOURS[part.name], (count, 3))
-        cut = shaft_cut if part.name == "pinion" else 0.0 if part.name in SECTIONED else UNCUT
-        cuts = np.full(count, cut)
-        return world[part.faces], normals[part.faces], colours, cuts
-
-    def _arrow(self, arrow: Arrow, frame: int) -> list[tuple[np.ndarray, ...]]:
+    def _arrow(self, arrow: Arrow, frame: int) -> list[Triangles]:
         size = GearPair.of(self.motion.gear).tip_radius
         length = LONGEST * size * float(self.motion.signals[arrow.signal][frame]) / self.strongest
         if abs(length) < 0.02 * LONGEST * size:
@@ -106,7 +97,7 @@ class Drawing:
                 return turn @ middle + origin + away["pinion"]
         return np.array([0.0, GearPair.of(self.motion.gear).bar_axis_height + arrow.point[1], 0.0])
 
-    def _ribbons(self, lines: ContactLines, frame: int, pose: Pose, camera: Camera) -> tuple[np.ndarray, ...]:
+    def _ribbons(self, lines: ContactLines, frame: int, pose: Pose, camera: Camera) -> Triangles:
         """Lines of contact as bands turned to the eye, coloured by their load."""
         turn, origin = pose
         here = lines.frame == frame
@@ -125,16 +116,20 @@ class Drawing:
         return triangles, np.zeros((count, 3, 3)), colours, np.full(count, UNCUT)
 
 
-def _paint(
-    image: np.ndarray,
-    depth: np.ndarray | None,
-    camera: Camera,
-    world: np.ndarray,
-    normals: np.ndarray,
-    colours: np.ndarray,
-    cuts: np.ndarray,
+def triangles_of(part: PicturePart, pose: Pose, cut: float) -> Triangles:
+    """A body in its place; nothing of it is drawn beyond Z = `cut` [m]."""
+    turn, origin = pose
+    count = len(part.faces)
+    colours = np.broadcast_to(COLOURS[part.name], (count, 3))
+    world, normals = part.vertices @ turn.T + origin, part.normals @ turn.T
+    return world[part.faces], normals[part.faces], colours, np.full(count, cut)
+
+
+def paint_over(
+    image: np.ndarray, camera: Camera, bodies: Sequence[Triangles], depth: np.ndarray | None = None
 ) -> None:
     """Draw triangles over the image, with a depth buffer of their own unless there is one."""
+    world, normals, colours, cuts = (np.concatenate(each) for each in zip(*bodies, strict=True))
     height, width = image.shape[:2]
     depth = np.full((height, width), np.inf) if depth is None else depth
     weights, of, world = in_front(camera, world)
@@ -146,7 +141,7 @@ def _paint(
 
 def _cone(
     start: np.ndarray, end: np.ndarray, radius: float, end_radius: float, colour: np.ndarray
-) -> tuple[np.ndarray, ...]:
+) -> Triangles:
     """A round shaft or a cone between two points, closed at its start."""
     axis = (end - start) / np.linalg.norm(end - start)
     u = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])

@@ -13,7 +13,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import replacing
 from rps_exudyn.pages.animation.camera import Camera
 from rps_exudyn.pages.animation.camera import view as camera_of
-from rps_exudyn.pages.animation.drawn import Drawing
+from rps_exudyn.pages.animation.drawn import Drawing, Triangles, paint_over
 from rps_exudyn.pages.animation.motion import Motion
 from rps_exudyn.pages.animation.overlays import ContactLines, contact_lines
 from rps_exudyn.pages.animation.parts import PicturePart, picture_parts
@@ -59,7 +59,13 @@ def write_film(result: Result, path: Path, view: str, *, explode: float = 0.0) -
         if encoder and path.suffix.lower() == ".mp4":
             _write_mp4(pictures, partial, encoder)
         else:
-            _write_gif(list(pictures), partial)
+            frames = list(pictures)
+            # All share the palette of one of them: others flicker
+            palette = frames[len(frames) // 2].quantize(128, dither=Image.Dither.NONE)
+            first, *more = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in frames]
+            duration = round(1000 * SECONDS / len(frames))
+            kept = {"append_images": more, "duration": duration, "loop": 0, "optimize": False}
+            first.save(partial, "gif", save_all=True, **kept)
 
 
 def still(
@@ -75,11 +81,11 @@ def still(
     return _picture(drawing, camera_of(view, motion.gear, explode), 0, size, 2, written=False)
 
 
-def cutout(drawing: Drawing, camera: Camera, size: Size) -> Image.Image:
-    """The bodies of the first instant alone, with their outlines, on a transparent ground."""
+def cutout(bodies: Sequence[Triangles], camera: Camera, size: Size) -> Image.Image:
+    """Bodies with their outlines on a transparent ground."""
     width, height = (2 * each for each in size)
     image, depth = np.ones((height, width, 3)), np.full((height, width), np.inf)
-    drawing.draw_bodies(image, depth, camera)
+    paint_over(image, camera, bodies, depth)
     seen = np.isfinite(depth)
     near = np.where(seen, depth, OUTLINE_GAP * camera.distance + depth[seen].max(initial=0.0))
     edge = np.zeros_like(seen)
@@ -128,29 +134,11 @@ def _picture(
     return picture
 
 
-def _write_gif(pictures: list[Image.Image], path: Path) -> None:
-    """All frames share the palette of one of them: others flicker."""
-    palette = pictures[len(pictures) // 2].quantize(128, dither=Image.Dither.NONE)
-    few = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
-    duration = round(1000 * SECONDS / len(few))
-    few[0].save(path, "gif", save_all=True, append_images=few[1:], duration=duration, loop=0, optimize=False)
-
-
 def _write_mp4(pictures: Iterator[Image.Image], path: Path, encoder: str) -> None:
     rate = FILM_FRAMES / SECONDS
-    source = [
-        "-f",
-        "rawvideo",
-        "-pix_fmt",
-        "rgb24",
-        "-s",
-        f"{SIZE[0]}x{SIZE[1]}",
-        "-r",
-        f"{rate:g}",
-        "-i",
-        "-",
-    ]
-    made = ["-c:v", "libx264", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-y", str(path)]
+    size = f"{SIZE[0]}x{SIZE[1]}"
+    source = f"-f rawvideo -pix_fmt rgb24 -s {size} -r {rate:g} -i -".split()
+    made = [*["-c:v", "libx264", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-y"], str(path)]
     content = b"".join(picture.tobytes() for picture in pictures)
     done = subprocess.run([encoder, "-loglevel", "error", *source, *made], input=content, capture_output=True)
     if done.returncode:

@@ -8,7 +8,7 @@ import numpy as np
 
 from rps_exudyn.base.units import pretty, words
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.pages.animation.camera import VIEWS, Camera, view
+from rps_exudyn.pages.animation.camera import VIEWS, view
 from rps_exudyn.pages.animation.motion import DISPLACEMENTS, TILTS, Factors, Motion, exploded
 from rps_exudyn.pages.animation.overlays import ContactLines, arrows
 from rps_exudyn.pages.animation.parts import COLOURS, PicturePart
@@ -36,6 +36,8 @@ def page_data(motion: Motion, parts: list[PicturePart], lines: ContactLines | No
     """Everything that the page's script reads."""
     pair, signals = GearPair.of(motion.gear), motion.signals
     most, steps = motion.largest_factors, np.diff(signals["pinion_angle"])
+    half_way = Factors(*(float(np.round(np.sqrt(value))) for value in vars(most).values()))  # in decades
+    choices = [Factors(), *([half_way] if max(vars(most).values()) > 10 else []), most]
     one_way = bool((steps > 0).all() or (steps < 0).all())
     return {
         "frames": motion.frames,
@@ -48,7 +50,7 @@ def page_data(motion: Motion, parts: list[PicturePart], lines: ContactLines | No
         "origin": pair.pinion_origin.tolist(),
         "axis": pair.bar_axis_height,
         "bushPlace": motion.gear.bush.distance + motion.gear.bush.length / 2,
-        "factors": [list(vars(each).values()) for each in _choices(most)],
+        "factors": [list(vars(each).values()) for each in choices],
         "arrows": [
             {
                 "signal": each.signal,
@@ -64,24 +66,17 @@ def page_data(motion: Motion, parts: list[PicturePart], lines: ContactLines | No
         "torquePlace": [0.45 * motion.gear.pinion.shaft_length, 0.75 * motion.gear.pinion.shaft_diameter],
         "curves": _curves(signals),
         "lines": None if lines is None else _lines(lines, motion.frames),
-        "views": {name: _view(view(name, motion.gear)) for name in VIEWS},
+        "views": {
+            name: {
+                "azimuth": camera.azimuth,
+                "elevation": camera.elevation,
+                "distance": float(camera.distance),
+                "target": camera.target.tolist(),
+                "shaftCut": float(camera.shaft_cut),
+            }
+            for name, camera in ((name, view(name, motion.gear)) for name in VIEWS)
+        },
         "size": float(pair.tip_radius),
-    }
-
-
-def _choices(most: Factors) -> list[Factors]:
-    """As they are, half way in decades, and as much as the picture bears."""
-    middle = Factors(*(float(np.round(np.sqrt(value))) for value in (most.displacement, most.tilt)))
-    return [Factors(), *([middle] if max(vars(most).values()) > 10 else []), most]
-
-
-def _view(camera: Camera) -> dict[str, Any]:
-    return {
-        "azimuth": camera.azimuth,
-        "elevation": camera.elevation,
-        "distance": float(camera.distance),
-        "target": camera.target.tolist(),
-        "shaftCut": float(camera.shaft_cut),
     }
 
 
@@ -99,7 +94,6 @@ def _part(part: PicturePart, motion: Motion) -> dict[str, Any]:
 
 
 def _curves(signals: Mapping[str, np.ndarray]) -> list[dict[str, Any]]:
-    """Signals in their display units."""
     return [
         {
             "name": words(name),

@@ -56,7 +56,9 @@ def panels_over_angle(
 
     `panels` are signal -> name at the axis, colour, height [in], least span shown [display unit].
     """
-    ways = _directions_apart(result.signals, measured)
+    kept = () if measured is None else (result.signals, measured.signals)
+    turned = {each.direction for signals in kept for each in passes(signals)}
+    ways = tuple(sorted(turned, reverse=True)) if len(turned) > 1 else (0,)
     apart = residuals(measured, result.signals) if measured and "pinion_torque" in result.signals else []
     shown = [
         (name, way, panel)
@@ -97,14 +99,6 @@ def draw_residuals(axes: Axes, label: str, pieces: Sequence[Pass], against_motio
         draw_dots(axes, angle, SIGNALS["pinion_torque"].displayed(torque), piece.direction)
     axes.axhline(0, **style.REFERENCE_LINE)
     axes.set_ylabel(SIGNALS["pinion_torque"].axis_label(label.replace(" - ", "\n\u2212 ")))
-
-
-def _directions_apart(signals: Signals, measured: MeasuredTorque | None) -> tuple[int, ...]:
-    """The directions that get a panel each: those of a measured and a simulated torque, if they are two."""
-    if measured is None:
-        return (0,)
-    found = {each.direction for part in (signals, measured.signals) for each in passes(part)}
-    return tuple(sorted(found, reverse=True)) if len(found) > 1 else (0,)
 
 
 def torque_one_way(axes: Axes, signals: Signals, measured: MeasuredTorque | None, way: int) -> None:

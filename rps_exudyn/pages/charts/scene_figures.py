@@ -1,6 +1,6 @@
 """The picture of a result, by its scene; a scene names its function CHART_figure here."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -21,23 +21,14 @@ from rps_exudyn.scenes import is_scene, scene_named
 
 FORCES = ("[N m]", "[N]")  # units in which zero means something
 
-Draw = Callable[[Result, MeasuredTorque | None], Figure]
-
-
-def figure_of(scene: str) -> Draw:
-    """The function that draws results of a scene; for an unknown one, the torque over the angle."""
-    if not is_scene(scene):
-        return torque_figure
-    draw: Draw = globals()[f"{scene_named(scene).chart}_figure"]
-    return draw
-
 
 def scene_figure(
     result: Result, measured: MeasuredTorque | None = None, *, from_zero: bool = False
 ) -> Figure:
     """The picture of a result that has signals; ordinates of torque and force begin at zero, or a mark shows
     that they do not. `measured` is drawn over it, by default the measured torque that the result keeps."""
-    figure = figure_of(result.scene)(result, result.measured if measured is None else measured)
+    chart = scene_named(result.scene).chart if is_scene(result.scene) else "torque"
+    figure: Figure = globals()[f"{chart}_figure"](result, result.measured if measured is None else measured)
     for axes in figure.axes:
         if axes.get_ylabel().endswith(FORCES):
             if from_zero:
@@ -356,7 +347,8 @@ def impact_figure(result: Result, measured: MeasuredTorque | None = None) -> Fig
     time = MILLISECONDS * result["time"]
     for panel in axes[:-1]:
         style.line(panel, time, result["yokenut_force"], SIGNALS["yokenut_force"], "yokenut force", "failure")
-    _draw_plunger(axes[-1], time, result)
+    _named_lines(axes[-1], time, result.signals, _RATTLE_CURVES, "displacement", "rack_y")
+    _mark_clearance(axes[-1], result, "yokenut")
     style.abscissa(axes[-1], TIME)
     if window is not None:
         _look_closer(axes, window)
@@ -386,14 +378,6 @@ def impacts_shown(result: Result) -> tuple[float, float] | None:
 
 def _end(impact: Impact) -> float:
     return impact.start + impact.duration
-
-
-def _draw_plunger(axes: Axes, time: np.ndarray, result: Result) -> None:
-    quantity = SIGNALS["plunger_displacement"]
-    style.line(axes, time, result["plunger_displacement"], quantity, "plunger", "lift", "plunger")
-    if "rack_y" in result.signals:
-        style.line(axes, time, result["rack_y"], SIGNALS["rack_y"], "displacement", "roll", "rack lift")
-    _mark_clearance(axes, result, "yokenut")
 
 
 def _look_closer(axes: list[Axes], window: tuple[float, float]) -> None:

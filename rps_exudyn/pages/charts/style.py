@@ -64,8 +64,30 @@ _LOOK: Any = {
     "lines.linewidth": 1.4,
 }
 
-TEXT_COLOURS = {"#E69F00": "#8A5F00", "#0072B2": "#00629A", "#009E73": "#00744F", "#CC79A7": "#9C3F73"}
+NAME_COLOURS = {
+    "mesh": ("#8A5F00", "#F0B434"),
+    "seat": ("#00629A", "#67B5E8"),
+    "bush": ("#00744F", "#35C79D"),
+    "bearing": ("#9C3F73", "#E3A3C5"),
+}
+"""Part -> the colours of its name on a light and on a dark ground."""
+TEXT_COLOURS = {PART_COLOURS[part]: light for part, (light, _) in NAME_COLOURS.items()}
 """Colour of a curve -> the darker one of its name."""
+
+THEME = {
+    "page": ("#fff", "#14171B"),
+    "ink": (COLOURS["torque"], "#ECEEF1"),
+    "faint": (COLOURS["lift"], "#A4ACB6"),
+    "line": ("#E3E6EA", "#2B3138"),
+    "accent": NAME_COLOURS["seat"],
+    "failure": (COLOURS["failure"], "#FF8A3C"),
+    "soft": ("#f4f5f6", "#1d2228"),
+    "alarm": ("#fbf1ea", "#2c211a"),
+    "series": ("#8B939D", COLOURS["reference"]),
+    **{part: (colour, colour) for part, colour in PART_COLOURS.items()},
+    **{f"{part}-text": colours for part, colours in NAME_COLOURS.items()},
+}
+"""Name of a colour in style sheets -> it on a light and on a dark screen."""
 
 MEASURED_DOTS: Any = {
     "linestyle": "none",
@@ -100,6 +122,13 @@ DPI = 150  # pixels to an inch in pictures of pixels
 COMPRESSION = 1  # of pixels, of 9: a third of the default's time for a tenth more bytes
 
 BAND: Any = {"color": COLOURS["reference"], "alpha": 0.15, "linewidth": 0, "zorder": 0}
+
+
+def theme() -> str:
+    """The beginning of the style sheets of report and explorer: their colours, as variables."""
+    light, dark = (" ".join(f"--{name}: {each[k]};" for name, each in THEME.items()) for k in (0, 1))
+    at_night = f"@media screen and (prefers-color-scheme: dark) {{ :root {{ {dark} }} }}"
+    return f":root {{ color-scheme: light dark; {light} }}\n{at_night}\n"
 
 
 def panels(
@@ -150,7 +179,8 @@ def name_curves(axes: Axes) -> None:
     ends = np.array([_end_of(axes, handle) for handle in handles])
     order = np.argsort(-ends, kind="stable")
     for k, place in zip(order, _spread(ends[order], heights[order]), strict=True):
-        colour = to_hex(_colour_of(handles[k])).upper()
+        drawn = handles[k].get_color() if hasattr(handles[k], "get_color") else COLOURS["reference"]
+        colour = to_hex(drawn).upper()
         text = axes.annotate(
             "\n".join(named[k]),
             (1, place),
@@ -198,10 +228,6 @@ def _end_of(axes: Axes, handle: Any) -> float:
     last = points[points[:, 0] > points[:, 0].max() - 1.0]
     middle = (0.0, (last[:, 1].min() + last[:, 1].max()) / 2)
     return float(np.clip(axes.transAxes.inverted().transform(middle)[1], 0.0, 1.0))
-
-
-def _colour_of(handle: Any) -> Any:
-    return handle.get_color() if hasattr(handle, "get_color") else COLOURS["reference"]
 
 
 def _spread(places: np.ndarray, heights: np.ndarray) -> np.ndarray:

@@ -135,7 +135,10 @@ class Answering:
         if path == "sliders":
             return _controls(self.gear)
         if path in ("progress", "cancel"):
-            return self._watched(asked, path == "cancel")
+            work = self._works.get((asked.tab, asked.of))
+            if work is not None and path == "cancel" and asked.of in KINDS:
+                work.cancel()
+            return {} if work is None else {"text": work.text, "fraction": work.fraction}
         if path == CURVE:
             return self.computed(asked.wish, asked.tab, asked.number)
         if path in KINDS:
@@ -146,15 +149,6 @@ class Answering:
             return {"file": gear_file(asked.wish.gear(self.gear))}
         except InputError as error:
             return {"problems": list(error.problems)}
-
-    def _watched(self, asked: Request, ends: bool) -> Answer:
-        """How far a curve or a click is; a click can be cancelled, too."""
-        work = self._works.get((asked.tab, asked.of))
-        if work is None:
-            return {}
-        if ends and asked.of in KINDS:
-            work.cancel()
-        return {"text": work.text, "fraction": work.fraction}
 
     @contextmanager
     def _followed(self, tab: str, kind: str) -> Iterator[_Work]:
@@ -236,7 +230,6 @@ class Answering:
 
 
 def _controls(gear: SteeringGear) -> Answer:
-    """What the page builds itself from."""
     items = {item.path: item for item in gear.declared()}
     sliders = [
         {

@@ -32,8 +32,7 @@ from rps_exudyn.pages.explore.sliders import (
 from rps_exudyn.pages.report.gear_picture import gear_picture
 from rps_exudyn.pages.report.html import page
 from rps_exudyn.pages.report.pictures import picture
-from rps_exudyn.pages.report.result_page import result_article
-from rps_exudyn.pages.report.sheet_file import with_gear
+from rps_exudyn.pages.report.result_page import result_page
 from rps_exudyn.parameters.fidelity import FOR_MEANS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SIGNALS
@@ -83,8 +82,7 @@ def _band(gear: SteeringGear, wish: Wish) -> Answer:
 
 def _sheet(gear: SteeringGear, wish: Wish) -> Answer:
     result = simulate(wish.scene, wish.gear(gear), fidelity_of(wish.scene))
-    article = with_gear(result_article(result, Path(f"{wish.scene}.h5")), result.gear, result)
-    return {"page": page(article.title, [article])}
+    return {"page": page([result_page(result, Path(f"{wish.scene}.h5"))])}
 
 
 def _picture(gear: SteeringGear, wish: Wish) -> Answer:
@@ -95,7 +93,6 @@ def _picture(gear: SteeringGear, wish: Wish) -> Answer:
 
 
 def _pattern(gear: SteeringGear, wish: Wish) -> Answer:
-    """The contact pattern of the free turning gear."""
     result = simulate(SCENE.name, Wish(wish.state).gear(gear), fidelity_of(SCENE.name))
     drawn = picture(pattern_figure(result), "Contact pattern").svg.encode()
     return {"image": f"data:image/svg+xml;base64,{base64.b64encode(drawn).decode('ascii')}"}
@@ -113,7 +110,6 @@ def _read(wish: Wish, folder: str, gear: SteeringGear) -> tuple[Path, MeasuredTo
 
 
 def _measured(gear: SteeringGear, wish: Wish) -> Answer:
-    """The curves of a measured file, each against its motion."""
     chosen = Wish(wish.state).gear(gear)
     with TemporaryDirectory() as folder:
         _, measured = _read(wish, folder, chosen)

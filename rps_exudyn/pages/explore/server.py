@@ -13,13 +13,13 @@ from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.metadata import version
 from io import BufferedReader, RawIOBase
-from pathlib import Path
 from time import monotonic
 from typing import Any
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.pages.animation.animation_page import admitted
 from rps_exudyn.pages.explore.answering import PATHS, Answering, Request
+from rps_exudyn.pages.explore.widget import page_file
 from rps_exudyn.parameters.gear import SteeringGear
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
@@ -41,7 +41,6 @@ HEADERS = {
     "Referrer-Policy": "no-referrer",
     "Cache-Control": "no-store",
 }
-_FOLDER = Path(__file__).parent / "web"
 _HOST = re.compile(r"(\[[0-9a-f:.]+\]|[^@/:\[\]\s]+)(:[0-9]*)?")  # RFC 9112, 3.2: without a user part
 
 
@@ -131,7 +130,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._refuse(HTTPStatus.MISDIRECTED_REQUEST, "this server answers its own address only")
         elif self.path in FILES:
             name, kind = FILES[self.path]
-            self._send(HTTPStatus.OK, kind, (_FOLDER / name).read_bytes())
+            self._send(HTTPStatus.OK, kind, page_file(name).encode())
         else:
             self._refuse(HTTPStatus.NOT_FOUND, "there is no such page")
 

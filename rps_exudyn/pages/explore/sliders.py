@@ -12,7 +12,7 @@ from rps_exudyn.base.errors import InputError, raise_wrapped
 from rps_exudyn.base.units import pretty, words
 from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.pages.explore.typed_limits import metrics_of
-from rps_exudyn.pages.report.sheet import REMARK, WORK_LOST, loss_shares, sheet_of
+from rps_exudyn.pages.report.result_sheet import REMARK, WORK_LOST, loss_shares, sheet_of
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import error_of_law
@@ -226,7 +226,6 @@ def _described(gear: SteeringGear) -> Answer:
 
 
 def _drawn(result: Result) -> Answer:
-    """Curves, rows of the sheet, metrics, losses."""
     error = error_of_law(result)
     signal = scene_named(result.scene).signal
     along = abscissa(result)

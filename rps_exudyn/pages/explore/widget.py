@@ -11,6 +11,7 @@ from threading import Thread
 from typing import Any
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.pages.charts.style import theme
 from rps_exudyn.pages.explore.answering import PATHS, Answering, Request
 from rps_exudyn.parameters.gear import SteeringGear
 
@@ -44,12 +45,16 @@ export default { render };
 """
 
 
+def page_file(name: str) -> str:
+    """A file of the page; its style sheet begins with the colours of all pages."""
+    return theme() * (name == "explore.css") + (_FOLDER / name).read_text(encoding="utf-8")
+
+
 def page() -> str:
     """The explorer's page in one piece."""
-    text = (_FOLDER / "page.html").read_text(encoding="utf-8")
+    text = page_file("page.html")
     for link, (name, tag) in _LINKS.items():
-        content = (_FOLDER / name).read_text(encoding="utf-8")
-        text = text.replace(link, f"<{tag}>\n{content}\n</{tag.split()[0]}>")
+        text = text.replace(link, f"<{tag}>\n{page_file(name)}\n</{tag.split()[0]}>")
     return text
 
 

@@ -35,7 +35,11 @@ def main_effect_figure(
 ) -> Figure:
     """Picture of a main effect: cases as dots, the means over the axis' levels as a line."""
     figure, axes = _small(width=width)
-    x, levels = _abscissa(axes, axis, effect)
+    levels = _ticks(axes, "x", axis, effect.levels)
+    if effect.levels.dtype.kind == "f":
+        x = axis_quantity(axis).displayed(effect.values)
+    else:
+        x = np.searchsorted(effect.levels, effect.values).astype(float)
     some = _some(effect.numbers.size)
     numbers, mean = quantity.displayed(effect.numbers[some]), quantity.displayed(effect.mean)
     limited = effect.limited[some]
@@ -158,14 +162,6 @@ def _width_beside(values: np.ndarray) -> float:
     """The width of a chart with these values beside its ordinate: words take more room than numbers [in]."""
     words = values.dtype.kind != "f"
     return WIDTH + (style.LETTER * max(len(str(value)) for value in values) if words else 0.0)
-
-
-def _abscissa(axes: Axes, axis: Axis, effect: MainEffect) -> tuple[np.ndarray, np.ndarray]:
-    """Abscissae of cases and levels, in the axis' display unit or by their number."""
-    levels = _ticks(axes, "x", axis, effect.levels)
-    if effect.levels.dtype.kind == "f":
-        return axis_quantity(axis).displayed(effect.values), levels
-    return np.searchsorted(effect.levels, effect.values).astype(float), levels
 
 
 def _ticks(axes: Axes, direction: str, axis: Axis, values: np.ndarray) -> np.ndarray:

@@ -3,44 +3,23 @@
 from collections.abc import Iterable
 from dataclasses import replace
 from math import exp, floor, inf, log10
-from pathlib import Path
 
 from rps_exudyn.base.errors import as_sentence
-from rps_exudyn.base.files import write_json
 from rps_exudyn.inference.fitting import findings
 from rps_exudyn.inference.fitting.diagnosis import encoder_doubts
 from rps_exudyn.inference.fitting.fit import beyond_the_teeth
 from rps_exudyn.inference.fitting.fitted import Estimate, Fit, shape_claims
 from rps_exudyn.inference.fitting.unknowns import LEVEL
-from rps_exudyn.pages.charts.inference import curves_figure
-from rps_exudyn.pages.report.html import (
-    Article,
-    CodeText,
-    Fold,
-    Grid,
-    Judged,
-    Judgement,
-    Mark,
-    PageBlock,
-    Picture,
-    Pictures,
-    Section,
-    Text,
-    Warning,
-    parameter_grid,
-    part_of,
-    provenance_facts,
-)
+from rps_exudyn.pages.report.html import parameter_grid, part_of, provenance_facts
 from rps_exudyn.pages.report.judged import judgement
-from rps_exudyn.pages.report.pictures import WIDTHS, picture
-from rps_exudyn.pages.report.sheet import Row, listed
-from rps_exudyn.pages.report.sheet_file import KEY, sheet_as_dict, with_gear
-from rps_exudyn.pages.report.write_report import write_pages
+from rps_exudyn.pages.report.result_sheet import listed
 from rps_exudyn.parameters.names import named
 from rps_exudyn.results.judged_row import Verdict
+from rps_exudyn.results.page_blocks import CodeText, Fold, Judged, Judgement, Mark, Pictures, Warning
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.rounding import interval, rounded
+from rps_exudyn.results.sheet import Block, Grid, Line, Row, Section, Sheet, Text
 
 COLUMNS = ("parameter", "value", "95 % interval", "prior", "verdict")
 HEADS = ("parameter", "bar: 95 % interval; grey: prior", "estimate", "verdict")
@@ -56,44 +35,57 @@ CURVES = (
 )
 
 
-def write_fit_sheet(fit: Fit, out: Path, command: str) -> None:
-    """Write the sheet of a fit: a page, or data (.json) of which `report` makes the page.
-
-    Raises:
-        InputError: `out` cannot be written.
-    """
-    article = fit_article(fit, command)
-    if out.suffix == ".json":
-        write_json(out, findings.fit_as_dict(fit) | {KEY: sheet_as_dict(article, fit.gear)})
-    else:
-        write_pages([with_gear(article, fit.gear)], out)
-
-
-def fit_head(fit: Fit) -> Article:
-    """The head of the sheet alone: what was found, in a few rows."""
+def fit_sheet(fit: Fit) -> Sheet:
+    """What was found, in a few rows and as text."""
     names = ", ".join(dict.fromkeys(each.name for each in fit.passes))
     tests = ", ".join(dict.fromkeys(each.test for each in fit.passes))
-    return Article("Fit to measured curves", f"{names} · tests: {tests}", [], rows=list(_rows(fit)))
-
-
-def fit_article(fit: Fit, command: str) -> Article:
-    """What was found, its pictures, what it rests on; `command` makes it again."""
-    return replace(
-        fit_head(fit),
-        sections=[
-            Section("Parameters", list(_found(fit))),
-            *(
-                [Section("Measured and fitted torque", pictures)]
-                if (pictures := list(_pictures(fit)))
-                else []
-            ),
-            Section("Details", [*_basis(fit), Fold("Make it again", [CodeText(command)])]),
-        ],
+    return Sheet(
+        "Fit to measured curves",
+        f"{names} · tests: {tests}",
+        list(_rows(fit)),
+        text=_text(fit, tests),
+        more="intervals, verdicts, budget, notes",
+        data=lambda: findings.fit_as_dict(fit),
+        gear=fit.gear,
     )
 
 
+def fit_page(fit: Fit, command: str) -> Sheet:
+    """The sheet with pictures and what it rests on; `command` makes it again."""
+    from rps_exudyn.pages.charts.inference import curves_figure  # with matplotlib
+    from rps_exudyn.pages.report.pictures import at_widths
+
+    pictures = at_widths(lambda width: curves_figure(fit, width), CURVES)
+    verdicts = {path: verdict for path, *_, verdict in findings.rows(fit)}
+    parameters: list[Block] = [Judged(HEADS, [_judged(each, verdicts[each.path]) for each in fit.estimates])]
+    if not fit.converged:
+        text = "The fit did not converge: these values are its last iteration, not estimates."
+        parameters.insert(0, Warning(text))
+    said = [findings.level_sentence(fit), *findings.open_sentences(fit)]
+    if determined := [Text(as_sentence(each)) for each in said if each]:
+        parameters.append(Fold("What the tests determine, and which would determine more", determined))
+    sections = [
+        Section("Parameters", parameters),
+        *([Section("Measured and fitted torque", [Pictures(pictures)])] if pictures else []),
+        Section("Details", [*_basis(fit), Fold("Make it again", [CodeText(command)])]),
+    ]
+    return replace(fit_sheet(fit), sections=sections)
+
+
+def _text(fit: Fit, tests: str) -> Iterable[Block]:
+    yield Line(f"fit · tests: {tests} · {'converged' if fit.converged else 'NOT CONVERGED'}", is_bold=True)
+    said = [findings.level_sentence(fit), *findings.open_sentences(fit)]
+    yield from (Text(sentence) for sentence in said if sentence)
+    yield Grid(COLUMNS, list(findings.rows(fit)))
+    yield Grid(findings.BUDGET, list(findings.budget_rows(fit)))
+    if sentence := findings.offset_sentence(fit):
+        yield Text(sentence)
+    yield from (Text(f"assumed: {each}") for each in fit.assumed if each not in fit.left_out)
+    yield from (Text(f"note: {each}") for each in (*fit.left_out, *fit.warnings))
+    yield Text(f"{fit.simulations} simulations, {fit.cpu_s:.2g} s of CPU time")
+
+
 def _rows(fit: Fit) -> Iterable[Row]:
-    """The level, what is known, what is not separable, and the next tests."""
     if fit.level is not None:
         half = fit.level.interval[1] - fit.level.value
         value = rounded(SUMMARY["torque_mean"], fit.level.value, half)
@@ -104,12 +96,18 @@ def _rows(fit: Fit) -> Iterable[Row]:
         yield Row("no estimate", "the fit did not converge: these values are its last iteration")
     if fit.advice and fit.advice.tests:
         yield Row("next test", listed([findings.test_words(test) for test in fit.advice.tests]))
-    if doubts := list(_doubts(fit)):
+    doubts = [
+        *(each.sentence for each in fit.refusals),
+        *beyond_the_teeth(fit.problem.measurement, fit.given),
+        *fit.problem.measurement.late,
+    ]
+    for level in (each for each in fit.levels if each.test.of_kind.by_angle):
+        doubts += encoder_doubts(level, fit.given.pinion.teeth)
+    if doubts:
         yield Row("check", doubts[0] + (f"; and {len(doubts) - 1} more" if len(doubts) > 1 else ""))
 
 
 def _verdicts(fit: Fit) -> Iterable[Row]:
-    """What is known, by the tests or with priors, and what is not separable."""
     known = [f"{named(each.path)} {_range(each)}" for each in fit.estimates
              if each.verdict in (Verdict.FOUND, Verdict.NOT_ZERO)]  # fmt: skip
     if known:
@@ -122,16 +120,6 @@ def _verdicts(fit: Fit) -> Iterable[Row]:
         yield Row("with priors", listed([f"{named(each.path)} {_range(each)}" for each in with_help]))
     if left := [named(each.path) for each in fit.estimates if each.verdict is Verdict.OPEN]:
         yield Row("not separable", listed(left))
-
-
-def _doubts(fit: Fit) -> Iterable[str]:
-    """What speaks against the fit, or against a file as it was read."""
-    measurement = fit.problem.measurement
-    yield from (each.sentence for each in fit.refusals)
-    yield from beyond_the_teeth(measurement, fit.given)
-    yield from measurement.late
-    for level in (each for each in fit.levels if each.test.of_kind.by_angle):
-        yield from encoder_doubts(level, fit.given.pinion.teeth)
 
 
 def _range(each: Estimate) -> str:
@@ -147,16 +135,6 @@ def _two_digits(path: str, value: float) -> str:
     digits = 3 if abs(size) >= 100 else 2
     places = max(0, digits - 1 - floor(log10(abs(size)))) if size else 0
     return f"{float(f'{size:.{digits}g}'):.{places}f} {unit}".strip()
-
-
-def _found(fit: Fit) -> Iterable[PageBlock]:
-    if not fit.converged:
-        yield Warning("The fit did not converge: these values are its last iteration, not estimates.")
-    verdicts = {path: verdict for path, *_, verdict in findings.rows(fit)}
-    yield Judged(HEADS, [_judged(each, verdicts[each.path]) for each in fit.estimates])
-    said = [findings.level_sentence(fit), *findings.open_sentences(fit)]
-    if sentences := [Text(as_sentence(each)) for each in said if each]:
-        yield Fold("What the tests determine, and which would determine more", sentences)
 
 
 def _judged(each: Estimate, verdict: str) -> Judgement:
@@ -176,16 +154,7 @@ def _judged(each: Estimate, verdict: str) -> Judgement:
     )
 
 
-def _pictures(fit: Fit) -> Iterable[PageBlock]:
-    drawn: list[Picture] = []
-    for place, width in WIDTHS.items():
-        if (figure := curves_figure(fit, width)) is not None:
-            drawn.append(replace(picture(figure, CURVES), place=place))
-    if drawn:
-        yield Pictures(drawn)
-
-
-def _basis(fit: Fit) -> Iterable[PageBlock]:
+def _basis(fit: Fit) -> Iterable[Block]:
     notes = [*(f"{sentence}." for sentence in fit.left_out), *map(as_sentence, fit.warnings), CAUTION]
     if sentence := findings.offset_sentence(fit):
         notes.insert(0, as_sentence(sentence))

@@ -2,8 +2,8 @@
 
 import base64
 import gzip
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +19,6 @@ from rps_exudyn.pages.animation.drawn import Drawing
 from rps_exudyn.pages.animation.film import cutout, image_bytes
 from rps_exudyn.pages.animation.motion import Motion
 from rps_exudyn.pages.animation.parts import bearing_rings, picture_parts
-from rps_exudyn.pages.report.html import ForceArrow, GearPicture, Label
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import Result
@@ -43,6 +42,39 @@ ALT = (
     "has a friction torque and no body. Arrows end where a force acts."
 )
 PART_OF_BODY = {"plunger": "seat", "mesh": "mesh"}
+
+
+@dataclass(frozen=True)
+class Label:
+    """A label of a part in the gear's picture, at a place [%]."""
+
+    name: str
+    value: str
+    part: str
+    side: str
+    left: float
+    top: float
+
+
+@dataclass(frozen=True)
+class ForceArrow:
+    """An arrow over the gear's picture: points of its line and of its head "x,y x,y" [pixels]."""
+
+    part: str
+    line: str
+    head: str
+
+
+@dataclass(frozen=True)
+class GearPicture:
+    """The gear as a still with labels and arrows of forces; in three dimensions a page (gzip in base 64)."""
+
+    image: str
+    size: tuple[int, int]  # [pixels]
+    alt: str
+    labels: Sequence[Label]
+    arrows: Sequence[ForceArrow]
+    page: str
 
 
 class Anchor(NamedTuple):
@@ -76,7 +108,7 @@ def gear_picture(gear: SteeringGear, result: Result | None = None) -> GearPictur
         return None
     anchors = list(_anchors(gear, moving))
     camera = _camera(np.stack([each.point for each in anchors]))
-    image = image_bytes(cutout(drawing, camera, SIZE), "webp")
+    image = image_bytes(cutout(drawing.bodies(camera), camera, SIZE), "webp")
     played = rendered(shown, moving, parts, None, image)
     return GearPicture(
         image=f"data:image/webp;base64,{base64.b64encode(image).decode('ascii')}",
@@ -97,9 +129,12 @@ def _shown_shaft(gear: SteeringGear) -> float:
 def _anchors(gear: SteeringGear, motion: Motion) -> Iterator[Anchor]:
     pair = GearPair.of(gear)
     axis, half, along = pair.bar_axis_height, _shown_shaft(gear) / 2, pair.pinion_frame[:, 2]
+    found = passes(motion.signals) if "pinion_angle" in motion.signals else []
+    # Of the first pass: the mean torque of both directions together is next to nothing
+    first = replace(motion, signals=found[0].signals) if len(found) > 1 else motion
     nut = axis + plunger_ends(gear)[1] + gear.yoke.clearance + gear.yoke.nut_thickness
     drag, friction = (_shown(gear, path) for path in ("bush.drag", "bearing.friction_torque"))
-    yoke, torque = _mean(motion, "seat_force"), _mean_torque(motion)
+    yoke, torque = _mean(motion, "seat_force"), _mean(first, "pinion_torque")
     sides = [_mean(motion, f"mesh_normal_force_{side}") for side in ("drive", "coast")]
     teeth = " and ".join(each for each in sides if each).replace(" N and", " and")
     push = f"yoke {'presses with ' * bool(yoke)}{yoke}"
@@ -118,12 +153,6 @@ def _mean(motion: Motion, signal: str) -> str:
     if signal not in motion.signals:
         return ""
     return rounded(SIGNALS[signal], float(motion.signals[signal].mean()))
-
-
-def _mean_torque(motion: Motion) -> str:
-    """The mean torque of the first pass: that of both directions together is next to nothing."""
-    found = passes(motion.signals) if "pinion_angle" in motion.signals else []
-    return _mean(replace(motion, signals=found[0].signals) if len(found) > 1 else motion, "pinion_torque")
 
 
 def _shown(gear: SteeringGear, path: str) -> str:
@@ -150,7 +179,6 @@ def _straight(gear: SteeringGear, drawing: Drawing, camera: Camera) -> Iterator[
 
 
 def _bent(gear: SteeringGear, camera: Camera) -> ForceArrow:
-    """The torque, around the end of the shaft."""
     pair = GearPair.of(gear)
     across, up, along = pair.pinion_frame.T
     angle = np.linspace(*BENT, ROUND)[:, None]

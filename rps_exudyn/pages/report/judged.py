@@ -3,8 +3,8 @@
 from collections.abc import Callable, Sequence
 from math import inf, isfinite
 
-from rps_exudyn.pages.report.html import Judgement, Mark
 from rps_exudyn.results.judged_row import JudgedRow, Verdict
+from rps_exudyn.results.page_blocks import Judgement, Mark
 from rps_exudyn.results.rounding import interval
 
 MARKS = {

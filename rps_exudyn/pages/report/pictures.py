@@ -8,7 +8,8 @@ import io
 import json
 import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from html import escape
 from typing import Any
 
@@ -19,7 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.text import Text as Words
 
-from rps_exudyn.pages.report.html import Picture
+from rps_exudyn.results.page_blocks import Picture
 
 _NO_METADATA = {"Creator": None, "Date": None, "Format": None, "Type": None}
 POINTS_PER_INCH = 72  # units of matplotlib's SVG
@@ -56,6 +57,12 @@ def picture(figure: Figure, caption: str, links: Mapping[str, tuple[str, str]] |
     return Picture(svg, caption, width, axes=json.dumps(places) if places else "")
 
 
+def at_widths(draw: Callable[[float], Figure | None], caption: str) -> list[Picture]:
+    """What `draw` makes of a width [in], for wide and narrow screens; nothing where it makes no picture."""
+    figures = {place: draw(width) for place, width in WIDTHS.items()}
+    return [replace(picture(each, caption), place=place) for place, each in figures.items() if each]
+
+
 def curves_of(axes: Axes) -> list[Line2D]:
     """Lines over the axes' data: no dots, no lines of reference across the axes."""
     return [
@@ -88,13 +95,12 @@ def axes_of(
         "log": [axes.get_xscale() == "log", axes.get_yscale() == "log"],
         "along": {"name": along, "unit": unit_along},
         "across": {"name": name or axes.get_title(loc="left"), "unit": unit},
-        "curves": [_curve(number, str(line.get_label()), links) for number, line in curves.items()],
+        "curves": [
+            {"number": number, "label": "" if label.startswith("_") else label}
+            | ({"to": links[label][1]} if label in links else {})
+            for number, label in ((number, str(line.get_label())) for number, line in curves.items())
+        ],
     }
-
-
-def _curve(number: int, label: str, links: Mapping[str, tuple[str, str]]) -> dict[str, Any]:
-    shown = "" if label.startswith("_") else label
-    return {"number": number, "label": shown, **({"to": links[label][1]} if label in links else {})}
 
 
 def name_and_unit(label: str) -> tuple[str, str]:
@@ -110,7 +116,8 @@ def _for_a_page(svg: str, ids: Mapping[int, str]) -> str:
     svg = re.sub(r"<metadata>.*?</metadata>\s*|<style.*?</style>\s*", "", svg, flags=re.S)
     svg = re.sub(r'^(<svg\b[^>]*?) width="[^"]*"', r"\1", svg)
     svg = re.sub(r'^(<svg\b[^>]*?) height="[^"]*"', r"\1", svg)
-    svg = re.sub(r' (?:x|y|d)="[^"]*"', _to_hundredths, svg)
+    # To hundredths of a point: more digits are invisible and double the page's size
+    svg = re.sub(r' (?:x|y|d)="[^"]*"', lambda found: re.sub(r"(\.\d\d)\d+", r"\1", found[0]), svg)
     used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', svg))
     mark = hashlib.sha256(svg.encode(errors="replace")).hexdigest()[:8]  # no other picture's
     svg = re.sub(r'(href="#|url\(#)', rf"\g<1>{mark}", svg)
@@ -125,8 +132,3 @@ def _for_a_page(svg: str, ids: Mapping[int, str]) -> str:
         return f' data-curve="{number}"{own}'
 
     return re.sub(r' id="([^"]*)"', kept, svg)
-
-
-def _to_hundredths(coordinates: re.Match[str]) -> str:
-    """Round to hundredths of a point (1/72 inch): more digits are invisible and double the page's size."""
-    return re.sub(r"(\.\d\d)\d+", r"\1", coordinates[0])

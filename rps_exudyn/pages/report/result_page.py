@@ -1,4 +1,4 @@
-"""The article about one result of any scene, and the comparison of several side by side."""
+"""The page about one result of any scene, and the comparison of several side by side."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -21,35 +21,24 @@ from rps_exudyn.pages.charts.scene_figures import scene_figure
 from rps_exudyn.pages.charts.signals import signals_figure
 from rps_exudyn.pages.charts.style import about, scene_of
 from rps_exudyn.pages.report.html import (
-    Article,
-    CodeText,
-    Columns,
-    Facts,
-    Fold,
-    Grid,
-    PageBlock,
-    Pictures,
-    Section,
-    Share,
-    Shares,
-    Text,
-    Warning,
     as_text,
     fidelity_facts,
     gear_facts,
+    make_again,
     parameter_grid,
     part_of,
-    provenance_facts,
 )
-from rps_exudyn.pages.report.pictures import WIDTHS, picture
-from rps_exudyn.pages.report.sheet import REMARK, WORK_LOST, Row, loss_shares, sheet_of
+from rps_exudyn.pages.report.pictures import at_widths, picture
+from rps_exudyn.pages.report.result_sheet import REMARK, WORK_LOST, loss_shares, sheet_of, summary_grid
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.names import GEAR_FACTS, named
 from rps_exudyn.results.law_error import error_of_law
 from rps_exudyn.results.outcome import Status, sentences
+from rps_exudyn.results.page_blocks import CodeText, Columns, Facts, Fold, Pictures, Share, Shares, Warning
 from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, LABELS, PARTS, SUMMARY, Quantity
 from rps_exudyn.results.result import Result
-from rps_exudyn.results.rounding import rounded, shown_metric, vague_rows
+from rps_exudyn.results.rounding import rounded, shown_metric
+from rps_exudyn.results.sheet import Block, Grid, Row, Section, Sheet, Text
 from rps_exudyn.scenes import is_scene, scene_named
 from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_TURNING_SCENE
 
@@ -57,11 +46,8 @@ if TYPE_CHECKING:
     from rps_exudyn.analysis.load_distribution import LoadDistribution
 
 
-def result_article(
-    result: Result, path: Path, more: Sequence[Section] = (), band: Band | None = None
-) -> Article:
-    """The sheet of a result in the file `path`, without the gear's picture: number, curve, losses; folded
-    below, everything else.
+def result_page(result: Result, path: Path, more: Sequence[Section] = (), band: Band | None = None) -> Sheet:
+    """The sheet of a result in the file `path`: number, curve, losses; folded below, everything else.
 
     Args:
         result: what was simulated.
@@ -71,23 +57,30 @@ def result_article(
     """
     compared = compared_with_own(result)
     sheet = sheet_of(result, compared, band)
-    return Article(
+    is_free, heading = result.scene == FREE_TURNING_SCENE.name, "Curves"
+    if result.signals and is_scene(result.scene):
+        heading = words(scene_named(result.scene).signal).capitalize() + " over the pinion's angle" * is_free
+    beside = [*_losses(result), *_ripple(result)]
+    notices = list(_notices(result))
+    return Sheet(
         title=scene_of(result),
         lead=f"{path.name} · {about(result)} · {result.provenance['date'][:10]}",
         rows=[row for row in sheet.rows if row.value not in (REMARK, WORK_LOST)],
         sections=[
-            *([Section("Outcome", notices)] if (notices := list(_notices(result))) else []),
-            Section(_heading(result), list(_curves(result, band))),
-            *_beside(result),
+            *([Section("Outcome", notices)] if notices else []),
+            Section(heading, list(_curves(result, band))),
+            *([Section("", [Columns(beside)])] if len(beside) > 1 else beside),
             *([] if band is None else _scatter(band)),
             *more,
             Section("Details", list(_details(result, compared, path))),
         ],
+        gear=result.gear,
+        result=result,
     )
 
 
-def gear_article(gear: SteeringGear, path: Path) -> Article:
-    """The sheet of the gear in the file `path`, without its picture: sizes, warnings, parameters.
+def gear_page(gear: SteeringGear, path: Path) -> Sheet:
+    """The sheet of the gear in the file `path`: sizes, warnings, parameters.
 
     Raises:
         InputError: a gear that cannot exist.
@@ -96,7 +89,7 @@ def gear_article(gear: SteeringGear, path: Path) -> Article:
     changed, numbers = gear.changes(), report.numbers
     differing = Fold("Parameters that differ from the defaults", [parameter_grid(changed)], is_open=True)
     every = {item.path: gear.value_at(item.path) for item in SteeringGear.declared()}
-    return Article(
+    return Sheet(
         title="Gear",
         lead=f"{path.name} · {repr(gear).strip('<>').removeprefix('SteeringGear: ')}",
         rows=[Row(GEOMETRY[name].show(numbers[name]), GEOMETRY[name].long_name) for name in HEAD_SIZES],
@@ -112,10 +105,11 @@ def gear_article(gear: SteeringGear, path: Path) -> Article:
                 ],
             ),
         ],
+        gear=gear,
     )
 
 
-def side_by_side(results: Mapping[Path, Result]) -> Article:
+def side_by_side(results: Mapping[Path, Result]) -> Sheet:
     """The outcomes, numbers and differing parameters of several results, by their files, in one table."""
     names = {path: path.name for path in results}
     if len(set(names.values())) < len(names):
@@ -137,7 +131,7 @@ def side_by_side(results: Mapping[Path, Result]) -> Article:
         if len({repr(value) for value in values}) > 1:
             rows.append([parameter, *(parameter_grid({parameter: value}).rows[0][1] for value in values)])
     grid = Grid(["", *names.values()], rows)
-    return Article("Results side by side", f"{len(results)} files", [Section("Numbers", [grid])])
+    return Sheet("Results side by side", f"{len(results)} files", sections=[Section("Numbers", [grid])])
 
 
 Compared = Sequence[AgainstMeasured] | None
@@ -147,8 +141,7 @@ MOST_SHARES = 6  # inputs that make the band, by name
 DEFLECTIONS = ("rack_y", "rack_roll")
 
 
-def _notices(result: Result) -> Iterable[PageBlock]:
-    """What must not be missed."""
+def _notices(result: Result) -> Iterable[Block]:
     if result.status is not Status.OK:
         yield Warning(
             f"The simulation failed ({result.status}): {result.message or 'no message'} "
@@ -156,23 +149,6 @@ def _notices(result: Result) -> Iterable[PageBlock]:
         )
     elif result.message:
         yield Grid(("remarks",), [[sentence] for sentence in sentences(result.message)])
-
-
-def _heading(result: Result) -> str:
-    """What the curve shows."""
-    if not result.signals or not is_scene(result.scene):
-        return "Curves"
-    signal = words(scene_named(result.scene).signal).capitalize()
-    return f"{signal} over the pinion's angle" if result.scene == FREE_TURNING_SCENE.name else signal
-
-
-def _beside(result: Result) -> Iterable[Section]:
-    """Losses and ripple, side by side."""
-    sections = [*_losses(result), *_ripple(result)]
-    if len(sections) > 1:
-        yield Section("", [Columns(sections)])
-    else:
-        yield from sections
 
 
 def _ripple(result: Result) -> Iterable[Section]:
@@ -189,7 +165,6 @@ def _ripple(result: Result) -> Iterable[Section]:
 
 
 def _losses(result: Result) -> Iterable[Section]:
-    """Where the work goes; none where a result has no losses."""
     if shares := loss_shares(result):
         mean = result.summary.get("torque_mean", 0.0) if result.scene == FREE_TURNING_SCENE.name else 0.0
         torque = SUMMARY["torque_mean"]
@@ -201,69 +176,60 @@ def _losses(result: Result) -> Iterable[Section]:
         yield Section("Where the work goes", [Shares(parts)])
 
 
-def _details(result: Result, compared: Compared, path: Path) -> Iterable[PageBlock]:
-    """Everything else, folded."""
+def _details(result: Result, compared: Compared, path: Path) -> Iterable[Block]:
     if result.signals and (every := signals_figure(result)) is not None:
         yield Fold("Signals that vary", [Pictures([picture(every, "Signals that vary")])])
-    yield from _measured_fold(result, compared)
-    yield from _numbers(result)
+    if result.measured is not None:
+        found: list[Block] = []
+        for each in compared or ():
+            found.append(Grid(("quantity", "measured", "simulated"), each.rows, each.heading))
+            found.append(Text(as_sentence(each.difference)))
+        yield Fold(f"Comparison with {result.measured.name}", found or [Text(NOTHING_TO_COMPARE)])
+    if result.summary:
+        yield Fold(f"All {len(result.summary)} quantities", [summary_grid(result)])
+    else:
+        yield Text("It has no numbers.")
     yield Fold("Parameters", list(_parameters(result)))
     if error := error_of_law(result):
         yield Fold("Error of the contact law", [Text(error.sentence)])
     again = f"rps-exudyn rerun {path}     # repeat this run\nrps-exudyn show {path}"
-    yield Fold("Make it again", [provenance_facts(result.provenance), CodeText(again)])
-
-
-def _numbers(result: Result) -> Iterable[PageBlock]:
-    if not result.summary:
-        yield Text("It has no numbers.")
-        return
-    count = len(result.summary)
-    rows = [[name, shown_metric(result, name), SUMMARY[name].long_name] for name in result.summary]
-    yield Fold(f"All {count} quantities", [Grid(QUANTITIES, rows, vague=vague_rows(result))])
+    yield make_again(result.provenance, again)
 
 
 def _scatter(band: Band) -> Iterable[Section]:
-    """What makes the band, and the quantiles of every metric."""
     name = scene_named(band.nominal.scene).figure
-    errors, blocks = band.drawn.numerical, list[PageBlock]()
+    errors, found = band.drawn.numerical, list[Block]()
     if (shares := band.contributions.get(name)) is not None:
         parts = {**dict(list(shares.fractions.items())[:MOST_SHARES]), "acting together": shares.together}
         bars = [
             Share(part_of(path.split(" with ")), named(path), 100 * share, f"{100 * share:.0f} %")
             for path, share in parts.items()
         ]
-        blocks += [Text(f"Shares of the variance of the {LABELS.get(name, name)}"), Shares(bars, apart=True)]
+        found += [Text(f"Shares of the variance of the {LABELS.get(name, name)}"), Shares(bars, apart=True)]
     causes = [f"{count} of the gears failed: {cause}" for cause, count in band.drawn.failures.items()]
     rows = [
         [
             name,
-            *(SUMMARY[name].show(float(value)) for value in (found.low, found.median, found.high)),
+            *(SUMMARY[name].show(float(value)) for value in (each.low, each.median, each.high)),
             SUMMARY[name].show(errors[name].of_sample) if name in errors else "",
         ]
-        for name, found in band.figures.items()
+        for name, each in band.figures.items()
     ]
     grid = Grid(("quantity", "5 %", "median", "95 %", "numerical error"), rows)
     yield Section(
-        "Scatter", [*map(Warning, causes), *blocks, Fold(f"Quantiles of {len(rows)} quantities", [grid])]
+        "Scatter", [*map(Warning, causes), *found, Fold(f"Quantiles of {len(rows)} quantities", [grid])]
     )
 
 
-def _curves(result: Result, band: Band | None) -> Iterable[PageBlock]:
+def _curves(result: Result, band: Band | None) -> Iterable[Block]:
     if not result.signals:
         yield Text("No signals were kept.")
         return
-    drawn = {place: _scene_figure(result, width, band) for place, width in WIDTHS.items()}
-    pictures = [
-        replace(picture(figure, _caption(result, band)), place=place)
-        for place, figure in drawn.items()
-        if figure is not None
-    ]
+    pictures = at_widths(lambda width: _scene_figure(result, width, band), _caption(result, band))
     yield Pictures(pictures) if pictures else Text("No curve to draw.")
 
 
 def _caption(result: Result, band: Band | None) -> str:
-    """What the marks are."""
     parts = ["Line: this gear"]
     if band is not None:
         parts.append(f"grey: {len(band.drawn.samples)} gears of a series")
@@ -273,17 +239,6 @@ def _caption(result: Result, band: Band | None) -> str:
         dots = f"dots: {short(result.measured.name, 40)}, filled towards −X"
         parts += [dots, "below, measured − simulated"]
     return as_sentence("; ".join(parts))
-
-
-def _measured_fold(result: Result, compared: Compared) -> Iterable[PageBlock]:
-    """How the simulated torque differs from the measured one that the result keeps, if it keeps one."""
-    if result.measured is None:
-        return
-    blocks: list[PageBlock] = []
-    for each in compared or ():
-        blocks.append(Grid(("quantity", "measured", "simulated"), each.rows, each.heading))
-        blocks.append(Text(as_sentence(each.difference)))
-    yield Fold(f"Comparison with {result.measured.name}", blocks or [Text(NOTHING_TO_COMPARE)])
 
 
 def _scene_figure(result: Result, width: float, band: Band | None) -> Figure | None:
@@ -306,7 +261,7 @@ def _scene_figure(result: Result, width: float, band: Band | None) -> Figure | N
     return figure
 
 
-def _parameters(result: Result) -> Iterable[PageBlock]:
+def _parameters(result: Result) -> Iterable[Block]:
     yield gear_facts({path: result.gear.value_at(path) for path in GEAR_FACTS})
     changed = result.gear.changes()
     if changed:
@@ -348,7 +303,7 @@ def contact_section(result: Result) -> Section:
     return Section("Contact of the teeth", list(_contact_blocks(result)))
 
 
-def _contact_blocks(result: Result) -> Iterator[PageBlock]:
+def _contact_blocks(result: Result) -> Iterator[Block]:
     from rps_exudyn.analysis.load_distribution import load_distribution  # loads the compiled contact
     from rps_exudyn.pages.charts.analyses import load_figure, pattern_figure
 
@@ -368,7 +323,6 @@ def _contact_blocks(result: Result) -> Iterator[PageBlock]:
 
 
 def _largest_loads(loads: "LoadDistribution") -> Grid:
-    """The numbers of both sides over the first pass."""
     from rps_exudyn.pages.charts.analyses import FLANK_NAMES
 
     rows = []

@@ -1,68 +1,39 @@
-"""The article about a study of any scene and design, also a half-finished one."""
+"""The page about a study of any scene and design, also a half-finished one."""
 
 import itertools
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from functools import partial
+from hashlib import sha256
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of
 from rps_exudyn.base.units import words
-from rps_exudyn.pages.charts.signals import overlaid_figure
-from rps_exudyn.pages.report.effects_charts import (
-    WIDTH,
-    distribution_figure,
-    label_of,
-    main_effect_figure,
-    scattered_figure,
-    surface_figure,
-)
-from rps_exudyn.pages.report.html import (
-    Article,
-    Cell,
-    CodeText,
-    Facts,
-    Fold,
-    Grid,
-    Link,
-    Links,
-    PageBlock,
-    Picture,
-    Pictures,
-    Section,
-    Share,
-    Shares,
-    Text,
-    Warning,
-    fidelity_facts,
-    gear_facts,
-    parameter_grid,
-    part_of,
-    provenance_facts,
-)
-from rps_exudyn.pages.report.pictures import WIDTHS, picture
+from rps_exudyn.inference.uncertainty.joint import groups_of, read_pairs
+from rps_exudyn.inference.uncertainty.statistics import LEVELS, Polynomials, quantiles
+from rps_exudyn.pages.charts import signals, style
+from rps_exudyn.pages.report import effects_charts as effects
+from rps_exudyn.pages.report.effects_charts import label_of
+from rps_exudyn.pages.report.html import fidelity_facts, gear_facts, parameter_grid, part_of, provenance_facts
+from rps_exudyn.pages.report.pictures import at_widths, picture
 from rps_exudyn.pages.report.study_rows import count, ranked, study_rows
-from rps_exudyn.pages.report.study_sections import (
-    MOST_ROWS,
-    band_sections,
-    case_id,
-    case_link,
-    curve_id,
-    curves_of_cases,
-    failed_blocks,
-    remarks_section,
-    settings,
-)
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import CORRELATION, SteeringGear
 from rps_exudyn.parameters.names import GEAR_FACTS, named
-from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.page_blocks import CodeText, Facts, Fold, Picture, Pictures, Share, Shares, Warning
+from rps_exudyn.results.quantities import SIGNALS, SUMMARY
+from rps_exudyn.results.result import Result
 from rps_exudyn.results.rounding import rounded, shown_with_bar
+from rps_exudyn.results.sheet import Block, Cell, Grid, Link, Links, Section, Sheet, Text
+from rps_exudyn.scenes import is_scene, scene_named
 from rps_exudyn.study import sensitivity
-from rps_exudyn.study.definition import GRID_DESIGN, Axis, axis_quantity
+from rps_exudyn.study.case_progress import Group, groups
+from rps_exudyn.study.definition import GRID_DESIGN, UNCERTAIN_DESIGN, Axis, Case, axis_quantity
 from rps_exudyn.study.effects import MainEffect, grid_effect, sampled_effect, surface
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import PENDING, CaseTable, show_value
@@ -72,17 +43,19 @@ WITH_PICTURES = 6  # numbers whose effects are drawn, too
 MOST_SURFACES = 3  # for each of them, over the axes with the largest effects
 MOST_BARS = 6
 MOST_VALUES = 8  # of an axis, written out
+MOST_ROWS = 300  # cases listed one by one
+MOST_LINKS, LINK_DIGITS = 40, 3  # cases of one group, and digits of their values
+EQUAL = "All completed cases have equal metrics."
 
 
-def study_article(store: Store) -> Article:
+def study_page(store: Store) -> Sheet:
     """Everything about the study in a folder."""
     table = CaseTable.of(store)
     description, failed, gear = table.description, len(list(table.failed())), None
+    is_uncertain = description.design == UNCERTAIN_DESIGN
     with suppress(InputError):  # what is set for all cases is no gear by itself
-        from rps_exudyn.pages.report.gear_picture import gear_picture  # a second, for pages of studies alone
-
-        gear = gear_picture(SteeringGear().replace(dict(description.base)))
-    return Article(
+        gear = SteeringGear().replace(dict(description.base))
+    return Sheet(
         title=description.title or description.name,
         lead=f"{description.scene} · fidelity {description.fidelity.get('name', '')} · {_progress(table)}",
         rows=list(study_rows(table)),
@@ -90,11 +63,11 @@ def study_article(store: Store) -> Article:
         sections=[
             *_unfinished(table),
             Section("Main effects and response surfaces", list(_effects(table))),
-            *band_sections(table, ranked(table)),
+            *([Section("Bands", list(band_blocks(table, ranked(table))))] if is_uncertain else []),
             *_sensitivity(table),
-            *remarks_section(table),
-            Section("Failed cases", list(failed_blocks(table)), is_folded=not (failed or table.skipped)),
-            Section("Best and worst cases", list(_extremes(table, store)), is_folded=True),
+            *_remarks(table),
+            Section("Failed cases", list(_failed(table)), is_folded=not (failed or table.skipped)),
+            Section("Best and worst cases", _extremes(table, store) or [Text(EQUAL)], is_folded=True),
             Section("Outcome", list(_outcome(table)), is_folded=True),
             Section("What was run", list(_what(table)), is_folded=True),
             Section("All cases", list(_all_cases(table, store)), is_folded=True),
@@ -103,24 +76,12 @@ def study_article(store: Store) -> Article:
     )
 
 
-def _shares(effects: Sequence[tuple[Axis, MainEffect]]) -> Shares:
-    """Bars of the share of the variance that each factor explains, the largest first."""
-    known = [(axis, effect.fraction) for axis, effect in effects if np.isfinite(effect.fraction)]
-    known = sorted(known, key=lambda pair: -pair[1])[:MOST_BARS]
-    bars = [
-        Share(part_of(axis.paths), named(axis.name), 100 * min(max(part, 0.0), 1.0), f"{part:.0%}")
-        for axis, part in known
-    ]
-    return Shares(bars, apart=True)
-
-
 def _progress(table: CaseTable) -> str:
     parts = [f"{number} {status}" for status, number in Counter(table.status.tolist()).items()]
     return f"{count(len(table.cases), 'case')}: {', '.join(parts)}" if parts else "no cases"
 
 
 def _unfinished(table: CaseTable) -> Iterable[Section]:
-    """What is missing, at the head of the page."""
     warnings = []
     if pending := int((table.status == PENDING).sum()):
         warnings.append(
@@ -135,8 +96,13 @@ def _unfinished(table: CaseTable) -> Iterable[Section]:
         yield Section("", [Warning(text) for text in warnings])
 
 
-def _what(table: CaseTable) -> Iterable[PageBlock]:
-    description = table.description
+def _what(table: CaseTable) -> Iterable[Block]:
+    description, keep, seconds = table.description, table.description.signals, table.times("cpu_s")
+    kept = "all" if keep.signals is None else ", ".join(keep.signals) or "none"
+    if keep.samples and keep.signals != ():
+        kept += f"; at most {keep.samples} samples"
+    known = seconds[np.isfinite(seconds)]
+    took = f"{known.sum():.3g} s together, median {np.median(known):.2g} s a case" if known.size else ""
     facts = [
         ("study", description.name),
         ("scene", description.scene),
@@ -144,8 +110,8 @@ def _what(table: CaseTable) -> Iterable[PageBlock]:
         ("design", description.design),
         ("seed", "" if description.design == GRID_DESIGN else str(description.seed)),
         ("cases", _progress(table)),
-        ("signals kept", _kept(table)),
-        ("CPU time", _times(table)),
+        ("signals kept", kept),
+        ("CPU time", took),
     ]
     yield Facts([(name, text) for name, text in facts if text])
     default = SteeringGear()
@@ -169,22 +135,7 @@ def _what(table: CaseTable) -> Iterable[PageBlock]:
     yield fidelity_facts(description.fidelity)
 
 
-def _kept(table: CaseTable) -> str:
-    keep = table.description.signals
-    if keep.signals == ():
-        return "none"
-    names = "all" if keep.signals is None else ", ".join(keep.signals)
-    return f"{names}; at most {keep.samples} samples" if keep.samples else names
-
-
-def _times(table: CaseTable) -> str:
-    seconds = table.times("cpu_s")
-    known = seconds[np.isfinite(seconds)]
-    return f"{known.sum():.3g} s together, median {np.median(known):.2g} s a case" if known.size else ""
-
-
 def _values(table: CaseTable, axis: Axis) -> str:
-    """The values written out, or their range."""
     if axis.values is None:
         found = table.axes[axis.name]
         low, high = (show_value(axis, found[at].item()) for at in (found.argmin(), found.argmax()))
@@ -196,7 +147,7 @@ def _values(table: CaseTable, axis: Axis) -> str:
     return f"{' to '.join(ends)}, {len(axis.values)} values"
 
 
-def _outcome(table: CaseTable) -> Iterable[PageBlock]:
+def _outcome(table: CaseTable) -> Iterable[Block]:
     if not table.numbers:
         yield Text("No case has ended ok yet.")
         return
@@ -210,42 +161,49 @@ def _outcome(table: CaseTable) -> Iterable[PageBlock]:
     )
 
 
-def _effects(table: CaseTable) -> Iterable[PageBlock]:
+def _effects(table: CaseTable) -> Iterable[Block]:
     names = ranked(table)
     if not names:
-        yield Text("All completed cases have equal metrics.")
+        yield Text(EQUAL)
         return
-    is_grid, several = table.description.design == GRID_DESIGN, len(_all_effects(table, names[0])) > 1
+    several = len(_all_effects(table, names[0])) > 1
     line = (
         "is the mean over the settings of all other axes with a result at each of its points."
-        if is_grid
+        if table.description.design == GRID_DESIGN
         else "joins the means of classes of equal size."
     )
     bars = " Bars are shares of the variance explained by each factor by itself." if several else ""
     yield Text(f"Dots are cases; the line {line}{bars}")
-    more: list[PageBlock] = []
-    for place, name in enumerate(names):
-        effects = _all_effects(table, name)
-        blocks: list[PageBlock] = [Text(f"{SUMMARY[name].long_name}.{_below_bars(table, name, effects)}")]
-        if len(effects) > 1:
-            blocks.append(_shares(effects))
-        if place < WITH_PICTURES:
-            blocks.append(Pictures([*_effect_pictures(table, name), *_surfaces(table, name)]))
-        rows = [_effect_row(axis, effect, name) for axis, effect in effects]
-        blocks.append(Grid(("axis", "from", "to", "mean from", "mean to"), rows))
-        if place < OPEN:
-            yield Fold(label_of(name), blocks, is_open=True)
-        else:
-            more.append(Fold(words(name), blocks))
-    if more:
+    folds = [_effects_on(table, name, place < WITH_PICTURES) for place, name in enumerate(names)]
+    for name, shown in zip(names[:OPEN], folds, strict=False):
+        yield Fold(label_of(name), shown, is_open=True)
+    if more := [Fold(words(name), shown) for name, shown in zip(names[OPEN:], folds[OPEN:], strict=True)]:
         yield Fold(f"Effects on {count(len(more), 'other number')}", more)
 
 
-def _below_bars(table: CaseTable, name: str, effects: Sequence[tuple[Axis, MainEffect]]) -> str:
+def _effects_on(table: CaseTable, name: str, is_drawn: bool) -> list[Block]:
+    """The effects of all axes on a number: their shares, pictures and ends."""
+    found = _all_effects(table, name)
+    shown: list[Block] = [Text(f"{SUMMARY[name].long_name}.{_below_bars(table, name, found)}")]
+    if len(found) > 1:
+        known = [(axis, effect.fraction) for axis, effect in found if np.isfinite(effect.fraction)]
+        known = sorted(known, key=lambda pair: -pair[1])[:MOST_BARS]
+        bars = [
+            Share(part_of(axis.paths), named(axis.name), 100 * min(max(part, 0.0), 1.0), f"{part:.0%}")
+            for axis, part in known
+        ]
+        shown.append(Shares(bars, apart=True))
+    if is_drawn:
+        shown.append(Pictures([*_effect_pictures(table, name), *_surfaces(table, name)]))
+    rows = [_effect_row(axis, effect, name) for axis, effect in found]
+    return [*shown, Grid(("axis", "from", "to", "mean from", "mean to"), rows)]
+
+
+def _below_bars(table: CaseTable, name: str, found: Sequence[tuple[Axis, MainEffect]]) -> str:
     """The sentence about effects that are smaller than the cases' error bars."""
     bars = table.errors.get(name, np.empty(0))
     bar = float(np.median(bars[np.isfinite(bars)])) if np.isfinite(bars).any() else 0.0
-    small = " and ".join(named(axis.name) for axis, effect in effects if effect.span < bar)
+    small = " and ".join(named(axis.name) for axis, effect in found if effect.span < bar)
     size = float(np.nanmax(np.abs(table.numbers[name])))
     shown = f"median ± {rounded(SUMMARY[name], bar, like=size)}"
     return f" The cases' error bars ({shown}) are larger than the main effect of {small}." if small else ""
@@ -253,21 +211,20 @@ def _below_bars(table: CaseTable, name: str, effects: Sequence[tuple[Axis, MainE
 
 def _effect_pictures(table: CaseTable, name: str) -> Iterable[Picture]:
     if table.description.design != GRID_DESIGN:
-        spread = distribution_figure(table.numbers[name], name, SUMMARY[name])
+        spread = effects.distribution_figure(table.numbers[name], name, SUMMARY[name])
         yield picture(spread, f"{label_of(name)}: distribution")
-    effects = _all_effects(table, name)
-    alone = len(effects) == 1 and table.description.design == GRID_DESIGN
-    for axis, effect in effects:
-        for place, width in WIDTHS.items() if alone else [("", WIDTH)]:
-            figure = main_effect_figure(axis, effect, name, SUMMARY[name], width)
-            drawn = picture(figure, f"{label_of(name)} over {named(axis.name)}")
-            yield replace(drawn, place=place)
+    found = _all_effects(table, name)
+    alone = len(found) == 1 and table.description.design == GRID_DESIGN
+    for axis, effect in found:
+        drawn = partial(effects.main_effect_figure, axis, effect, name, SUMMARY[name])
+        caption = f"{label_of(name)} over {named(axis.name)}"
+        yield from at_widths(drawn, caption) if alone else [picture(drawn(effects.WIDTH), caption)]
 
 
 def _surfaces(table: CaseTable, name: str) -> Iterable[Picture]:
     """Pictures over pairs of the axes with the largest effects, in one scale of colours."""
-    effects = sorted(_all_effects(table, name), key=lambda pair: -pair[1].fraction)
-    pairs = itertools.combinations([axis for axis, _ in effects], 2)
+    found = sorted(_all_effects(table, name), key=lambda pair: -pair[1].fraction)
+    pairs = itertools.combinations([axis for axis, _ in found], 2)
     shown = list(itertools.islice(pairs, MOST_SURFACES))
     numbers, quantity, figures = table.numbers[name], SUMMARY[name], list[Figure]()
     known = np.isfinite(numbers)
@@ -278,11 +235,11 @@ def _surfaces(table: CaseTable, name: str) -> Iterable[Picture]:
         ends = (float(np.nanmin(means)), float(np.nanmax(means))) if np.isfinite(means).any() else (0.0, 1.0)
         for (first, second), each in zip(shown, surfaces, strict=True):
             marks = places[first.name], places[second.name], limited
-            figures.append(surface_figure(first, second, each, name, quantity, marks, ends))
+            figures.append(effects.surface_figure(first, second, each, name, quantity, marks, ends))
     else:
         for first, second in shown:
             points = places[first.name], places[second.name], numbers[known]
-            figures.append(scattered_figure(first, second, points, name, quantity, limited))
+            figures.append(effects.scattered_figure(first, second, points, name, quantity, limited))
     captions = [f"{label_of(name)} over {' and '.join(named(axis.name) for axis in pair)}" for pair in shown]
     return [picture(figure, caption) for figure, caption in zip(figures, captions, strict=True)]
 
@@ -315,14 +272,14 @@ def _sensitivity(table: CaseTable) -> list[Section]:
     if design not in sensitivity.DESIGNS:
         return []
     kinds = sensitivity.KINDS[design]
-    blocks: list[PageBlock] = [Facts(list(kinds.items()))]
+    found: list[Block] = [Facts(list(kinds.items()))]
     for name in ranked(table):
         try:
-            blocks.append(_indices(table, name, list(kinds)))
+            found.append(_indices(table, name, list(kinds)))
         except InputError as error:
-            blocks.append(Text(" ".join(error.problems)))
+            found.append(Text(" ".join(error.problems)))
             break
-    return [Section("Sensitivity indices", blocks)]
+    return [Section("Sensitivity indices", found)]
 
 
 def _indices(table: CaseTable, name: str, kinds: Sequence[str]) -> Grid:
@@ -347,15 +304,12 @@ def _ends(name: str) -> dict[str, str]:
     return {"lowest": f"lowest{best}", "median": "median", "highest": f"highest{worst}"}
 
 
-def _extremes(table: CaseTable, store: Store) -> Iterable[PageBlock]:
+def _extremes(table: CaseTable, store: Store) -> list[Fold]:
     names = ranked(table)[:LEADING]
-    if not names:
-        yield Text("All completed cases have equal metrics.")
-    for name in names:
-        yield Fold(words(name), list(_extremes_of(table, store, name)), is_open=True)
+    return [Fold(words(name), list(_extremes_of(table, store, name)), is_open=True) for name in names]
 
 
-def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[PageBlock]:
+def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[Block]:
     numbers = table.numbers[name]
     order = np.argsort(numbers, kind="stable")[: int(np.isfinite(numbers).sum())]
     places = {"lowest": order[0], "median": order[(len(order) - 1) // 2], "highest": order[-1]}
@@ -363,13 +317,15 @@ def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[PageBloc
     results = {}
     for end, label in _ends(name).items():
         case = table.cases[places[end]]
-        rows.append([label, _shown(table, name, places[end]), *settings(table, case), case_link(table, case)])
+        rows.append(
+            [label, _shown(table, name, places[end]), *_settings(table, case), _case_link(table, case)]
+        )
         try:
             results[end] = store.result(case)
         except InputError as error:
             yield Text(" ".join(error.problems))
     yield Grid(("", name, *table.axes, "case"), rows)
-    figure = overlaid_figure(results)
+    figure = signals.overlaid_figure(results)
     if figure is None:
         yield Text("No signals were kept of these cases.")
     else:
@@ -383,18 +339,18 @@ def _shown(table: CaseTable, name: str, at: int) -> str:
     return shown_with_bar(SUMMARY[name], value, error) if np.isfinite(value) else ""
 
 
-def _all_cases(table: CaseTable, store: Store) -> Iterable[PageBlock]:
+def _all_cases(table: CaseTable, store: Store) -> Iterable[Block]:
     names = (ranked(table) or list(table.numbers))[:LEADING]
     remarked, seen = {case.hash for case, _ in table.remarked()}, set[str]()
-    curves, drawn = curves_of_cases(table, store, table.cases[:MOST_ROWS])
+    curves, drawn = _curves_of_cases(table, store, table.cases[:MOST_ROWS])
     rows: list[Sequence[Cell]] = []
     ids = []
     for at, case in enumerate(table.cases[:MOST_ROWS]):
         shown = [_shown(table, name, at) for name in names]
         status = table.status[at].item() + ", remark" * (case.hash in remarked)
-        name: Cell = Links([Link(case.hash, curve_id(table, case))]) if case.hash in drawn else case.hash
-        rows.append([*settings(table, case), status, *shown, name])
-        ids.append("" if case.hash in seen else case_id(table, case))
+        name: Cell = Links([Link(case.hash, _curve_id(table, case))]) if case.hash in drawn else case.hash
+        rows.append([*_settings(table, case), status, *shown, name])
+        ids.append("" if case.hash in seen else _case_id(table, case))
         seen.add(case.hash)
     some = f"The first {MOST_ROWS} of {len(table.cases)} cases. " if len(table.cases) > MOST_ROWS else ""
     yield Text(f"{some}Every number of every case: rps-exudyn collect {table.path}")
@@ -403,7 +359,7 @@ def _all_cases(table: CaseTable, store: Store) -> Iterable[PageBlock]:
     yield Fold(count(len(rows), "case"), [Grid((*table.axes, "status", *names, "case"), rows, ids=ids)])
 
 
-def _provenance(table: CaseTable) -> Iterable[PageBlock]:
+def _provenance(table: CaseTable) -> Iterable[Block]:
     origin = dict(table.description.provenance)
     command = str(origin.pop("command", "")) or f"rps-exudyn study {table.path / 'study.toml'}"
     yield provenance_facts(origin)
@@ -417,3 +373,206 @@ def _provenance(table: CaseTable) -> Iterable[PageBlock]:
     with suppress(InputError):
         study_file = content_of(table.path / "study.toml").decode(errors="replace")
         yield Fold("Study file", [CodeText(study_file)])
+
+
+# --- Cases and their messages, linked with their rows: remarks, and causes of failure
+
+
+def _case_id(table: CaseTable, case: Case) -> str:
+    """The place of a case on its page, among all cases, also those of another folder of the same study."""
+    folder = sha256(str(table.path).encode(errors="replace")).hexdigest()[:6]
+    return f"{table.description.name}-{folder}-{case.hash}".replace(" ", "-")
+
+
+def _case_link(table: CaseTable, case: Case) -> Links:
+    """The case's name, which leads to its row as far as cases are listed."""
+    listed = {each.hash for each in table.cases[:MOST_ROWS]}
+    return Links([Link(case.hash, _case_id(table, case) if case.hash in listed else "")])
+
+
+def _settings(table: CaseTable, case: Case, digits: int = 6) -> list[str]:
+    """The values of the axes as text."""
+    return [show_value(axis, case.values[axis.name], digits) for axis in table.description.axes]
+
+
+def _remarks(table: CaseTable) -> list[Section]:
+    """The section of remarks; none without remarks."""
+    found = groups(table.remarked())
+    if not found:
+        return []
+    blocks: list[Block] = []
+    limited = int(table.limited.sum())
+    if 0 < limited < table.ok.sum():
+        blocks.append(
+            Warning(
+                f"{count(limited, 'case')} of {int(table.ok.sum())} met a limit of the gear, where a contact "
+                "opens or closes: numbers have a kink there. Charts show these cases as diamonds; lines and "
+                "colours are not carried from one side to the other."
+            )
+        )
+    else:
+        blocks.append(Text("Completed, with warnings."))
+    rows: list[Sequence[Cell]] = [
+        [count(len(each.cases), "case"), each.example, _links(table, each)] for each in found
+    ]
+    blocks.append(Grid(("how many", "remark of the first", _which(table)), rows))
+    return [Section("Remarks", blocks)]
+
+
+def _failed(table: CaseTable) -> Iterable[Block]:
+    """Causes with their numbers of cases, then every failed case by the way it ended."""
+    failed = list(table.failed())
+    if causes := groups(failed):
+        rows: list[Sequence[Cell]] = [
+            [count(len(each.cases), "case"), each.status.value, each.example, _links(table, each)]
+            for each in causes
+        ]
+        yield Grid(("how many", "ended", "message of the first", _which(table)), rows, "Causes")
+    for status in dict.fromkeys(row.status for _, row in failed):
+        listed = [
+            [row.message, *_settings(table, case), case.hash] for case, row in failed if row.status is status
+        ]
+        grid = Grid(("message", *table.axes, "case"), listed[:MOST_ROWS])
+        yield Fold(f"{status}: {count(len(listed), 'case')}", [Text(status.remedy), grid], is_open=True)
+    if table.skipped:
+        files = [[path.name, sentence] for path, sentence in table.skipped]
+        yield Grid(("file", "why it could not be read"), files[:MOST_ROWS], "Files left out")
+    if not failed and not table.skipped:
+        yield Text("None.")
+
+
+def _which(table: CaseTable) -> str:
+    return f"which ({', '.join(table.axes)})"
+
+
+def _links(table: CaseTable, group: Group) -> Links:
+    """Links to the cases as far as they are listed on the page."""
+    listed = {case.hash for case in table.cases[:MOST_ROWS]}
+    links = [
+        Link(
+            ", ".join(_settings(table, case, LINK_DIGITS)),
+            _case_id(table, case) if case.hash in listed else "",
+        )
+        for case in group.cases[:MOST_LINKS]
+    ]
+    more = len(group.cases) - len(links)
+    return Links([*links, Link(f"and {more} more", "")] if more else links)
+
+
+# --- The curves of a study's cases in one picture, each linked with its row in the table of cases
+
+MOST_CURVES, MOST_POINTS = 40, 400
+CURVES_HEIGHT = 3.0  # [in]
+BRIGHTEST = 0.85  # of the colour map: brighter curves vanish on white
+
+
+def _curve_id(table: CaseTable, case: Case) -> str:
+    """The place of a case's curve on its page."""
+    return f"curve-of-{_case_id(table, case)}"
+
+
+def _curves_of_cases(
+    table: CaseTable, store: Store, listed: Sequence[Case]
+) -> tuple[list[Picture], set[str]]:
+    """Return the picture of the scene's signal in some of the listed cases, and the hashes of those drawn.
+
+    There is no picture of a scene that is not known, or of cases whose signals were not kept.
+    """
+    scene = table.description.scene
+    if not is_scene(scene):
+        return [], set()
+    signal = scene_named(scene).signal
+    ok = {case.hash for case, good in zip(table.cases, table.ok, strict=True) if good}
+    cases = list({case.hash: case for case in listed if case.hash in ok}.values())
+    cases = cases[:: max(1, -(-len(cases) // MOST_CURVES))]
+    results: dict[str, tuple[Case, Result]] = {}
+    for case in cases:
+        with suppress(InputError):  # a file that has vanished or is damaged by now
+            result = store.result(case)
+            if signal in result.signals:
+                results[", ".join(_settings(table, case, 4)) or case.hash] = case, result
+    if not results:
+        return [], set()
+    drawn = _picture_of_curves(table, results, signal)
+    return [drawn], {case.hash for case, _ in results.values()}
+
+
+def _picture_of_curves(table: CaseTable, results: dict[str, tuple[Case, Result]], signal: str) -> Picture:
+    over = signals.abscissa([result for _, result in results.values()])
+    figure, (axes,) = style.panels([CURVES_HEIGHT], signals.WIDTH)
+    colours = mpl.colormaps[effects.COLOUR_MAP](np.linspace(0, BRIGHTEST, len(results)))
+    for colour, (label, (_, result)) in zip(colours, results.items(), strict=True):
+        some = slice(None, None, max(1, -(-result[over].size // MOST_POINTS)))
+        axes.plot(
+            SIGNALS[over].displayed(result[over][some]),
+            SIGNALS[signal].displayed(result[signal][some]),
+            color=colour,
+            linewidth=1,
+            label=label,
+        )
+    axes.set_ylabel(SIGNALS[signal].axis_label(words(signal)))
+    signals.label_abscissa(axes, over)
+    links = {label: (_curve_id(table, case), _case_id(table, case)) for label, (case, _) in results.items()}
+    caption = f"{words(signal)} of {count(len(results), 'case')}, from the first (dark) to the last (bright)"
+    return picture(figure, caption, links)
+
+
+# --- Bands of a study with the design `uncertain`: quantiles with errors, contributions
+
+LEAST_KNOWN = 8  # cases, for quantiles
+WITH_CONTRIBUTIONS = 6  # numbers
+
+
+def band_blocks(table: CaseTable, names: Sequence[str]) -> Iterable[Block]:
+    """The bands of these numbers."""
+    failed = sum(status not in (Status.OK, PENDING) for status in table.status)
+    if failed:
+        yield Warning(
+            f"{failed} of {len(table.status)} samples failed and are in no quantile; see Failed cases."
+        )
+    rows = [
+        _levels_of(table.numbers[name], name, failed) for name in names if _known(table.numbers[name]).any()
+    ]
+    head = ("number", *(f"{100 * level:g} %" for level in LEVELS), "error at 5 %", "error at 95 %")
+    rows = [row for row in rows if row]
+    if not rows:
+        yield Text(f"Quantiles need at least {LEAST_KNOWN} cases that ended ok.")
+        return
+    yield Grid(head, rows, "Quantiles; errors are standard errors, from the number of samples")
+    inputs = [name for name, values in table.axes.items() if values.dtype.kind == "f"]
+    for name in names[:WITH_CONTRIBUTIONS]:
+        yield from _contributions(table, name, inputs)
+
+
+def _levels_of(numbers: np.ndarray, name: str, failed: int) -> list[str]:
+    known = numbers[_known(numbers)]
+    if known.size < LEAST_KNOWN:
+        return []
+    found, show = quantiles(known, failed), SUMMARY[name].show
+    errors = [show(float(found.errors[at])) for at in (0, -1)]
+    return [words(name), *(show(value) for value in found.values.tolist()), *errors]
+
+
+def _contributions(table: CaseTable, name: str, inputs: list[str]) -> Iterable[Block]:
+    """Fractions of the variance; the quantile of a value is its rank among all that were drawn."""
+    known = _known(table.numbers[name])
+    ranks = [np.argsort(np.argsort(table.axes[axis])) for axis in inputs]
+    if not ranks:
+        return
+    quantile = (np.stack(ranks, axis=1) + 0.5) / len(known)
+    groups = groups_of(inputs, read_pairs(table.description.correlation, CORRELATION, []))
+    shares = (
+        Polynomials.at(quantile[known], groups).contributions(table.numbers[name][known])
+        if known.any()
+        else None
+    )
+    if shares is None:
+        return
+    rows = [[axis, f"{share:.0%}"] for axis, share in shares.fractions.items()]
+    rows.append(["acting together", f"{shares.together:.0%}"])
+    caption = f"Share of the variance of {words(name)}, each within {shares.error:.0%} by chance"
+    yield Fold(f"Contributions to {words(name)}", [Grid(("input", "share"), rows, caption)])
+
+
+def _known(numbers: np.ndarray) -> np.ndarray:
+    return np.isfinite(numbers)

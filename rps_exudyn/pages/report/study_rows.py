@@ -5,10 +5,11 @@ from collections.abc import Iterable
 import numpy as np
 
 from rps_exudyn.base.units import words
-from rps_exudyn.pages.report.sheet import Row, listed
+from rps_exudyn.pages.report.result_sheet import listed
 from rps_exudyn.parameters.names import named
 from rps_exudyn.results.quantities import LABELS, SUMMARY
 from rps_exudyn.results.rounding import rounded_range
+from rps_exudyn.results.sheet import Row
 from rps_exudyn.study.table import CaseTable
 
 LEADING = 3  # numbers of a sheet

@@ -1,61 +1,46 @@
-"""The sheet: what a run found, in a few rows; the terminal prints them, and a page begins with them.
+"""The sheet of a run: a few rows, which the terminal prints and a page begins with; every number; JSON.
 
 sheet = sheet_of(result)
 sheet.title, [(row.value, row.words) for row in sheet.rows]
 """
 
-from collections.abc import Container, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Container, Iterable, Iterator, Sequence
+from dataclasses import replace
 from math import isclose
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from rps_exudyn.base.units import words
 from rps_exudyn.parameters.derived import derived_values
 from rps_exudyn.parameters.gear import BY_SCENE, SteeringGear
 from rps_exudyn.parameters.names import named
-from rps_exudyn.results.law_error import law_error
+from rps_exudyn.results.law_error import error_of_law, law_error
 from rps_exudyn.results.outcome import Status, sentences
-from rps_exudyn.results.quantities import LABELS, PARTS, SUMMARY
+from rps_exudyn.results.quantities import COUNTERS, LABELS, PARTS, SIGNALS, SUMMARY
 from rps_exudyn.results.result import Result
-from rps_exudyn.results.rounding import half_width, is_vague, law_bar, rounded, rounded_metric, rounded_range
+from rps_exudyn.results.rounding import (
+    half_width,
+    is_vague,
+    law_bar,
+    rounded,
+    rounded_metric,
+    rounded_range,
+    shown_metric,
+    vague_rows,
+)
+from rps_exudyn.results.sheet import Block, Grid, Line, Row, Sheet, Text
 from rps_exudyn.scenes import is_scene, scene_named
 
 if TYPE_CHECKING:
     from rps_exudyn.analysis.measured import AgainstMeasured
+    from rps_exudyn.analysis.result_comparison import SignalPair
     from rps_exudyn.inference.uncertainty.band import Band
 
 MANY_CHANGES = 3  # parameters that are not named
 MOST_METRICS = 3  # of a scene
 MOST_ROWS = 6  # with title and files a sheet has 8 lines
-INDENT = 2  # blanks before a row
 REPEATED = ("torque_on_centre",)  # the mean again, over fewer angles
 REMARK, WORK_LOST = "remark", "work lost"
 LEAST_SHARE = 0.005  # of the work lost, below which a part is not named
-
-
-@dataclass(frozen=True)
-class Row:
-    """A row of a sheet: a value or a heading, words about it, and whether its error bar is wide."""
-
-    value: str
-    words: str
-    is_vague: bool = False
-
-
-@dataclass(frozen=True)
-class Sheet:
-    """What was simulated, and what was found."""
-
-    title: str
-    rows: tuple[Row, ...]
-
-    @property
-    def width(self) -> int:
-        """Letters of the first column."""
-        return max((len(row.value) for row in self.rows), default=0)
-
-    def lines(self) -> list[str]:
-        """The sheet as lines of text."""
-        return [self.title, *(f"{'':{INDENT}}{row.value:{self.width}}  {row.words}" for row in self.rows)]
 
 
 def sheet_of(
@@ -74,11 +59,23 @@ def sheet_of(
     law = law_error(result.gear, result.fidelity)
     model = f"{result.fidelity['name']}; law {law.law}" if law else result.fidelity["name"]
     state = "" if result.status is Status.OK else f" ({result.status})"
-    first, last = (*_measured(result, compared), *_band(band)), tuple(_remark(result))
-    losses = tuple(_losses(result)) if len(first) + len(last) + 1 < MOST_ROWS else ()
-    rows = (*first, *losses, *last)
+    rows = [*_measured(result, compared), *_band(band)]
+    remarks = sentences(result.message) if result.message else []
+    if (shares := loss_shares(result)) and len(rows) + bool(remarks) + 1 < MOST_ROWS:
+        lost = ", ".join(f"{PARTS[part]} {100 * share:.0f} %" for part, share in shares.items())
+        rows.append(Row(WORK_LOST, lost))
+    if remarks:
+        others = f"; and {len(remarks) - 1} more: --all" * (len(remarks) > 1)
+        rows.append(Row(REMARK, remarks[0] + others))
     metrics = tuple(_metrics(result, band))[: max(1, MOST_ROWS - len(rows))]
-    return Sheet(f"{title}{state}: {shown}; {model}", (*metrics, *rows))
+    return Sheet(
+        f"{title}{state}",
+        f"{shown}; {model}",
+        (*metrics, *rows),
+        text=result_text(result, compared),
+        more=f"{len(result.summary)} quantities",
+        data=lambda: result_as_dict(result) | measured_as_dict(compared),
+    )
 
 
 def gear_shown(gear: SteeringGear, but_for: Container[str] = ()) -> str:
@@ -117,25 +114,19 @@ def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
         largest[unit] = max(abs(summary[name]), largest.get(unit, 0.0))
     for name in names:
         quantity, value, like = SUMMARY[name], summary[name], largest[SUMMARY[name].unit]
-        words = LABELS.get(name, quantity.long_name)
+        about = LABELS.get(name, quantity.long_name)
         if law is not None and (wide := law_bar(result, name)):
-            words += f"; contact law {law.law} {half_width(quantity, wide, like)}"
+            about += f"; contact law {law.law} {half_width(quantity, wide, like)}"
         if band is not None and name in band.figures:
             found = band.figures[name]
-            words += f"; {rounded_range(quantity, found.low, found.high, like)} in 90 % of gears"
-        yield Row(rounded_metric(result, name, like), words, is_vague(value, result.errors.get(name)))
+            about += f"; {rounded_range(quantity, found.low, found.high, like)} in 90 % of gears"
+        yield Row(rounded_metric(result, name, like), about, is_vague(value, result.errors.get(name)))
 
 
 def loss_shares(result: Result) -> dict[str, float]:
     """Parts where work is lost -> share of all work lost, as far as it is not negligible."""
     shares = {part: result.summary.get(f"loss_share_{part}", 0.0) for part in PARTS}
     return {part: share for part, share in shares.items() if share >= LEAST_SHARE}
-
-
-def _losses(result: Result) -> Iterable[Row]:
-    if shares := loss_shares(result):
-        text = ", ".join(f"{PARTS[part]} {100 * share:.0f} %" for part, share in shares.items())
-        yield Row(WORK_LOST, text)
 
 
 def _measured(result: Result, compared: "Sequence[AgainstMeasured] | None") -> Iterable[Row]:
@@ -145,8 +136,8 @@ def _measured(result: Result, compared: "Sequence[AgainstMeasured] | None") -> I
             continue
         side, sign = "above" if abs(found) > abs(ours) else "below", "+" if each.direction > 0 else "−"
         apart = f": {100 * abs(found / ours - 1):.2g} % {side} the simulated one" if ours else ""
-        words = f"measured mean towards {sign}X, {result.measured.name}{apart}"
-        yield Row(rounded(SUMMARY["torque_mean"], found), words)
+        about = f"measured mean towards {sign}X, {result.measured.name}{apart}"
+        yield Row(rounded(SUMMARY["torque_mean"], found), about)
 
 
 def _band(band: "Band | None") -> Iterable[Row]:
@@ -161,11 +152,89 @@ def _band(band: "Band | None") -> Iterable[Row]:
     yield Row("band", f"{count} gears{state}; {band.method}")
 
 
-def _remark(result: Result) -> Iterable[Row]:
-    """The first remark as a whole, and how many there are beside it."""
+# --- Every number of a result, as blocks and for JSON
+
+
+def result_text(result: Result, compared: "Sequence[AgainstMeasured] | None" = None) -> Iterator[Block]:
+    """Scene, fidelity, level and status, every summary value with its bar and definition, the comparison with
+    a measured torque."""
+    level = f" · level {result.findings['level']}" if "level" in result.findings else ""
+    head = f"{result.scene} · fidelity {result.fidelity['name']}{level} · status {result.status}"
+    yield Line(head, is_bold=True)
     if result.message:
-        first, *others = sentences(result.message)
-        yield Row(REMARK, first + f"; and {len(others)} more: --all" * bool(others))
+        yield Text(result.message)
+    summary = summary_grid(result)
+    rows = list(summary.rows)
+    for name in ("mesh_normal_force_drive", "mesh_normal_force_coast"):
+        if name in result.signals and result[name].size:
+            shown = SIGNALS[name].show(float(result[name].mean()))
+            rows.append((f"mean of {name}", shown, SIGNALS[name].long_name))
+    yield replace(summary, rows=rows)
+    if error := error_of_law(result):
+        yield Text(error.sentence)
+    counts = [
+        f"{COUNTERS[name].show(value)} of it in the solver"
+        if name == "solver_cpu"
+        else f"{value} {words(name)}"
+        for name, value in result.counters.items()
+    ]
+    yield Text(", ".join([f"{result.cpu_s:.3g} s of CPU time", *counts]))
+    yield from measured_text(compared)
+
+
+def summary_grid(result: Result) -> Grid:
+    """Every summary value with its bar and definition."""
+    rows = [(name, shown_metric(result, name), SUMMARY[name].long_name) for name in result.summary]
+    return Grid(("quantity", "value", "definition"), rows, vague=vague_rows(result))
+
+
+def measured_text(compared: "Sequence[AgainstMeasured] | None") -> Iterator[Block]:
+    """Metrics of the measured and the simulated torque, and how far the curves lie apart."""
+    from rps_exudyn.analysis.measured import NOTHING_TO_COMPARE
+
+    if compared is None:
+        return
+    yield Text("")
+    if not compared:
+        yield Text(NOTHING_TO_COMPARE)
+    for each in compared:
+        yield Grid(("quantity", "measured", "simulated"), each.rows, f"{each.heading}:")
+        yield Text(each.difference)
+
+
+DATA = (
+    *("scene", "status", "message", "codes", "fidelity", "summary", "errors", "counters", "geometry"),
+    *("cpu_s", "wall_s", "solver", "findings", "provenance"),
+)
+
+
+def result_as_dict(result: Result) -> dict[str, Any]:
+    """A result without its signals, in SI units."""
+    return {name: getattr(result, name) for name in DATA} | {"parameters": result.gear.model_dump()}
+
+
+def measured_as_dict(compared: "Sequence[AgainstMeasured] | None") -> dict[str, Any]:
+    """The comparisons with a measured torque, in SI units; {} if nothing was measured."""
+    if compared is None:
+        return {}
+    return {
+        "measured": [
+            {
+                "direction": each.direction,
+                "common_angle": list(each.angle_range),
+                "simulated_angle": list(each.simulated_range),
+                "measured": each.measured,
+                "simulated": each.simulated,
+                **differences(each.torque),
+            }
+            for each in compared
+        ]
+    }
+
+
+def differences(pair: "SignalPair") -> dict[str, float]:
+    """RMS and largest difference of two curves, and where it is."""
+    return {"rms": pair.rms, "largest": pair.largest, "pinion_angle": pair.angle}
 
 
 LINE = 66  # letters of a line of the terminal beside its heading
