@@ -16,7 +16,8 @@ from cyclopts import App, CycloptsError, UnusedCliTokensError
 
 from rps_exudyn.base.errors import InputError, unwrapped_interrupts
 from rps_exudyn.base.files import printable
-from rps_exudyn.cli.output import DONE, INTERRUPTED, WRONG_INPUT, say
+from rps_exudyn.base.interrupts import INTERRUPTED
+from rps_exudyn.cli.output import DONE, WRONG_INPUT, say
 
 COMMANDS = (
     *("run", "study", "show", "diff", "rerun", "geometry", "describe", "collect", "report", "fit"),

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from rps_exudyn.results.result import Result
     from rps_exudyn.results.sheet import Block, Sheet
 
-DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
-"""Exit statuses."""
+DONE, FAILED, WRONG_INPUT = 0, 1, 2
+"""Exit statuses, beside that of Ctrl-C."""
 
 UNBROKEN = ("quantity", "parameter", "value")
 """Columns that stay on one line, by their heads."""

@@ -12,9 +12,10 @@ from typing import Any
 from rps_exudyn.analysis.measured import compared_with_own
 from rps_exudyn.base.errors import InputError, as_sentence
 from rps_exudyn.base.files import write_json
+from rps_exudyn.base.interrupts import INTERRUPTED
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import Printing, SetupOptions
-from rps_exudyn.cli.output import DONE, INTERRUPTED, Files, command_line, naming, note, present
+from rps_exudyn.cli.output import DONE, Files, command_line, naming, note, present
 from rps_exudyn.inference.uncertainty.band import Band, band_of_runs
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.inference.uncertainty.quick_band import SCENE, quick_band

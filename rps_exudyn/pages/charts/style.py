@@ -16,7 +16,6 @@ from PIL import Image
 
 from rps_exudyn.base.files import PICTURES, check_writable, replacing
 from rps_exudyn.base.units import mm
-from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SIGNALS, Quantity
@@ -427,7 +426,7 @@ def head(figure: Figure, result: Result, subject: str, figures: Mapping[str, str
         f"{label} {rounded_metric(result, name)}" for name, label in figures.items() if name in result.summary
     ]
     failure = "" if result.status is Status.OK else f"{result.status}: {result.message}"
-    style.title(figure, f"{' · '.join(parts)}\n{about(result)}", failure)
+    title(figure, f"{' · '.join(parts)}\n{about(result)}", failure)
 
 
 def scene_of(result: Result) -> str:
