@@ -38,7 +38,7 @@ from rps_exudyn.scenes.checks.neglected_inertia import (
     with_inertia,
 )
 from rps_exudyn.scenes.error_bars import Metrics
-from rps_exudyn.scenes.run_maneuver import left_open
+from rps_exudyn.scenes.run_maneuver import drift_beside_travel
 from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.scenes.scene_run import Signals
 from rps_exudyn.scenes.sizes import size_of, sizes
@@ -187,7 +187,7 @@ def _inertia(
 
 def _open_cycle(masses: MovedMasses, signals: Signals, size: Terms) -> Terms:
     gain = float(masses.gain)
-    share = left_open(signals, gain)
+    share = drift_beside_travel(signals, gain)
     moved = float(np.ptp(transmission_error(signals, gain)))
     lost = {"lost_motion": moved, "lost_motion_angle": moved / gain}
     return {

@@ -48,7 +48,7 @@ WITHOUT_BARS = RunOptions(bars=False)
 
 
 @dataclass(frozen=True)
-class Turned:
+class SteadyRecord:
     """Records of a steady test; of many gears over the same instants signals have one more axis, the first,
     and numbers are arrays (n,).
 
@@ -81,9 +81,11 @@ class SteadyTest:
     """
 
     maneuvers: Callable[[SteeringGear, float, StepLimits], tuple[list[Maneuver], Maneuver | None]]
-    metrics: Callable[[Turned], dict[str, Any]]
+    metrics: Callable[[SteadyRecord], dict[str, Any]]
     curve: tuple[str, ...]
-    remarks: Callable[[Turned], list[list[Remark]]] = lambda turned: [[] for _ in range(np.size(turned.gain))]
+    remarks: Callable[[SteadyRecord], list[list[Remark]]] = lambda record: [
+        [] for _ in range(np.size(record.gain))
+    ]
     formulas: Callable[[SteeringGear], dict[str, float]] | None = None
 
 

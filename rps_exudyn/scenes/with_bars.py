@@ -27,7 +27,7 @@ from rps_exudyn.scenes.checks.rules import OF_BARS, VIBRATES, Seen, breaches
 from rps_exudyn.scenes.error_bars import FLOOR, Metrics, error_bars
 from rps_exudyn.scenes.ladder import gear_at, model_at
 from rps_exudyn.scenes.scene import RunOptions, Scene
-from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.scenes.scene_run import SceneRun, summed_cost
 
 FINE_SHARE = 2 / 3  # of the time of two levels, that the finer one takes
 GROWTH = 2.0  # at least, of CPU time from one level to the next
@@ -126,15 +126,10 @@ class Levels:
 
 def _described(run: SceneRun, level: int, companion: SceneRun | None = None) -> SceneRun:
     """Return a run with the level that it has, and what both runs took."""
-    both = [each.outcome for each in (run, companion) if each]
-    names = dict.fromkeys(name for each in both for name in each.counters)
-    outcome = replace(
-        run.outcome,
-        cpu_s=sum(each.cpu_s for each in both),
-        counters={name: sum(each.counters.get(name, 0) for each in both) for name in names},
-        findings={**run.outcome.findings, "level": level},
+    cost = summed_cost([each.outcome for each in (run, companion) if each])
+    return replace(
+        run, outcome=replace(run.outcome, findings={**run.outcome.findings, "level": level}, **cost)
     )
-    return replace(run, outcome=outcome)
 
 
 def metrics_of(run: SceneRun) -> Metrics:

@@ -18,7 +18,7 @@ from rps_exudyn.scenes.checks.after_run import ROUNDING
 from rps_exudyn.scenes.checks.before_run import largest_angle
 from rps_exudyn.scenes.checks.rules import IN_RECORD, Seen
 from rps_exudyn.scenes.maneuver import Maneuver
-from rps_exudyn.scenes.run_maneuver import CLOSED
+from rps_exudyn.scenes.run_maneuver import CYCLE_DRIFT_LIMIT
 from rps_exudyn.scenes.scene_run import Signals
 from rps_exudyn.solvers.equilibrium import Start
 from rps_exudyn.solvers.gear_forces import gear_forces
@@ -277,7 +277,7 @@ class FamilyRecord:
         force, offset = signals[self.force], self.records["mesh"]["flank"]["axis_offset"][:, None]
         seen = Seen(family.gear, signals=signals, axis_offset=offset, valid_to=family.series.forces.valid_to)
         drift = np.abs(force[:, -1] - force[:, 0]) / np.maximum(np.abs(force).max(axis=-1), ROUNDING)
-        allowed_drift = SAFE * CLOSED if family.periods > 1 else STEADY
+        allowed_drift = SAFE * CYCLE_DRIFT_LIMIT if family.periods > 1 else STEADY
         checks = (
             self.found,
             *(rule.within(seen, SAFE) for rule in IN_RECORD),

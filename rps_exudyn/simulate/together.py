@@ -26,7 +26,7 @@ from rps_exudyn.scenes.checks.rules import OF_BARS, Seen, refused, remarks
 from rps_exudyn.scenes.error_bars import error_bars
 from rps_exudyn.scenes.ladder import model_at
 from rps_exudyn.scenes.maneuver import StepLimits
-from rps_exudyn.scenes.scene import Scene, Turned
+from rps_exudyn.scenes.scene import Scene, SteadyRecord
 from rps_exudyn.scenes.scene_run import Signals, one_after_another
 from rps_exudyn.simulate.family import SAFE, Family, FamilyRecord, is_alike
 from rps_exudyn.solvers.many_gears import RUNOUT, RUNOUT_ANGLE, Table, packed, packed_table
@@ -331,10 +331,10 @@ class _Followed:
             counters=rows(self.counters),
         )
 
-    def turned(self, signals: Signals) -> Turned:
+    def turned(self, signals: Signals) -> SteadyRecord:
         """Return what a record of theirs shows."""
         family = self.common.families[0]
-        return Turned(family.gear, signals, self.beside, self.gain, self.load)
+        return SteadyRecord(family.gear, signals, self.beside, self.gain, self.load)
 
     def metrics(self, signals: Signals) -> dict[str, np.ndarray]:
         """Return the metrics of a record of theirs, (n,) each."""

@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rps_exudyn.analysis.passes import first_angle
+from rps_exudyn.analysis.passes import Signals, first_angle
 from rps_exudyn.forces.force_element import ENERGY_TERMS
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_limits import largest_lift
@@ -25,7 +25,6 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark, Status
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes.checks.predicted import least_profile_samples, widest_zone, work_in_zone
-from rps_exudyn.scenes.scene_run import Signals
 from rps_exudyn.solvers.record import Record, contact_disagreement
 from rps_exudyn.tooth_contact.mean_depth import mean_depth, rack_approach
 from rps_exudyn.tooth_contact.spheres import sphere_radius
