@@ -206,10 +206,15 @@ def _shaft_signals(
         for force, place in zip(applied, path.coordinates, strict=True)
     ]
     ends, energy = np.array([end for end, _ in rows]), np.array([energy for _, energy in rows])
-    steps = np.einsum("ti,ti->t", applied[1:] + applied[:-1], np.diff(ends, axis=0)) / 2
     signals = {f"shaft_force_{axis}": values for axis, values in zip(AT_SHAFT, applied.T, strict=True)}
     signals |= {f"shaft_end_{axis}": ends[:, i] for i, axis in enumerate(AT_SHAFT)}
-    return signals | {"work_load": np.concatenate([[0.0], np.cumsum(steps)]), SHAFT_ENERGY: energy}
+    return signals | {"work_load": _work_along(applied, ends), SHAFT_ENERGY: energy}
+
+
+def _work_along(forces: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return the work of forces (t, n) along places (t, n) from the first on, shape (t,) [J]."""
+    steps = np.einsum("ti,ti->t", forces[1:] + forces[:-1], np.diff(places, axis=0)) / 2
+    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def _tapped(gear: SteeringGear) -> SteeringGear:
@@ -246,12 +251,11 @@ def _signals(record: Record, loads: OutsideLoads, outside: np.ndarray, place: fl
     n = len(record.time)
     # rates mean nothing where time only counts: works are integrals over them, but for that of the loads
     signals = {name: values for name, values in signals_of(record).items() if not name.startswith("work_")}
-    steps = np.einsum("ti,ti->t", outside[1:] + outside[:-1], np.diff(record.coordinates, axis=0)) / 2
     rack = record.of("rack")
     signals |= {
         "end_force_y": loads.end_force[:n, 0],
         "end_force_z": loads.end_force[:n, 1],
-        "work_load": np.concatenate([[0.0], np.cumsum(steps)]),
+        "work_load": _work_along(outside, record.coordinates),
     }
     signals.setdefault("rack_end_y", rack[:, 1] + place * np.sin(rack[:, 5]))
     signals.setdefault("rack_end_z", rack[:, 2] - place * np.sin(rack[:, 4]))

@@ -32,7 +32,7 @@ from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state, pushing_force, runout_harmonics
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
 from rps_exudyn.solvers.gear_forces import accelerated, gear_forces
-from rps_exudyn.solvers.prescribed_motion import SetOff, Steady, Swing
+from rps_exudyn.solvers.prescribed_motion import SetOff, Steady, Swing, travel_per_radian
 from rps_exudyn.solvers.record import (
     COORDINATES,
     Record,
@@ -333,7 +333,7 @@ def by_formula(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, optio
         raise InputError("fidelity.solver is closed-form, which has no pulses; use generalized-alpha.")
     start = process_time()
     beyond = beyond_formulas(gear) or beyond_formulas_in(gear, maneuver)
-    signals = _turned(gear, maneuver) if maneuver.drive.body == "pinion" else _pushed(gear, maneuver)
+    signals = _mean_signals(gear, maneuver)
     outcome = Outcome(
         Status.INVALID if beyond else Status.OK,
         beyond,
@@ -364,41 +364,23 @@ def beyond_formulas_in(gear: SteeringGear, maneuver: Maneuver) -> str:
     return ""
 
 
-def _turned(gear: SteeringGear, maneuver: Maneuver) -> Signals:
-    time = maneuver.time[maneuver.lead :]
-    angle, rate = maneuver.drive.place(time), maneuver.drive.rate(time)
-    cosine, sine = runout_harmonics(gear)
-    phase = angle + gear.pinion.runout_angle
-    signals = _mean_signals(gear, maneuver, angle, rate, dict.fromkeys((-1, 1), maneuver.rack_load))
-    # what the runout does to friction turns with the direction, what it stores in the spring does not
-    signals["pinion_torque"] += np.sign(rate) * cosine * np.cos(phase) + sine * np.sin(phase)
-    signals["work_drive"] = integral_from_start(signals["pinion_torque"] * rate, time)
-    return signals
+def _mean_signals(gear: SteeringGear, maneuver: Maneuver) -> Signals:
+    """Signals of the mean forces, sense of motion by sense.
 
-
-def _pushed(gear: SteeringGear, maneuver: Maneuver) -> Signals:
+    Raises:
+        InputError: the rack is pushed, and the gear locks itself.
+    """
     time, gain = maneuver.time[maneuver.lead :], float(GearPair.of(gear).gain)
-    place, rate = maneuver.drive.place(time), maneuver.drive.rate(time)
-    force = {sense: pushing_force(gear, sense, maneuver.rack_load) for sense in (-1, 1)}
+    body, pull = maneuver.drive.body, maneuver.rack_load
+    travel = travel_per_radian(body, gain)
+    angle, rate = maneuver.drive.place(time) / travel, maneuver.drive.rate(time) / travel
+    force = {sense: pushing_force(gear, sense, pull) if body == "rack" else 0.0 for sense in (-1, 1)}
     if not np.isfinite(list(force.values())).all():
         raise InputError(
             f"the gear locks itself by closed-form: with mesh.friction {gear.mesh.friction:g} and "
             f"yoke.friction {gear.yoke.friction:g} no force on the rack turns the pinion."
         )
-    loads = {sense: maneuver.rack_load - force[sense] for sense in force}
-    signals = _mean_signals(gear, maneuver, place / gain, rate / gain, loads)
-    del signals["pinion_torque"]  # nothing but friction acts on the pinion
-    signals["rack_force"] = np.where(rate > 0, force[1], force[-1])
-    signals["work_drive"] = integral_from_start(signals["rack_force"] * rate, time)
-    return signals
-
-
-def _mean_signals(
-    gear: SteeringGear, maneuver: Maneuver, angle: np.ndarray, rate: np.ndarray, loads: dict[int, float]
-) -> Signals:
-    """Signals of the mean forces, sense of motion by sense; `loads` pull the rack towards -X in each [N]."""
-    time, gain = maneuver.time[maneuver.lead :], float(GearPair.of(gear).gain)
-    states = {sense: mean_state(gear, sense, load) for sense, load in loads.items()}
+    states = {sense: mean_state(gear, sense, pull - pushed) for sense, pushed in force.items()}
 
     def mean(name: str) -> np.ndarray:
         return np.where(rate > 0, getattr(states[1], name), getattr(states[-1], name))
@@ -420,9 +402,19 @@ def _mean_signals(
         "work_bush_friction": lost("bush_loss"),
         "work_bearing_friction": lost("bearing_loss"),
     }
-    if maneuver.rack_load:
-        signals["load_force"] = np.full_like(angle, maneuver.rack_load)
-        signals["work_load"] = -maneuver.rack_load * gain * (angle - angle[0])
+    if pull:
+        signals["load_force"] = np.full_like(angle, pull)
+        signals["work_load"] = -pull * gain * (angle - angle[0])
+    if body == "rack":
+        del signals["pinion_torque"]  # nothing but friction acts on the pinion
+        signals["rack_force"] = np.where(rate > 0, force[1], force[-1])
+    else:
+        # what the runout does to friction turns with the direction, what it stores in the spring does not
+        cosine, sine = runout_harmonics(gear)
+        phase = angle + gear.pinion.runout_angle
+        signals["pinion_torque"] += np.sign(rate) * cosine * np.cos(phase) + sine * np.sin(phase)
+    power = signals[maneuver.drive.signal] * maneuver.drive.rate(time)
+    signals["work_drive"] = integral_from_start(power, time)
     return signals
 
 

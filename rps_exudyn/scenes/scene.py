@@ -89,11 +89,6 @@ class SteadyTest:
     formulas: Callable[[SteeringGear], dict[str, float]] | None = None
 
 
-def turns_of_test(gear: SteeringGear) -> float:
-    """Return the revolutions that the test records one way."""
-    return gear.test.turns
-
-
 @dataclass(frozen=True, kw_only=True)
 class Scene:
     """One thing that the test rig does.
@@ -112,7 +107,8 @@ class Scene:
         has_impacts: whether its signals are pulses, which shift in time from level to level.
         at_test_speed: whether the rig moves at `test.speed`.
         test: its maneuvers and metrics, where many gears can be computed together.
-        revolutions: how often the pinion turns in a run one way; None where it does not turn.
+        revolutions: how often the pinion turns in a run one way, by default as in the test; None where it
+            does not turn.
         law: contact law that its metrics need, where the gear's is by-scene (`law_by_scene`).
 
     Examples:
@@ -134,7 +130,7 @@ class Scene:
     has_impacts: bool = False
     at_test_speed: bool = True
     test: SteadyTest | None = None
-    revolutions: Callable[[SteeringGear], float] | None = turns_of_test
+    revolutions: Callable[[SteeringGear], float] | None = lambda gear: gear.test.turns
     law: NeededLaw = "line"
 
     @property
@@ -145,12 +141,6 @@ class Scene:
         if self.steady:
             return "steady"
         return "stopping" if self.needs_inertia else "to and fro"
-
-    @property
-    def unit_of_cost(self) -> str:
-        """Return what the CPU time of a run is counted by: "revolution", or "run" where the pinion is
-        held."""
-        return "revolution" if self.revolutions else "run"
 
     def curve(
         self, signals: Mapping[str, np.ndarray], gear: SteeringGear, fidelity: Fidelity, name: str = ""

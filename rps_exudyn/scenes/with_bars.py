@@ -21,7 +21,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted, Remark
 from rps_exudyn.results.quantities import EXTREMES, MOTIONS, SPREADS
-from rps_exudyn.scenes.bar_terms import bar_terms, numbers_of
+from rps_exudyn.scenes.bar_terms import bar_terms
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses
 from rps_exudyn.scenes.checks.rules import OF_BARS, VIBRATES, Seen, breaches
 from rps_exudyn.scenes.error_bars import FLOOR, Metrics, error_bars
@@ -107,9 +107,8 @@ class Levels:
         if not run.signals:
             return run
         scene, fidelity, masses = self.scene, self.fidelity, MovedMasses.of(self.gear)
-        terms = bar_terms(
-            scene, fidelity, metrics_of(run), run.signals, run.summary, run.outcome.findings, masses
-        )
+        recorded = run.signals, run.summary, run.outcome.findings
+        terms, measured = bar_terms(scene, fidelity, metrics_of(run), *recorded, masses)
         self.terms[level] = terms
         found = dict.fromkeys(terms, np.nan) if bars is None else bars
         summed = {name: float(found.get(name, 0.0) + each) for name, each in terms.items()}
@@ -118,8 +117,7 @@ class Levels:
             run = run.noting(Remark(VIBRATES.code, vibration.sentence)).unsure_of(SPREADS | EXTREMES)
         errors |= dict.fromkeys(errors.keys() & run.unsure, np.nan)
         run = replace(run, errors=errors)
-        numbers = numbers_of(scene, fidelity, run.signals, run.summary, terms)
-        for breach in breaches(OF_BARS, Seen(self.gear, numbers=numbers)) if run.ok else ():
+        for breach in breaches(OF_BARS, Seen(self.gear, numbers=measured)) if run.ok else ():
             return run.invalid(breach.rule.code, breach.sentence)
         return run
 

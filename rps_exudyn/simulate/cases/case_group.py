@@ -21,7 +21,7 @@ from rps_exudyn.results.outcome import Status, each_once, joined_text
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.batch import Batch, as_outcome, batch
-from rps_exudyn.simulate.by_accuracy import Wanted, climb
+from rps_exudyn.simulate.by_accuracy import AccuracyGoal, climb
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.simulate.together import LEVEL
@@ -42,7 +42,7 @@ class CaseGroup:
     # path -> over what it varies in the whole study, whose cases are computed together; None: one by one
     ranges: Mapping[str, Sequence[float]] | None = None
     # what each climbs the ladder to, and its time limit [s]; None: one run with bars
-    goal: tuple[Wanted, float] | None = None
+    goal: tuple[AccuracyGoal, float] | None = None
 
     def records(self) -> list[CaseRecord]:
         """Return the record of each case.
