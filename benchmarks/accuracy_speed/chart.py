@@ -106,9 +106,7 @@ def _draw_panel(axes: Axes, title: str, measurement: Measurement, families: set[
     for wanted in WANTED:
         if low <= wanted <= high:
             axes.axvline(wanted, **style.REFERENCE_LINE)
-    axes.set_ylabel(
-        f"CPU time [s per {'revolution' if scene_named(measurement.scene).revolutions else 'run'}]"
-    )
+    axes.set_ylabel(f"CPU time [s per {scene_named(measurement.scene).unit_of_cost}]")
     _legend_beside(axes)
 
 

@@ -142,6 +142,12 @@ class Scene:
             return "steady"
         return "stopping" if self.needs_inertia else "to and fro"
 
+    @property
+    def unit_of_cost(self) -> str:
+        """Return what the CPU time of a run is counted by: "revolution", or "run" where the pinion is
+        held."""
+        return "revolution" if self.revolutions else "run"
+
     def curve(
         self, signals: Mapping[str, np.ndarray], gear: SteeringGear, fidelity: Fidelity, name: str = ""
     ) -> Curve:

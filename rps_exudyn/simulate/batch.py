@@ -7,7 +7,7 @@
 Every row ends as a single run of that gear would: same equations, statuses, messages and figures.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
@@ -250,9 +250,4 @@ def _row(scene: str, gear: SteeringGear, settings: Mapping[str, Any], fidelity: 
         varied = gear.replace(settings)
     except InputError as error:  # a value that is not allowed
         return failed(scene, gear, fidelity, Status.INVALID, " ".join(error.problems))
-    return as_outcome(partial(simulate, scene, varied, fidelity), scene, varied, fidelity)
-
-
-def as_outcome(run: Callable[[], Result], scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
-    """Return the result of a run; what goes wrong is its outcome."""
-    return answer_to(Task(run), float("inf")).result(scene, gear, fidelity)
+    return answer_to(Task(partial(simulate, scene, varied, fidelity))).result(scene, varied, fidelity)

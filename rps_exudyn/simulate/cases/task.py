@@ -131,7 +131,7 @@ class Executor(Protocol):
         """Do tasks, taken from the iterator as needed; answers come in the order in which the tasks end."""
 
 
-def answer_to(task: Task, time_limit: float) -> Answer:
+def answer_to(task: Task, time_limit: float = float("inf")) -> Answer:
     """Do a task in this process; the time limit in seconds.
 
     Raises:
