@@ -1,6 +1,10 @@
 """Small studies, and a stand-in for simulation in worker processes, for tests of the runner."""
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
+
+from rps_exudyn.simulate.cases.task import Answer, Task, answer_to
 
 GRID = """
 scene = "free-pinion-torque"
@@ -52,6 +56,19 @@ class Levels:  # which made-up signals do not have
 run_plan.Levels = Levels
 '''
 """A sitecustomize.py, which Python imports when it starts: workers then simulate nothing."""
+
+
+@dataclass(frozen=True)
+class Here:
+    """An executor: does tasks one after the other in this process."""
+
+    time_limit: float = float("inf")
+    workers: int = 1
+    group_seconds: float = 2.0
+
+    def run(self, tasks: Iterator[Task]) -> Iterator[tuple[Task, Answer]]:
+        for task in tasks:
+            yield task, answer_to(task, self.time_limit)
 
 
 def write_stand_in(folder: Path) -> Path:

@@ -29,7 +29,7 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import LOST_MOTIONS, SPREADS
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.law_by_scene import with_law
-from rps_exudyn.scenes.run_maneuver import left_open
+from rps_exudyn.scenes.run_maneuver import drift_beside_travel
 from rps_exudyn.scenes.scene import WITHOUT_BARS
 from rps_exudyn.scenes.yoke_impact import shaken
 from rps_exudyn.simulate.run_plan import run_unchecked
@@ -165,7 +165,7 @@ def _by_solver(plan: ScenePlan, solver: str) -> tuple[dict[str, tuple[float, flo
     first, coarse, fine = (run.summary for run in runs)
     # steps as given record a first cycle, from which a lost motion may go on to wander
     gain = float(GearPair.of(plan.gear).gain)
-    if swings and left_open(dict(runs[-1].signals), gain) > SETTLED:
+    if swings and drift_beside_travel(dict(runs[-1].signals), gain) > SETTLED:
         fine = {name: value for name, value in fine.items() if name not in LOST_MOTIONS}
 
     def doubt(name: str) -> float:

@@ -19,7 +19,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.scenes import SCENE_NAMES, scene_named
-from rps_exudyn.simulate.by_accuracy import Wanted, climb
+from rps_exudyn.simulate.by_accuracy import AccuracyGoal, climb
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.solvers.temperature_and_wear import tested_gear
 from verification.sampler import REACHES
@@ -55,7 +55,7 @@ def outcome_of(number: int, done: Callable[[dict[str, Any]], None] = lambda foun
     figure, results = scene_named(plan.scene).figure, {}
     for wanted in WANTED:
         try:
-            result = climb(plan.scene, plan.gear, Wanted.of(f"{wanted:g}%"), TimeLimit(CLIMB_LIMIT))
+            result = climb(plan.scene, plan.gear, AccuracyGoal.of(f"{wanted:g}%"), TimeLimit(CLIMB_LIMIT))
         except InputError as error:
             return found | {"status": "input-error", "message": str(error)}
         found |= {"status": result.status.value, "message": result.message, "seconds": process_time() - begun}

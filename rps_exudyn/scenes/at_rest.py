@@ -21,13 +21,15 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Status
+from rps_exudyn.scenes.checks.before_run import check_travel
 from rps_exudyn.scenes.ladder import MOST_MODES, MOST_STATIONS
+from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, lost, outcome_of_path
 from rps_exudyn.solvers.balance import SIZE, Balance
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
-from rps_exudyn.solvers.prescribed_motion import Drive
+from rps_exudyn.solvers.prescribed_motion import Drive, DrivenBody, Steady, travel_per_radian
 from rps_exudyn.solvers.record import Record, record_of_path, signals_of
 
 PAUSE = 1e7  # from load to load [s]: friction of a rack that moves by 0.1 mm meanwhile is 1e-5 of sliding
@@ -110,11 +112,29 @@ def bending(fidelity: Fidelity) -> Fidelity:
 
 
 def run_at_rest(
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    body: DrivenBody,
+    loads: OutsideLoads,
+    options: RunOptions,
+    metrics: Callable[[Signals], dict[str, float]],
+) -> SceneRun:
+    """Find the equilibria under the loads, a body held at the test's start angle.
+
+    Raises:
+        InputError: the start lies beyond the rack's teeth.
+    """
+    start = gear.test.start_angle
+    check_travel(gear, (start,), "test.start_angle")
+    drive = Steady(body, travel_per_radian(body, float(GearPair.of(gear).gain)) * start, 0.0)
+    run = _equilibria(_tapped(gear), fidelity, drive, loads, options)
+    return run.described(lambda signals: {**metrics(signals), **balance(signals)}, gear)
+
+
+def _equilibria(
     gear: SteeringGear, fidelity: Fidelity, drive: Drive, loads: OutsideLoads, options: RunOptions
 ) -> SceneRun:
-    """Find the equilibria under the loads, the drive's body held, by stations enough to show small motions;
-    the run has no summary yet."""
-    gear = _tapped(gear)
+    """Find the equilibria under the loads by stations enough to show small motions."""
     if gear.rack.modes:
         gear = gear.replace({"rack.modes": max(gear.rack.modes, min(options.finer(LEAST_MODES), MOST_MODES))})
     asked = fidelity.strip_stations
@@ -186,10 +206,15 @@ def _shaft_signals(
         for force, place in zip(applied, path.coordinates, strict=True)
     ]
     ends, energy = np.array([end for end, _ in rows]), np.array([energy for _, energy in rows])
-    steps = np.einsum("ti,ti->t", applied[1:] + applied[:-1], np.diff(ends, axis=0)) / 2
     signals = {f"shaft_force_{axis}": values for axis, values in zip(AT_SHAFT, applied.T, strict=True)}
     signals |= {f"shaft_end_{axis}": ends[:, i] for i, axis in enumerate(AT_SHAFT)}
-    return signals | {"work_load": np.concatenate([[0.0], np.cumsum(steps)]), SHAFT_ENERGY: energy}
+    return signals | {"work_load": _work_along(applied, ends), SHAFT_ENERGY: energy}
+
+
+def _work_along(forces: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return the work of forces (t, n) along places (t, n) from the first on, shape (t,) [J]."""
+    steps = np.einsum("ti,ti->t", forces[1:] + forces[:-1], np.diff(places, axis=0)) / 2
+    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def _tapped(gear: SteeringGear) -> SteeringGear:
@@ -226,12 +251,11 @@ def _signals(record: Record, loads: OutsideLoads, outside: np.ndarray, place: fl
     n = len(record.time)
     # rates mean nothing where time only counts: works are integrals over them, but for that of the loads
     signals = {name: values for name, values in signals_of(record).items() if not name.startswith("work_")}
-    steps = np.einsum("ti,ti->t", outside[1:] + outside[:-1], np.diff(record.coordinates, axis=0)) / 2
     rack = record.of("rack")
     signals |= {
         "end_force_y": loads.end_force[:n, 0],
         "end_force_z": loads.end_force[:n, 1],
-        "work_load": np.concatenate([[0.0], np.cumsum(steps)]),
+        "work_load": _work_along(outside, record.coordinates),
     }
     signals.setdefault("rack_end_y", rack[:, 1] + place * np.sin(rack[:, 5]))
     signals.setdefault("rack_end_z", rack[:, 2] - place * np.sin(rack[:, 4]))

@@ -27,7 +27,6 @@ from rps_exudyn.results.quantities import (
     SUMMARY,
     WANDERING,
 )
-from rps_exudyn.scenes.checks.after_run import least_work
 from rps_exudyn.scenes.checks.neglected_inertia import (
     FREE_OF_RANGES,
     FREE_OF_SHARES,
@@ -37,7 +36,7 @@ from rps_exudyn.scenes.checks.neglected_inertia import (
     with_inertia,
 )
 from rps_exudyn.scenes.error_bars import Metrics
-from rps_exudyn.scenes.run_maneuver import left_open
+from rps_exudyn.scenes.run_maneuver import drift_beside_travel
 from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.scenes.scene_run import Signals
 from rps_exudyn.scenes.sizes import size_of, sizes
@@ -57,6 +56,8 @@ MODEL_BIAS = {"closed-form": 0.02, "general-contact": 0.003}
 """Model -> share of forces by which it may differ from equilibria with lines of contact: means of gears by
 formulas differ by 1.7 % at most, those of spheres by 0.3 %. Formulas leave out whatever varies."""
 
+MISSED_TORQUE = 1e-3  # whose work is none: a gear without friction takes none [N m]
+ROUNDING = 1e-9  # of the works of a gear that nothing moves [J]
 MATTERS = 0.05  # of a range or of a share, that inertia changes at its limits of `neglected_inertia`
 MAGNIFIED = 5  # times the same most of the time, that forces change: a rack that swings on yoke and teeth
 
@@ -71,46 +72,32 @@ def bar_terms(
     values: Mapping[str, Any],
     findings: Mapping[str, Any],
     masses: MovedMasses,
-) -> dict[str, Any]:
-    """Return the sum of all terms of each metric's bar, in its unit; arguments as of `error_bars`, what the
-    run found out about its start, and the masses that it moves."""
-    of_run = sizes(signals, values)
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the sum of all terms of each metric's bar, in its unit, and what the rules of bars measure;
+    numbers, or of many gears (n,).
+
+    Arguments as of `error_bars`, what the run found out about its start, and the masses that it moves.
+    """
+    of_run, missing = sizes(signals, values), _missing_share(signals)
+    leaves_inertia_out = scene.steady and fidelity.solver == "equilibrium"
     size = {name: size_of(name, values[name], of_run) for name in values if SUMMARY[name].simulated}
     total: dict[str, Any] = dict.fromkeys(size, 0.0)
     terms = [
         _model(fidelity, size, of_run),
-        _work(signals, size),
+        _work(signals, missing, size),
         _start(findings, size, of_run),
-        *([_inertia(masses, metrics, signals, values, size)] if leaves_inertia_out(scene, fidelity) else []),
+        *([_inertia(masses, metrics, signals, values, size)] if leaves_inertia_out else []),
         *([_open_cycle(masses, signals, size)] if scene.swings else []),
     ]
     for term in terms:
         for name, share in term.items():
             total[name] = total[name] + share
-    return total
-
-
-def leaves_inertia_out(scene: Scene, fidelity: Fidelity) -> bool:
-    """Return whether equilibria follow a steady motion."""
-    return scene.steady and fidelity.solver == "equilibrium"
-
-
-def moved_by_inertia(scene: Scene, signals: Signals, values: Mapping[str, Any], terms: Terms) -> Any:
-    """Return the share of the scene's main metric, or of the forces of its run, that the terms are; a number,
-    or of many gears (n,)."""
-    unit, figure = SUMMARY[scene.figure].unit, values.get(scene.figure, 0.0)
-    size = np.maximum(np.abs(figure), sizes(signals, values).get(unit, 0.0))
-    return terms.get(scene.figure, 0.0) / np.where(size > 0, size, np.inf)
-
-
-def numbers_of(
-    scene: Scene, fidelity: Fidelity, signals: Signals, values: Mapping[str, Any], terms: Terms
-) -> dict[str, Any]:
-    """Return what the rules of bars measure; numbers, or of many gears (n,)."""
-    inertia = leaves_inertia_out(scene, fidelity)
-    return {"work_missing": missing_share(signals)} | (
-        {"moved_by_inertia": moved_by_inertia(scene, signals, values, terms)} if inertia else {}
-    )
+    measured = {"work_missing": missing}
+    if leaves_inertia_out:  # the share of the main metric, or of the forces of its run, that the terms are
+        unit, figure = SUMMARY[scene.figure].unit, values.get(scene.figure, 0.0)
+        main = np.maximum(np.abs(figure), of_run.get(unit, 0.0))
+        measured["moved_by_inertia"] = total.get(scene.figure, 0.0) / np.where(main > 0, main, np.inf)
+    return total, measured
 
 
 def _model(fidelity: Fidelity, size: Terms, of_run: Terms) -> Terms:
@@ -121,13 +108,13 @@ def _model(fidelity: Fidelity, size: Terms, of_run: Terms) -> Terms:
     }
 
 
-def _work(signals: Signals, size: Terms) -> Terms:
+def _work(signals: Signals, missing: Any, size: Terms) -> Terms:
     edges = np.abs(signals.get("work_mesh_edges", np.zeros(1))[..., -1])
-    share = missing_share(signals) + _share(edges, signals)
+    share = missing + _share(edges, signals)
     return {name: share * each for name, each in size.items()}
 
 
-def missing_share(signals: Signals) -> Any:
+def _missing_share(signals: Signals) -> Any:
     """Return the share of the work that is missing in its balance; a number, or of many gears (n,)."""
     return _share(np.abs(missing_work(signals)), signals) if "stored_energy" in signals else 0.0
 
@@ -136,7 +123,7 @@ def _share(work: Any, signals: Signals) -> Any:
     """Return work over what drive or load did, 0 of so little that it is none."""
     if "pinion_angle" not in signals:
         return 0.0
-    least = least_work(signals)
+    least = MISSED_TORQUE * np.abs(np.diff(signals["pinion_angle"])).sum(axis=-1) + ROUNDING
     return (np.where(work > least, work, 0.0) / np.maximum(largest_work(signals), least))[()]
 
 
@@ -186,7 +173,7 @@ def _inertia(
 
 def _open_cycle(masses: MovedMasses, signals: Signals, size: Terms) -> Terms:
     gain = float(masses.gain)
-    share = left_open(signals, gain)
+    share = drift_beside_travel(signals, gain)
     moved = float(np.ptp(transmission_error(signals, gain)))
     lost = {"lost_motion": moved, "lost_motion_angle": moved / gain}
     return {

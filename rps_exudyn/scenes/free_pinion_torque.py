@@ -3,31 +3,14 @@
 One way over `test.turns`, there and back, or lock to lock and back (`test.path`).
 """
 
-from rps_exudyn.parameters.fidelity import Fidelity
+from functools import partial
+
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.checks.rules import remarks
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.metrics import figures_of_turning
-from rps_exudyn.scenes.run_maneuver import run_maneuver
-from rps_exudyn.scenes.scene import RunOptions, Scene, SteadyTest
-from rps_exudyn.scenes.scene_run import SceneRun, Signals
+from rps_exudyn.scenes.run_maneuver import run_steady
+from rps_exudyn.scenes.scene import Scene, SteadyTest
 from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state
-
-
-def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
-    """Turn the pinion and record.
-
-    Raises:
-        InputError: the test leaves the rack's teeth.
-    """
-    maneuvers, _ = TEST.maneuvers(gear, fidelity.step_angle, options.least_steps)
-    formula = _by_formula(gear)
-
-    def metrics(signals: Signals) -> dict[str, float]:
-        return {**figures_of_turning(signals, gear), **formula}
-
-    run = run_maneuver(gear, fidelity, maneuvers, options).described(metrics)
-    return run.noting(*remarks(gear, run.signals))
 
 
 def _by_formula(gear: SteeringGear) -> dict[str, float]:
@@ -38,7 +21,7 @@ def _by_formula(gear: SteeringGear) -> dict[str, float]:
 
 TEST = SteadyTest(
     maneuvers=lambda gear, step_angle, least: (maneuvers_of_test(gear, "pinion", step_angle, least), None),
-    metrics=lambda turned: figures_of_turning(turned.signals, turned.gear, turned.gain),
+    metrics=lambda record: figures_of_turning(record.signals, record.gear, record.gain),
     curve=("time", "pinion_angle", "pinion_torque"),
     formulas=_by_formula,
 )
@@ -46,7 +29,7 @@ TEST = SteadyTest(
 SCENE = Scene(
     name="free-pinion-torque",
     title="Free pinion torque",
-    run=free_pinion_torque,
+    run=partial(run_steady, TEST),
     signal="pinion_torque",
     figure="torque_mean",
     chart="torque",

@@ -13,12 +13,8 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.at_rest import AT_SHAFT, OutsideLoads, run_at_rest, to_and_fro
-from rps_exudyn.scenes.checks.before_run import check_travel
-from rps_exudyn.scenes.checks.rules import remarks
-from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.solvers.prescribed_motion import Steady
 
 STEPS = 10  # from no force to the largest
 PLAYS = {"radial": AT_SHAFT[:2], "axial": AT_SHAFT[2:]}
@@ -36,7 +32,6 @@ def input_shaft_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions
             f"fidelity.pinion is {fidelity.pinion}, fidelity.mesh {fidelity.mesh} and fidelity.solver "
             f"{fidelity.solver}; input-shaft-play needs a supported pinion, flank contact and no closed form."
         )
-    check_travel(gear, (gear.test.start_angle,), "test.start_angle")
     chosen = chosen.with_condensed_chain()
     across = to_and_fro(gear.test.shaft_force, options.finer(STEPS))
     along = to_and_fro(gear.test.shaft_axial_force, options.finer(STEPS))
@@ -44,11 +39,7 @@ def input_shaft_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions
     force[1 : 1 + len(across), 1] = across
     force[len(across) : 2 * len(across), 0] = across
     force[2 * len(across) - 1 :, 2] = along
-    drive = Steady("pinion", gear.test.start_angle, 0.0)
-    run = run_at_rest(gear, chosen, drive, OutsideLoads.of_shaft(force), options)
-    return run.noting(*remarks(gear, run.signals)).described(
-        lambda signals: {**shaft_figures(signals), **balance(signals)}
-    )
+    return run_at_rest(gear, chosen, "pinion", OutsideLoads.of_shaft(force), options, shaft_figures)
 
 
 def shaft_figures(signals: Signals) -> dict[str, float]:

@@ -16,11 +16,10 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted, Remark
-from rps_exudyn.scenes.checks.rules import remarks
 from rps_exudyn.scenes.maneuver import Maneuver, StepLimits, maneuvers_of_test
 from rps_exudyn.scenes.metrics import figures_of_motion
 from rps_exudyn.scenes.run_maneuver import run_maneuver
-from rps_exudyn.scenes.scene import RunOptions, Scene, SteadyTest, Turned
+from rps_exudyn.scenes.scene import RunOptions, Scene, SteadyRecord, SteadyTest
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.closed_form import GRAVITY, unloading_force
 
@@ -47,16 +46,14 @@ def load_test(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
         message = f"without the weight: {unloaded.outcome.message}"
         return replace(loaded, outcome=replace(unloaded.outcome, message=message))
     gain = float(GearPair.of(gear).gain)
-    turned = Turned(gear, loaded.signals, unloaded.signals, gain, weight)
-    (further,) = _remarks(turned)
-    wants_face = fidelity.bends_teeth
+    record = SteadyRecord(gear, loaded.signals, unloaded.signals, gain, weight)
+    (further,) = _remarks(record)
 
     def metrics(signals: Signals) -> dict[str, float]:
-        on_face = face_loading(gear, signals) if wants_face else {}
-        return _metrics(replace(turned, signals=signals)) | on_face
+        on_face = face_loading(gear, signals) if fidelity.bends_teeth else {}
+        return _metrics(replace(record, signals=signals)) | on_face
 
-    run = loaded.described(metrics)
-    return run.noting(*remarks(gear, run.signals), *further)
+    return loaded.described(metrics, gear).noting(*further)
 
 
 def _maneuvers(
@@ -69,23 +66,21 @@ def _maneuvers(
     return [maneuver.under(weight) for maneuver in maneuvers], maneuvers[0]
 
 
-def _load_test(turned: Turned) -> LoadTest:
-    pitch = 2 * np.pi / turned.gear.pinion.teeth
-    free_torque = free_torque_of(turned.beside, pitch)
-    return measured_load_test(
-        oriented(turned.signals, turned.gear), turned.load, turned.gain, free_torque, pitch
-    )
+def _load_test(record: SteadyRecord) -> LoadTest:
+    pitch, signals = 2 * np.pi / record.gear.pinion.teeth, oriented(record.signals, record.gear)
+    free_torque = free_torque_of(record.beside, pitch)
+    return measured_load_test(signals, record.load, record.gain, free_torque, pitch)
 
 
-def _metrics(turned: Turned) -> dict[str, float]:
+def _metrics(record: SteadyRecord) -> dict[str, float]:
     """Efficiencies, and what any gear in motion shows."""
-    of_motion = figures_of_motion(turned.signals, turned.gear, turned.gain)
-    return {**describe_load_test(_load_test(turned)), **of_motion}
+    of_motion = figures_of_motion(record.signals, record.gear, record.gain)
+    return {**describe_load_test(_load_test(record)), **of_motion}
 
 
-def _remarks(turned: Turned) -> list[list[Remark]]:
+def _remarks(record: SteadyRecord) -> list[list[Remark]]:
     """Remarks on numbers that are no efficiencies, a list for each gear."""
-    test = _load_test(turned)
+    test = _load_test(record)
     columns = test.load, test.ideal_torque, test.torque_forward, test.torque_reverse, test.free_torque
     rows = np.stack(np.broadcast_arrays(*columns), axis=-1).reshape(-1, len(columns))
     return [list(LoadTest(*row).remarks()) for row in rows.tolist()]

@@ -93,9 +93,8 @@ class Maneuver:
     @property
     def is_steady(self) -> bool:
         """True if everything slides at a constant speed."""
-        if isinstance(self.drive, SetOff):
-            return False
-        return isinstance(self.drive, Steady) and self.drive.speed != 0
+        drive = self.drive
+        return isinstance(drive, Steady) and not isinstance(drive, SetOff) and drive.speed != 0
 
     def under(self, load: float) -> "Maneuver":
         """Return the same with a load that pulls the rack's end towards -X [N]."""
@@ -105,7 +104,8 @@ class Maneuver:
         """Return the same swing with so many more cycles before its record."""
         assert isinstance(self.drive, Swing | WheelTorque)
         steps = round(self.drive.period / self.time_step)
-        divided = merged(self.divided + cycles * last_of(self.divided, steps))
+        last_cycle = first_of(self.divided[::-1], steps)[::-1]
+        divided = merged(self.divided + cycles * last_cycle)
         return replace(self, lead=self.lead + cycles * steps, divided=divided)
 
     def halved(self, times: int) -> "Maneuver":
@@ -144,10 +144,8 @@ def steady_maneuver(
 ) -> Maneuver:
     """Return the motion between two pinion angles [rad] at the test's speed.
 
-    Steps are of at most `step_angle` [rad].
-
-    `body` is the one that the rig moves; the rack moves as far and as fast as it would with the pinion.
-    A maneuver over whole periods of the gear gets the same steps in each of them.
+    Steps are of at most `step_angle` [rad]. `body` is the one that the rig moves; the rack moves as far and
+    as fast as it would with the pinion. Each of the gear's whole periods gets the same steps.
 
     Raises:
         InputError: it leaves the rack's teeth.
@@ -157,23 +155,15 @@ def steady_maneuver(
     periods, at_least = (whole, least.per_period) if whole else (1, least.of_part)
     piece = abs(last - first) / periods
     per_piece = max(at_least, even(piece / step_angle * (1 - 1e-12)))
-    step = piece / per_piece
+    step, speed = piece / per_piece, gear.test.speed
     lead, sense = even(RUN_IN / step), float(np.sign(last - first))
     start = first - sense * lead * step
     scale = travel_per_radian(body, float(GearPair.of(gear).gain))
-    drive = Steady(body, scale * start, scale * sense * gear.test.speed)
+    drive = Steady(body, scale * start, scale * sense * speed)
     pitch, toothed = 2 * np.pi / gear.pinion.teeth, max(0.0, largest_angle(gear) + sense * start)
-    return Maneuver(
-        drive,
-        step / gear.test.speed,
-        lead,
-        per_piece * periods,
-        periods,
-        approach=SteadyApproach(
-            pitch / gear.test.speed, toothed / gear.test.speed, step=step / gear.test.speed
-        ),
-        closes=whole is not None,
-    )
+    approach = SteadyApproach(pitch / speed, toothed / speed, step=step / speed)
+    steps, closes = per_piece * periods, whole is not None
+    return Maneuver(drive, step / speed, lead, steps, periods, approach=approach, closes=closes)
 
 
 def even(steps: float) -> int:
@@ -213,19 +203,16 @@ def swing_maneuver(
     """
     test = gear.test
     ends = test.start_angle - test.amplitude, test.start_angle + test.amplitude
-    check_travel(
-        gear,
-        ends,
-        f"test.amplitude = {degrees_shown(test.amplitude)} about {degrees_shown(test.start_angle)}",
-    )
+    swept = f"test.amplitude = {degrees_shown(test.amplitude)} about {degrees_shown(test.start_angle)}"
+    check_travel(gear, ends, swept)
     drive = Swing(body, test.start_angle, test.amplitude, test.direction * test.speed)
     per_cycle = 8 * int(np.ceil(max(drive.period * test.speed / step_angle, LEAST_PER_CYCLE) / 8))
     time_step = drive.period / per_cycle
     lead = min(even(RUN_IN / test.speed / time_step), per_cycle)
     steps = per_cycle * test.cycles
     divided = _divided_after_turns(drive, per_cycle, lead + steps, yielding + bristle_reversal_angle(gear))
-    swept = 2 * test.amplitude * gear.pinion.teeth / (2 * np.pi)  # tooth pitches in half a cycle
-    before = even(max(LEAST_BEFORE, PER_PITCH_BEFORE * swept))
+    pitches = 2 * test.amplitude * gear.pinion.teeth / (2 * np.pi)  # in half a cycle
+    before = even(max(LEAST_BEFORE, PER_PITCH_BEFORE * pitches))
     approach = SwingApproach(drive.period / 2, before)
     return Maneuver(drive, time_step, lead, steps, approach=approach, closes=True, divided=divided)
 
@@ -246,11 +233,6 @@ def first_of(divided: Division, steps: int) -> Division:
     ends = np.minimum(np.cumsum([each for each, _ in divided]), steps)
     lengths = np.diff(ends, prepend=0).tolist()
     return tuple((length, parts) for length, (_, parts) in zip(lengths, divided, strict=True) if length)
-
-
-def last_of(divided: Division, steps: int) -> Division:
-    """Return the last steps of a division."""
-    return first_of(divided[::-1], steps)[::-1]
 
 
 def merged(divided: Division) -> Division:

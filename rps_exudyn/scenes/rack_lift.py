@@ -8,16 +8,11 @@ clearance.
 
 import numpy as np
 
-from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.at_rest import OutsideLoads, bending, run_at_rest, to_and_fro
-from rps_exudyn.scenes.checks.before_run import check_travel
-from rps_exudyn.scenes.checks.rules import remarks
-from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.solvers.prescribed_motion import Steady
 from rps_exudyn.solvers.yoke_stop import lift_of_torque
 
 STEPS = 40  # from no torque to the largest
@@ -29,17 +24,13 @@ def rack_lift(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     Raises:
         InputError: a model in which the rack has no freedom in its guides, or a start beyond its teeth.
     """
-    check_travel(gear, (gear.test.start_angle,), "test.start_angle")
     torque = to_and_fro(gear.test.lift_torque, options.finer(STEPS))
-    drive = Steady("rack", float(GearPair.of(gear).gain) * gear.test.start_angle, 0.0)
-    run = run_at_rest(gear, bending(fidelity), drive, OutsideLoads.of_torque(torque), options)
-    return run.noting(*remarks(gear, run.signals)).described(
-        lambda signals: {
-            **lift_figures(signals),
-            "rack_lift_closed_form": lift_of_torque(gear, gear.test.lift_torque),
-            **balance(signals),
-        }
-    )
+    formula = {"rack_lift_closed_form": lift_of_torque(gear, gear.test.lift_torque)}
+
+    def metrics(signals: Signals) -> dict[str, float]:
+        return lift_figures(signals) | formula
+
+    return run_at_rest(gear, bending(fidelity), "rack", OutsideLoads.of_torque(torque), options, metrics)
 
 
 def lift_figures(signals: Signals) -> dict[str, float]:

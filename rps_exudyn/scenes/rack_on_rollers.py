@@ -6,15 +6,14 @@ that neither rubs, nor runs out, nor has bearings that rub (`on_rollers`); frict
 out.
 """
 
-from rps_exudyn.parameters.fidelity import Fidelity
+from dataclasses import replace
+
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.checks.rules import remarks
-from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.metrics import figures_of_motion
+from rps_exudyn.scenes.rack_push import TEST as RACK_PUSH
 from rps_exudyn.scenes.rack_push import push_figures
-from rps_exudyn.scenes.run_maneuver import run_maneuver
-from rps_exudyn.scenes.scene import RunOptions, Scene
-from rps_exudyn.scenes.scene_run import SceneRun, Signals
+from rps_exudyn.scenes.run_maneuver import run_steady
+from rps_exudyn.scenes.scene import Scene, SteadyRecord
 
 _WITHOUT = (
     "mesh.friction", "bearing.friction_torque", "pinion.runout", "pinion.pitch_error", "pinion.profile_slope",
@@ -27,27 +26,18 @@ def on_rollers(gear: SteeringGear) -> SteeringGear:
     return gear.replace(dict.fromkeys(_WITHOUT, 0.0) | {"pinion.pitch_errors": "none"})
 
 
-def rack_on_rollers(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
-    """Push the rack over the rollers and record.
+def _metrics(record: SteadyRecord) -> dict[str, float]:
+    force = push_figures(record.signals)["push_force_mean"]
+    return {"roller_force_mean": force, **figures_of_motion(record.signals, record.gear, record.gain)}
 
-    Raises:
-        InputError: the test leaves the rack's teeth.
-    """
-    carried = on_rollers(gear)
-    maneuvers = maneuvers_of_test(carried, "rack", fidelity.step_angle, options.least_steps)
 
-    def metrics(signals: Signals) -> dict[str, float]:
-        force = push_figures(signals)["push_force_mean"]
-        return {"roller_force_mean": force, **figures_of_motion(signals, carried)}
-
-    run = run_maneuver(carried, fidelity, maneuvers, options).described(metrics)
-    return run.noting(*remarks(carried, run.signals))
+TEST = replace(RACK_PUSH, metrics=_metrics)
 
 
 SCENE = Scene(
     name="rack-on-rollers",
     title="Rack on rollers: force",
-    run=rack_on_rollers,
+    run=lambda gear, fidelity, options: run_steady(TEST, on_rollers(gear), fidelity, options),
     signal="rack_force",
     figure="roller_force_mean",
     chart="rack_push",

@@ -12,12 +12,8 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.at_rest import OutsideLoads, bending, run_at_rest, to_and_fro
-from rps_exudyn.scenes.checks.before_run import check_travel
-from rps_exudyn.scenes.checks.rules import remarks
-from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.solvers.prescribed_motion import Steady
 
 STEPS = 10  # from no force to the largest
 WAYS = {"y": ("up", "down"), "z": ("side", "other_side")}  # of the force along each axis: its plus, its minus
@@ -35,15 +31,11 @@ def radial_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
         InputError: a model in which the rack has no freedom in its guides, or a start beyond its teeth.
     """
     chosen = bending(fidelity)
-    check_travel(gear, (gear.test.start_angle,), "test.start_angle")
     force = to_and_fro(gear.test.play_force, options.finer(STEPS))
     still = np.zeros_like(force)
     along = np.concatenate([np.stack([force, still], 1), np.stack([still, force], 1)[1:]])
-    drive = Steady("pinion", gear.test.start_angle, 0.0)
-    run = run_at_rest(gear, chosen, drive, OutsideLoads.of_end_force(along), options)
-    return run.noting(*remarks(gear, run.signals), None if chosen.rack == "flexible" else RIGID).described(
-        lambda signals: {**play_figures(signals), **balance(signals)}
-    )
+    run = run_at_rest(gear, chosen, "pinion", OutsideLoads.of_end_force(along), options, play_figures)
+    return run.noting(None if chosen.rack == "flexible" else RIGID)
 
 
 def play_figures(signals: Signals) -> dict[str, float]:

@@ -6,20 +6,20 @@ begins, evenly spread over the cycle, because motions with impacts are chaotic (
 A growing sine finds the threshold instead: the size of the force at which the plunger first hits.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from rps_exudyn.analysis.impacts import describe_rattle, first_hit, split_at_repeats
-from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.external_load import RoadForce
 from rps_exudyn.forces.pinion_support import with_float
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
-from rps_exudyn.scenes.checks.before_run import check_travel
+from rps_exudyn.scenes.checks.before_run import check_dynamics, check_travel
 from rps_exudyn.scenes.maneuver import Maneuver, even
 from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.run_maneuver import run_maneuver
@@ -40,22 +40,11 @@ RIGID = Remark(
 
 
 @dataclass(frozen=True)
-class GrowingForce:
-    """A sine whose amplitude grows evenly from 0, at `begin` [s], to the road's after `duration` [s]."""
+class GrowingForce(RoadForce):
+    """A sine whose amplitude grows evenly from 0, at `begin` [s], to its peak after `duration` [s]."""
 
-    road: RoadForce
     begin: float
     duration: float
-
-    @property
-    def peak(self) -> tuple[float, float, float]:
-        """Largest force, in the housing [N]."""
-        return self.road.peak
-
-    @property
-    def place(self) -> float:
-        """Along the bar's axis from the rack's reference point [m]."""
-        return self.road.place
 
     def grown(self, time: float) -> float:
         """Return the amplitude at a time [s] over the largest."""
@@ -63,11 +52,7 @@ class GrowingForce:
 
     def share(self, time: float) -> float:
         """Return the force at a time over its peak."""
-        return self.grown(time) * self.road.share(time)
-
-    def force(self, time: float) -> np.ndarray:
-        """Force at a time [s], shape (3,) [N]."""
-        return np.multiply(self.share(time), self.peak)
+        return self.grown(time) * super().share(time)
 
 
 def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
@@ -76,11 +61,7 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
     Raises:
         InputError: a model without inertia, or a start beyond the rack's teeth.
     """
-    if fidelity.solver != "generalized-alpha":
-        raise InputError(
-            f"fidelity.solver is {fidelity.solver}; rattle needs generalized-alpha: equilibria have no "
-            f"impacts."
-        )
+    check_dynamics(fidelity, "rattle", "impacts")
     chosen, test = with_float(gear, fidelity.with_bending()), gear.test
     chosen = chosen.replace({"zone_ratio": ZONE / 2.0**options.halvings})
     maneuvers = list(shaken_by_road(gear, chosen.swing_steps or STEPS_PER_SWING))
@@ -140,18 +121,14 @@ def shaken_by_road(gear: SteeringGear, steps_per_swing: int = STEPS_PER_SWING) -
     swing = 2 * np.pi * np.sqrt(yoke.plunger_mass / (yoke.seat_stiffness + yoke.nut_stiffness))
     step = min(swing / steps_per_swing, 1 / (STEPS_PER_BAND * test.band_high))
     per_cycle = even(1 / (test.road_frequency * step))
+    cycle, steps = 1 / test.road_frequency, per_cycle * test.road_cycles
+    drive = Steady("pinion", test.start_angle, 0.0)
+    shape: Callable[..., RoadForce] = RoadForce
+    if test.road_shape == GROWING:
+        shape = partial(GrowingForce, begin=cycle, duration=test.road_cycles * cycle)
+    of_road = tuple(peak.tolist()), RackBar.of(gear).x_min, test.road_frequency
     for phase in 2 * np.pi * np.arange(test.road_phases) / test.road_phases:
-        road = RoadForce(
-            tuple(peak.tolist()),
-            RackBar.of(gear).x_min,
-            test.road_frequency,
-            float(phase),
-            test.road_shape == "half-sine",
-        )
-        cycle = 1 / test.road_frequency
-        force = GrowingForce(road, cycle, test.road_cycles * cycle) if test.road_shape == GROWING else road
-        steps = per_cycle * test.road_cycles
-        drive = Steady("pinion", test.start_angle, 0.0)
+        force = shape(*of_road, float(phase), test.road_shape == "half-sine")
         yield Maneuver(drive, cycle / per_cycle, per_cycle, steps, pulse=force)
 
 

@@ -8,7 +8,6 @@ from rps_exudyn.forces.pinion_support import with_float
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.checks.rules import remarks
 from rps_exudyn.scenes.maneuver import swing_maneuver
 from rps_exudyn.scenes.metrics import figures_of_motion
 from rps_exudyn.scenes.run_maneuver import run_swing
@@ -23,14 +22,13 @@ def reversal(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sce
         InputError: the steering leaves the rack's teeth.
     """
     fidelity = with_float(gear, fidelity)
-    maneuver = swing_maneuver(gear, fidelity.step_angle)
+    gain = float(GearPair.of(gear).gain)
 
     def metrics(signals: Signals) -> dict[str, float]:
-        gain = float(GearPair.of(gear).gain)
         return {**describe_reversal(signals, gain), **figures_of_motion(signals, gear)}
 
-    run = run_swing(gear, fidelity, maneuver, options).described(metrics)
-    return run.noting(*remarks(gear, run.signals))
+    run = run_swing(gear, fidelity, swing_maneuver(gear, fidelity.step_angle), options)
+    return run.described(metrics, gear)
 
 
 SCENE = Scene(

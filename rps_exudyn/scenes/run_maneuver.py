@@ -26,13 +26,13 @@ from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Remark, Statu
 from rps_exudyn.scenes.checks.before_run import check_memory
 from rps_exudyn.scenes.ladder import cycles_before
 from rps_exudyn.scenes.maneuver import Maneuver
-from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
+from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions, SteadyRecord, SteadyTest
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined, lost, outcome_of_path
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state, pushing_force, runout_harmonics
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
 from rps_exudyn.solvers.gear_forces import accelerated, gear_forces
-from rps_exudyn.solvers.prescribed_motion import Drive, SetOff, Steady, Swing
+from rps_exudyn.solvers.prescribed_motion import SetOff, Steady, Swing, travel_per_radian
 from rps_exudyn.solvers.record import (
     COORDINATES,
     Record,
@@ -44,11 +44,7 @@ from rps_exudyn.solvers.record import (
 )
 from rps_exudyn.solvers.settled_start import joined_instants, settled_behind, settled_start
 from rps_exudyn.solvers.sliding_stability import presliding_angle
-from rps_exudyn.solvers.steering_column import (
-    BehindColumn,
-    ColumnModel,
-    WheelTorque,
-)
+from rps_exudyn.solvers.steering_column import BehindColumn, ColumnModel, WheelTorque
 
 if TYPE_CHECKING:
     from rps_exudyn.multibody.solve import SolverPlan
@@ -61,7 +57,7 @@ STEADY = 2e-4  # of the force and of the rack's travel, over a period: what drif
 RETURNED = 3e-3  # ... if each motion of the rack beside its travel returns, but for this part of its range
 LEAST_RANGE = 1e-7  # of such a motion, below which it is none [m]
 UNDER_TORQUE = 0.1  # of the tolerance where a torque is given, for what is left over would hold the gear
-UNEVEN = Swing, SetOff, WheelTorque  # drives under which friction turns about
+REVERSING_DRIVES = Swing, SetOff, WheelTorque  # drives under which friction turns about
 TURNING_ABOUT = 0.005  # of the way between reversals: bristles take five times that of the work
 CAUSE_MAY_BE_RECORDED = {Code.NO_EQUILIBRIUM, Code.GEAR_JUMPS, Code.NO_STEP, Code.STEPS_USED_UP}
 """Ends of a run whose record may show that the gear had left its contact's law, or its mesh, before."""
@@ -72,7 +68,8 @@ JUMPS = (
     f"through at a reversal, the gear jumps; {FOLLOWS}"
 )
 JUMPS_UNDER_TORQUE = f"; under a given torque the gear jumps where friction falls; {FOLLOWS}"
-CLOSED = 1e-3  # of the drive's force: how much all periods may drift for one to stand for all
+LENGTHS = dict(zip(COORDINATES, CHARACTERISTIC_LENGTHS[2:], strict=True))  # of the rack's coordinates
+CYCLE_DRIFT_LIMIT = 1e-3  # of the drive's force: how much all periods may drift for one to stand for all
 
 
 def run_maneuver(
@@ -104,6 +101,21 @@ def run_maneuver(
         if not runs[-1].ok:
             break
     return joined(runs)
+
+
+def run_steady(test: SteadyTest, gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
+    """Make the recorded maneuvers of a steady test without a load.
+
+    Raises:
+        InputError: the test leaves the rack's teeth.
+    """
+    maneuvers, _ = test.maneuvers(gear, fidelity.step_angle, options.least_steps)
+    gain, formulas = float(GearPair.of(gear).gain), test.formulas(gear) if test.formulas else {}
+
+    def metrics(signals: Signals) -> dict[str, float]:
+        return test.metrics(SteadyRecord(gear, signals, {}, gain, 0.0)) | formulas
+
+    return run_maneuver(gear, fidelity, maneuvers, options).described(metrics, gear)
 
 
 def run_swing(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions) -> SceneRun:
@@ -172,7 +184,7 @@ def _plans(
             # contact in a long first step
             initial_accelerations=model.contacts is None and not maneuver.is_steady,
             contractivity=SHAKEN if maneuver.pulse is not None and model.modes else SolverPlan.contractivity,
-            minimum_step=SHORTEST_AT_TURNS if isinstance(maneuver.drive, UNEVEN) else SHORTEST_STEP,
+            minimum_step=SHORTEST_AT_TURNS if isinstance(maneuver.drive, REVERSING_DRIVES) else SHORTEST_STEP,
         )
         for piece in maneuver.pieces()
     ]
@@ -193,11 +205,10 @@ def by_equilibrium(
     if maneuver.periods == 1 or not run.ok:
         return run
     force = run.signals[maneuver.drive.signal]
-    if maneuver.periods * abs(force[-1] - force[0]) > CLOSED * np.abs(force).max():
+    if maneuver.periods * abs(force[-1] - force[0]) > CYCLE_DRIFT_LIMIT * np.abs(force).max():
         return _along_equilibria(gear, fidelity, maneuver, options)
-    findings = {**run.outcome.findings, "periods_alike": maneuver.periods}
-    outcome = replace(run.outcome, findings=findings)
-    return replace(run, outcome=outcome, signals=repeated(run.signals, maneuver.periods))
+    run.outcome.findings["periods_alike"] = maneuver.periods
+    return replace(run, signals=repeated(run.signals, maneuver.periods))
 
 
 def _along_equilibria(
@@ -231,7 +242,7 @@ def _along_equilibria(
         except PathInterrupted as interrupt:
             path, interrupted = interrupt.path, True
         outcome = outcome_of_path(path, process_time() - start)
-        outcome = replace(outcome, findings={**outcome.findings, "angles": path.time.size})
+        outcome.findings["angles"] = path.time.size
         if interrupted:
             message = f"interrupted at {drive.shown(path.time[-1])}"
             outcome = replace(outcome, status=Status.TIMEOUT, codes=(Code.INTERRUPTED,), message=message)
@@ -244,7 +255,10 @@ def _along_equilibria(
                 outcome = replace(outcome, message=f"{outcome.message}; {FOLLOWS}")
         record = record_of_path(forces, path, turned)
         if column is not None and path.wheel.size:  # else the gear was lost on its way to the start
-            record = _seen_from_wheel(record, column, drive, -path.wheel)
+            if isinstance(drive, WheelTorque):
+                record = under_torque(record, column, drive, -path.wheel)
+            else:
+                record = behind_column(record, column, drive)
         run = _finished(gear, maneuver, outcome, record, path, options)
         if interrupted:
             raise Interrupted(run)
@@ -253,33 +267,24 @@ def _along_equilibria(
     return run
 
 
-def _drift(signals: Signals, driven: str) -> float:
-    """Change of the drive's force over a record, over its largest, or of a coordinate, over the travel."""
-    travel, force = float(np.ptp(signals["rack_displacement"])), signals[driven]
-    lengths = dict(zip(COORDINATES, CHARACTERISTIC_LENGTHS[2:], strict=True))
-    moved = max(abs(float(signals[name][-1] - signals[name][0])) * lengths[name] for name in COORDINATES)
-    return max(moved / travel, abs(float(force[-1] - force[0])) / (float(np.abs(force).max()) or 1.0))
-
-
 def _is_settled(signals: Signals, driven: str, gear: SteeringGear) -> bool:
     """Return whether a gear ends a record as it began it."""
-    return _drift(signals, driven) <= STEADY and left_open(signals, float(GearPair.of(gear).gain)) <= RETURNED
+    travel, force = float(np.ptp(signals["rack_displacement"])), signals[driven]
+    moved = max(_change(signals[name]) * length for name, length in LENGTHS.items())
+    drift = max(moved / travel, _change(force) / (float(np.abs(force).max()) or 1.0))
+    return drift <= STEADY and drift_beside_travel(signals, float(GearPair.of(gear).gain)) <= RETURNED
 
 
-def left_open(signals: Signals, gain: float) -> float:
+def drift_beside_travel(signals: Signals, gain: float) -> float:
     """Return by which part of its range a motion of the rack beside its travel ends a record elsewhere than
     it began, at most; `gain` is the rack's travel per radian [m]."""
     beside = [transmission_error(signals, gain)]
-    lengths = dict(zip(COORDINATES, CHARACTERISTIC_LENGTHS[2:], strict=True))
-    beside += [signals[name] * length for name, length in lengths.items() if name in signals]
-    return max(abs(float(each[-1] - each[0])) / max(float(np.ptp(each)), LEAST_RANGE) for each in beside)
+    beside += [signals[name] * length for name, length in LENGTHS.items() if name in signals]
+    return max(_change(each) / max(float(np.ptp(each)), LEAST_RANGE) for each in beside)
 
 
-def _seen_from_wheel(record: Record, column: ColumnModel, drive: Drive, wheel: np.ndarray) -> Record:
-    """The record of a pinion as that of the wheel before its column, with its angles and rates (n, 2)."""
-    if not isinstance(drive, WheelTorque):
-        return behind_column(record, column, drive)
-    return under_torque(record, column, drive, wheel)
+def _change(values: np.ndarray) -> float:
+    return abs(float(values[-1] - values[0]))
 
 
 def _end_of(path: EquilibriumPath, maneuver: Maneuver) -> str:
@@ -328,7 +333,7 @@ def by_formula(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, optio
         raise InputError("fidelity.solver is closed-form, which has no pulses; use generalized-alpha.")
     start = process_time()
     beyond = beyond_formulas(gear) or beyond_formulas_in(gear, maneuver)
-    signals = _turned(gear, maneuver) if maneuver.drive.body == "pinion" else _pushed(gear, maneuver)
+    signals = _mean_signals(gear, maneuver)
     outcome = Outcome(
         Status.INVALID if beyond else Status.OK,
         beyond,
@@ -337,7 +342,10 @@ def by_formula(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, optio
         cpu_s=process_time() - start,
         settings={"name": "closed-form"},
     )
-    return SceneRun(outcome, signals).noting(_other_law(gear))
+    law = gear.mesh.contact_law
+    taken = law_of_formulas(law)
+    text = f"mesh.law is {law}; the closed form takes loads per length as law {taken} has them"
+    return SceneRun(outcome, signals).noting(None if taken == law else Remark(Code.OTHER_LAW, text))
 
 
 def beyond_formulas_in(gear: SteeringGear, maneuver: Maneuver) -> str:
@@ -356,52 +364,23 @@ def beyond_formulas_in(gear: SteeringGear, maneuver: Maneuver) -> str:
     return ""
 
 
-def _other_law(gear: SteeringGear) -> Remark | None:
-    """Return a remark on the law that the formulas take instead of the gear's."""
-    law = law_of_formulas(gear.mesh.contact_law)
-    if law == gear.mesh.contact_law:
-        return None
-    taken = (
-        f"mesh.law is {gear.mesh.contact_law}; the closed form takes loads per length as law {law} has them"
-    )
-    return Remark(Code.OTHER_LAW, taken)
+def _mean_signals(gear: SteeringGear, maneuver: Maneuver) -> Signals:
+    """Signals of the mean forces, sense of motion by sense.
 
-
-def _turned(gear: SteeringGear, maneuver: Maneuver) -> Signals:
-    time = maneuver.time[maneuver.lead :]
-    angle, rate = maneuver.drive.place(time), maneuver.drive.rate(time)
-    cosine, sine = runout_harmonics(gear)
-    phase = angle + gear.pinion.runout_angle
-    signals = _mean_signals(gear, maneuver, angle, rate, dict.fromkeys((-1, 1), maneuver.rack_load))
-    # what the runout does to friction turns with the direction, what it stores in the spring does not
-    signals["pinion_torque"] += np.sign(rate) * cosine * np.cos(phase) + sine * np.sin(phase)
-    signals["work_drive"] = integral_from_start(signals["pinion_torque"] * rate, time)
-    return signals
-
-
-def _pushed(gear: SteeringGear, maneuver: Maneuver) -> Signals:
+    Raises:
+        InputError: the rack is pushed, and the gear locks itself.
+    """
     time, gain = maneuver.time[maneuver.lead :], float(GearPair.of(gear).gain)
-    place, rate = maneuver.drive.place(time), maneuver.drive.rate(time)
-    force = {sense: pushing_force(gear, sense, maneuver.rack_load) for sense in (-1, 1)}
+    body, pull = maneuver.drive.body, maneuver.rack_load
+    travel = travel_per_radian(body, gain)
+    angle, rate = maneuver.drive.place(time) / travel, maneuver.drive.rate(time) / travel
+    force = {sense: pushing_force(gear, sense, pull) if body == "rack" else 0.0 for sense in (-1, 1)}
     if not np.isfinite(list(force.values())).all():
         raise InputError(
             f"the gear locks itself by closed-form: with mesh.friction {gear.mesh.friction:g} and "
             f"yoke.friction {gear.yoke.friction:g} no force on the rack turns the pinion."
         )
-    loads = {sense: maneuver.rack_load - force[sense] for sense in force}
-    signals = _mean_signals(gear, maneuver, place / gain, rate / gain, loads)
-    del signals["pinion_torque"]  # nothing but friction acts on the pinion
-    signals["rack_force"] = np.where(rate > 0, force[1], force[-1])
-    signals["work_drive"] = integral_from_start(signals["rack_force"] * rate, time)
-    return signals
-
-
-def _mean_signals(
-    gear: SteeringGear, maneuver: Maneuver, angle: np.ndarray, rate: np.ndarray, loads: dict[int, float]
-) -> Signals:
-    """Signals of the mean forces, sense of motion by sense; `loads` pull the rack towards -X in each [N]."""
-    time, gain = maneuver.time[maneuver.lead :], float(GearPair.of(gear).gain)
-    states = {sense: mean_state(gear, sense, load) for sense, load in loads.items()}
+    states = {sense: mean_state(gear, sense, pull - pushed) for sense, pushed in force.items()}
 
     def mean(name: str) -> np.ndarray:
         return np.where(rate > 0, getattr(states[1], name), getattr(states[-1], name))
@@ -423,9 +402,19 @@ def _mean_signals(
         "work_bush_friction": lost("bush_loss"),
         "work_bearing_friction": lost("bearing_loss"),
     }
-    if maneuver.rack_load:
-        signals["load_force"] = np.full_like(angle, maneuver.rack_load)
-        signals["work_load"] = -maneuver.rack_load * gain * (angle - angle[0])
+    if pull:
+        signals["load_force"] = np.full_like(angle, pull)
+        signals["work_load"] = -pull * gain * (angle - angle[0])
+    if body == "rack":
+        del signals["pinion_torque"]  # nothing but friction acts on the pinion
+        signals["rack_force"] = np.where(rate > 0, force[1], force[-1])
+    else:
+        # what the runout does to friction turns with the direction, what it stores in the spring does not
+        cosine, sine = runout_harmonics(gear)
+        phase = angle + gear.pinion.runout_angle
+        signals["pinion_torque"] += np.sign(rate) * cosine * np.cos(phase) + sine * np.sin(phase)
+    power = signals[maneuver.drive.signal] * maneuver.drive.rate(time)
+    signals["work_drive"] = integral_from_start(power, time)
     return signals
 
 

@@ -48,7 +48,7 @@ WITHOUT_BARS = RunOptions(bars=False)
 
 
 @dataclass(frozen=True)
-class Turned:
+class SteadyRecord:
     """Records of a steady test; of many gears over the same instants signals have one more axis, the first,
     and numbers are arrays (n,).
 
@@ -81,15 +81,12 @@ class SteadyTest:
     """
 
     maneuvers: Callable[[SteeringGear, float, StepLimits], tuple[list[Maneuver], Maneuver | None]]
-    metrics: Callable[[Turned], dict[str, Any]]
+    metrics: Callable[[SteadyRecord], dict[str, Any]]
     curve: tuple[str, ...]
-    remarks: Callable[[Turned], list[list[Remark]]] = lambda turned: [[] for _ in range(np.size(turned.gain))]
+    remarks: Callable[[SteadyRecord], list[list[Remark]]] = lambda record: [
+        [] for _ in range(np.size(record.gain))
+    ]
     formulas: Callable[[SteeringGear], dict[str, float]] | None = None
-
-
-def turns_of_test(gear: SteeringGear) -> float:
-    """Return the revolutions that the test records one way."""
-    return gear.test.turns
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,7 +107,8 @@ class Scene:
         has_impacts: whether its signals are pulses, which shift in time from level to level.
         at_test_speed: whether the rig moves at `test.speed`.
         test: its maneuvers and metrics, where many gears can be computed together.
-        revolutions: how often the pinion turns in a run one way; None where it does not turn.
+        revolutions: how often the pinion turns in a run one way, by default as in the test; None where it
+            does not turn.
         law: contact law that its metrics need, where the gear's is by-scene (`law_by_scene`).
 
     Examples:
@@ -132,7 +130,7 @@ class Scene:
     has_impacts: bool = False
     at_test_speed: bool = True
     test: SteadyTest | None = None
-    revolutions: Callable[[SteeringGear], float] | None = turns_of_test
+    revolutions: Callable[[SteeringGear], float] | None = lambda gear: gear.test.turns
     law: NeededLaw = "line"
 
     @property

@@ -2,12 +2,15 @@
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from rps_exudyn.analysis.passes import plain
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Outcome, Remark, Status, each_once, joined_text
 from rps_exudyn.results.quantities import WORKS
+from rps_exudyn.scenes.checks.rules import remarks
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.settling import TOLERANCE
 
@@ -57,9 +60,15 @@ class SceneRun:
         """Return the run with metrics whose errors no finer run shows."""
         return replace(self, unsure=self.unsure | frozenset(names))
 
-    def described(self, figures: Callable[[Signals], dict[str, float]]) -> "SceneRun":
-        """Return the run with the summary that `figures` reads from its signals, if there are any."""
-        return replace(self, summary=plain(figures(self.signals)), metrics=figures) if self.signals else self
+    def described(
+        self, metrics: Callable[[Signals], dict[str, float]], gear: SteeringGear | None = None
+    ) -> "SceneRun":
+        """Return the run with the metrics of its signals, if there are any, and with remarks on the limits
+        of a gear that they met."""
+        if not self.signals:
+            return self
+        run = replace(self, summary=plain(metrics(self.signals)), metrics=metrics)
+        return run.noting(*remarks(gear, self.signals)) if gear else run
 
 
 def joined(runs: Sequence[SceneRun]) -> SceneRun:
@@ -70,33 +79,34 @@ def joined(runs: Sequence[SceneRun]) -> SceneRun:
     """
     outcomes = [run.outcome for run in runs]
     outcome = next((each for each in outcomes if each.status is not Status.OK), outcomes[0])
-    counted = dict.fromkeys(name for each in outcomes for name in each.counters)
     outcome = replace(
         outcome,
         time_reached=sum(each.time_reached for each in outcomes),
-        cpu_s=sum(each.cpu_s for each in outcomes),
-        counters={name: sum(each.counters.get(name, 0) for each in outcomes) for name in counted},
         findings={**outcome.findings, **_worst_findings(outcomes)},
+        **summed_cost(outcomes),
     )
     recorded = [run.signals for run in runs if run.signals]
     return SceneRun(outcome, one_after_another(recorded) if recorded else {})
 
 
+def summed_cost(outcomes: Sequence[Outcome]) -> dict[str, Any]:
+    """Return CPU time and counters of outcomes together."""
+    names = dict.fromkeys(name for each in outcomes for name in each.counters)
+    counters = {name: sum(each.counters.get(name, 0) for each in outcomes) for name in names}
+    return {"cpu_s": sum(each.cpu_s for each in outcomes), "counters": counters}
+
+
 def one_after_another(records: Sequence[Signals]) -> Signals:
     """Join signals (..., n) of maneuvers to one record; time and works go on where they stood."""
     signals = dict(records[0])
-    for maneuver in records[1:]:  # which has no pressure of teeth that it has lost
-        signals = {
-            name: _continued(name, values, maneuver[name])
-            for name, values in signals.items()
-            if name in maneuver
-        }
+    for maneuver in records[1:]:
+        # a maneuver has no pressure of teeth that it has lost
+        for name in [*signals]:
+            before = signals.pop(name)
+            if name in maneuver:
+                stood = before[..., -1:] if name == "time" or name in WORKS else 0.0
+                signals[name] = np.concatenate([before, stood + maneuver[name]], axis=-1)
     return signals
-
-
-def _continued(name: str, before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    stood = before[..., -1:] if name == "time" or name in WORKS else 0.0
-    return np.concatenate([before, stood + after], axis=-1)
 
 
 def _worst_findings(outcomes: Sequence[Outcome]) -> dict[str, float]:

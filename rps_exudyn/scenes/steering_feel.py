@@ -12,7 +12,6 @@ from rps_exudyn.forces.pinion_support import with_float
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.checks.rules import remarks
 from rps_exudyn.scenes.maneuver import YIELDING, swing_maneuver
 from rps_exudyn.scenes.metrics import figures_of_motion
 from rps_exudyn.scenes.run_maneuver import run_swing
@@ -37,8 +36,7 @@ def steering_feel(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -
         angle = {} if lost is None else {"lost_motion_angle": lost / float(GearPair.of(gear).gain)}
         return {**describe_feel(signals), **angle, **figures_of_motion(signals, gear)}
 
-    run = run_swing(gear, fidelity, maneuver, options).described(metrics)
-    return run.noting(*remarks(gear, run.signals))
+    return run_swing(gear, fidelity, maneuver, options).described(metrics, gear)
 
 
 SCENE = Scene(

@@ -19,7 +19,6 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.results.quantities import EXTREMES, LOSS_SHARES, SPREADS
 from rps_exudyn.scenes.checks.before_run import check_travel
-from rps_exudyn.scenes.checks.rules import remarks
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.metrics import figures_of_motion
 from rps_exudyn.scenes.run_maneuver import run_maneuver, run_swing
@@ -30,6 +29,13 @@ from rps_exudyn.solvers.steering_column import GrowingTorque, TyreSpring, WheelT
 
 PER_CYCLE = 400  # steps
 PER_RAMP = 2000  # steps of a torque that grows, each by 0.05 % of its peak
+BRANCHES = Remark(
+    Code.METRIC_NOT_CONFIRMED,
+    "the errors of shares of losses, ranges, largest and smallest values are unknown: friction is larger "
+    "at rest, so that equilibria have more than one state after breakaway; choose the solver "
+    "generalized-alpha for them",
+)
+"""After breakaway the rack may come to rest rolled one way or the other, with shares of losses 6 % apart."""
 
 
 def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
@@ -40,40 +46,33 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
     Raises:
         InputError: no tyres, a torque that leaves the rack's teeth, or a model without a column.
     """
-    maneuver = torque_maneuver(gear)
-    speed = _largest_speed(gear)
-    turned = gear.replace({"test.speed": speed})
+    maneuver, test, gain = torque_maneuver(gear), gear.test, float(GearPair.of(gear).gain)
+    grows = test.steer_shape == "ramp"
+    # the largest speed with which the pinion would follow the torque without friction
+    speed = float((4.0 if grows else 2 * np.pi) * test.steer_frequency * _largest_turn(gear))
 
     def metrics(signals: Signals) -> dict[str, float]:
-        return {**_figures(signals, gear), **figures_of_motion(signals, gear)}
+        if grows:
+            of_torque = describe_breakaway(signals, test.direction * speed, gain)
+        else:
+            of_torque = describe_steering_torque(signals, 1 / test.steer_frequency)
+        return {**of_torque, **figures_of_motion(signals, gear)}
 
-    make = run_maneuver if gear.test.steer_shape == "ramp" else run_swing
-    run = make(turned, fidelity, maneuver, options).described(metrics)
-    if branched := _branches(gear, fidelity):
-        run = run.unsure_of(SPREADS | EXTREMES | LOSS_SHARES)
-    return run.noting(*remarks(gear, run.signals), _held(gear), branched)
-
-
-def _branches(gear: SteeringGear, fidelity: Fidelity) -> Remark | None:
-    """Return a remark on what the motion after breakaway leaves open for equilibria where friction falls with
-    speed: the rack may come to rest rolled one way or the other, with shares of losses 6 % apart."""
+    make = run_maneuver if grows else run_swing
+    run = make(gear.replace({"test.speed": speed}), fidelity, maneuver, options).described(metrics, gear)
+    friction = abs(closed_form(gear).free_torque)
+    if test.steer_torque <= friction:
+        run = run.noting(
+            Remark(
+                Code.HELD_BY_FRICTION,
+                f"test.steer_torque = {test.steer_torque:.4g} N m does not exceed the gear's friction of "
+                f"{friction:.4g} N m: the column twists and the gear stays",
+            )
+        )
     falls = any(getattr(gear, part).surplus > 0 for part in RUBBING_PARTS)
-    if gear.test.steer_shape != "ramp" or fidelity.solver != "equilibrium" or not falls:
-        return None
-    return Remark(
-        Code.METRIC_NOT_CONFIRMED,
-        "the errors of shares of losses, ranges, largest and smallest values are unknown: friction is larger "
-        "at rest, so that equilibria have more than one state after breakaway; choose the solver "
-        "generalized-alpha for them",
-    )
-
-
-def _figures(signals: Signals, gear: SteeringGear) -> dict[str, float]:
-    """What the record shows of the shape of the torque."""
-    if gear.test.steer_shape == "ramp":
-        speed, gain = gear.test.direction * _largest_speed(gear), float(GearPair.of(gear).gain)
-        return describe_breakaway(signals, speed, gain)
-    return describe_steering_torque(signals, 1 / gear.test.steer_frequency)
+    if grows and falls and fidelity.solver == "equilibrium":
+        run = run.noting(BRANCHES).unsure_of(SPREADS | EXTREMES | LOSS_SHARES)
+    return run
 
 
 def torque_maneuver(gear: SteeringGear) -> Maneuver:
@@ -92,10 +91,9 @@ def torque_maneuver(gear: SteeringGear) -> Maneuver:
     ends = test.start_angle - turn, test.start_angle + turn
     check_travel(gear, ends, f"test.steer_torque = {test.steer_torque:.4g} N*m against test.tyre_stiffness")
     tyre = TyreSpring(test.tyre_stiffness, gain * test.start_angle)
+    peak, cycle = test.direction * test.steer_torque, 1 / test.steer_frequency
     shape = GrowingTorque if test.steer_shape == "ramp" else WheelTorque
-    drive = shape(
-        "wheel", test.start_angle, test.direction * test.steer_torque, 1 / test.steer_frequency, tyre
-    )
+    drive = shape("wheel", test.start_angle, peak, cycle, tyre)
     if test.steer_shape == "ramp":
         return Maneuver(drive, drive.period / 4 / PER_RAMP, 0, PER_RAMP)
     return Maneuver(drive, drive.period / PER_CYCLE, PER_CYCLE * 5 // 4, PER_CYCLE * test.cycles)
@@ -104,24 +102,6 @@ def torque_maneuver(gear: SteeringGear) -> Maneuver:
 def _largest_turn(gear: SteeringGear) -> float:
     """Angle of the pinion that the peak would reach without friction [rad]."""
     return gear.test.steer_torque / (gear.test.tyre_stiffness * float(GearPair.of(gear).gain) ** 2)
-
-
-def _largest_speed(gear: SteeringGear) -> float:
-    """Largest speed with which the pinion would follow the torque without friction [rad/s]."""
-    of_peak = 4.0 if gear.test.steer_shape == "ramp" else 2 * np.pi
-    return float(of_peak * gear.test.steer_frequency * _largest_turn(gear))
-
-
-def _held(gear: SteeringGear) -> Remark | None:
-    """Remark on a torque that friction alone holds."""
-    friction = abs(closed_form(gear).free_torque)
-    if gear.test.steer_torque > friction:
-        return None
-    return Remark(
-        Code.HELD_BY_FRICTION,
-        f"test.steer_torque = {gear.test.steer_torque:.4g} N m does not exceed the gear's friction of "
-        f"{friction:.4g} N m: the column twists and the gear stays",
-    )
 
 
 SCENE = Scene(

@@ -10,12 +10,10 @@ unstable (`solvers.sliding_stability`).
 import numpy as np
 
 from rps_exudyn.analysis.friction_oscillator import describe_stick_slip, sticking_speed
-from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
-from rps_exudyn.scenes.checks.before_run import check_travel
-from rps_exudyn.scenes.checks.rules import remarks
+from rps_exudyn.scenes.checks.before_run import check_dynamics, check_travel
 from rps_exudyn.scenes.maneuver import Maneuver, even
 from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.run_maneuver import run_maneuver
@@ -38,21 +36,17 @@ def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> S
     Raises:
         InputError: a model without inertia, or a test that leaves the rack's teeth.
     """
-    if fidelity.solver != "generalized-alpha":
-        raise InputError(
-            f"fidelity.solver is {fidelity.solver}; stick-slip needs generalized-alpha: equilibria have no "
-            f"slip."
-        )
+    check_dynamics(fidelity, "stick-slip", "slip")
     model = reduced_gear(gear)
     nothing = None if model.surplus > 0 else NOTHING_FALLS
     predicted = predictions(gear, fidelity)
 
     def metrics(signals: Signals) -> dict[str, float]:
-        found = {**_seen(signals, gear), **predicted, **balance(signals)}
+        seen = describe_stick_slip(signals, gear.test.direction * gear.test.speed)
+        found = {**seen, **predicted, **balance(signals)}
         return found if nothing is None else {name: found[name] for name in found if name != AMPLITUDE}
 
-    run = run_maneuver(gear, fidelity, set_off(gear), options).described(metrics)
-    return run.noting(*remarks(gear, run.signals), nothing)
+    return run_maneuver(gear, fidelity, set_off(gear), options).described(metrics, gear).noting(nothing)
 
 
 NOTHING_FALLS = Remark(
@@ -82,11 +76,6 @@ def set_off(gear: SteeringGear) -> Maneuver:
     angles = test.start_angle, test.start_angle + test.direction * test.speed * steps * step
     check_travel(gear, angles, f"stick-slip over {cycles:.3g} cycles")
     return Maneuver(SetOff("wheel", test.start_angle, test.direction * test.speed), step, 0, steps)
-
-
-def _seen(signals: Signals, gear: SteeringGear) -> dict[str, float]:
-    """Return what the record shows."""
-    return describe_stick_slip(signals, gear.test.direction * gear.test.speed)
 
 
 def predictions(gear: SteeringGear, fidelity: Fidelity) -> dict[str, float]:

@@ -21,13 +21,13 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted, Remark
 from rps_exudyn.results.quantities import EXTREMES, MOTIONS, SPREADS
-from rps_exudyn.scenes.bar_terms import bar_terms, numbers_of
+from rps_exudyn.scenes.bar_terms import bar_terms
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses
 from rps_exudyn.scenes.checks.rules import OF_BARS, VIBRATES, Seen, breaches
 from rps_exudyn.scenes.error_bars import FLOOR, Metrics, error_bars
 from rps_exudyn.scenes.ladder import gear_at, model_at
 from rps_exudyn.scenes.scene import RunOptions, Scene
-from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.scenes.scene_run import SceneRun, summed_cost
 
 FINE_SHARE = 2 / 3  # of the time of two levels, that the finer one takes
 GROWTH = 2.0  # at least, of CPU time from one level to the next
@@ -107,9 +107,8 @@ class Levels:
         if not run.signals:
             return run
         scene, fidelity, masses = self.scene, self.fidelity, MovedMasses.of(self.gear)
-        terms = bar_terms(
-            scene, fidelity, metrics_of(run), run.signals, run.summary, run.outcome.findings, masses
-        )
+        recorded = run.signals, run.summary, run.outcome.findings
+        terms, measured = bar_terms(scene, fidelity, metrics_of(run), *recorded, masses)
         self.terms[level] = terms
         found = dict.fromkeys(terms, np.nan) if bars is None else bars
         summed = {name: float(found.get(name, 0.0) + each) for name, each in terms.items()}
@@ -118,23 +117,17 @@ class Levels:
             run = run.noting(Remark(VIBRATES.code, vibration.sentence)).unsure_of(SPREADS | EXTREMES)
         errors |= dict.fromkeys(errors.keys() & run.unsure, np.nan)
         run = replace(run, errors=errors)
-        numbers = numbers_of(scene, fidelity, run.signals, run.summary, terms)
-        for breach in breaches(OF_BARS, Seen(self.gear, numbers=numbers)) if run.ok else ():
+        for breach in breaches(OF_BARS, Seen(self.gear, numbers=measured)) if run.ok else ():
             return run.invalid(breach.rule.code, breach.sentence)
         return run
 
 
 def _described(run: SceneRun, level: int, companion: SceneRun | None = None) -> SceneRun:
     """Return a run with the level that it has, and what both runs took."""
-    both = [each.outcome for each in (run, companion) if each]
-    names = dict.fromkeys(name for each in both for name in each.counters)
-    outcome = replace(
-        run.outcome,
-        cpu_s=sum(each.cpu_s for each in both),
-        counters={name: sum(each.counters.get(name, 0) for each in both) for name in names},
-        findings={**run.outcome.findings, "level": level},
+    cost = summed_cost([each.outcome for each in (run, companion) if each])
+    return replace(
+        run, outcome=replace(run.outcome, findings={**run.outcome.findings, "level": level}, **cost)
     )
-    return replace(run, outcome=outcome)
 
 
 def metrics_of(run: SceneRun) -> Metrics:

@@ -19,7 +19,7 @@ from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
-from rps_exudyn.scenes.checks.before_run import check_travel
+from rps_exudyn.scenes.checks.before_run import check_dynamics, check_travel
 from rps_exudyn.scenes.maneuver import Maneuver, even
 from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.run_maneuver import run_maneuver
@@ -30,6 +30,12 @@ from rps_exudyn.solvers.prescribed_motion import Steady
 ZONE = 0.1  # of friction, halved with the steps: narrower ones only ask for shorter steps
 STEPS_PER_SWING = 20  # of the plunger between seat and yokenut, the fastest motion: forces to 0.1 %
 STEPS_PER_SWING_OF_A_BENDING_RACK = 12  # which is hit less hard at first: forces to 0.05 %
+RIGID = Remark(
+    Code.RACK_RIGID,
+    "the rack is rigid (fidelity.rack): without bending the default gear's impulse is 45 % too small "
+    "and its end moves a twentieth as far; choose flexible, with fidelity.mesh = flank "
+    "and fidelity.bush = condensed",
+)
 
 
 def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
@@ -38,11 +44,7 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
     Raises:
         InputError: a model without inertia, or pulses that overlap.
     """
-    if fidelity.solver != "generalized-alpha":
-        raise InputError(
-            f"fidelity.solver is {fidelity.solver}; yoke-impact needs generalized-alpha: equilibria have "
-            f"no impacts."
-        )
+    check_dynamics(fidelity, "yoke-impact", "impacts")
     chosen = fidelity.with_bending()
     chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, ZONE / 2.0**options.halvings)})
     own = STEPS_PER_SWING_OF_A_BENDING_RACK if chosen.rack == "flexible" else STEPS_PER_SWING
@@ -55,21 +57,14 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
             **balance(signals),
         }
 
-    maneuver = shaken(gear, chosen.swing_steps or own)
-    run = run_maneuver(gear, chosen, maneuver, options).described(metrics)
-    return run.noting(_rigid(chosen), _closed(gear, run.signals))
-
-
-def _rigid(fidelity: Fidelity) -> Remark | None:
-    """A remark on a rack that does not bend."""
-    if fidelity.rack == "flexible":
-        return None
-    return Remark(
-        Code.RACK_RIGID,
-        "the rack is rigid (fidelity.rack): without bending the default gear's impulse is 45 % too small "
-        "and its end moves a twentieth as far; choose flexible, with fidelity.mesh = flank "
-        "and fidelity.bush = condensed",
+    run = run_maneuver(gear, chosen, shaken(gear, chosen.swing_steps or own), options).described(metrics)
+    force = run.signals.get("yokenut_force", np.zeros(1))
+    pressed = Remark(
+        Code.CLEARANCE_CLOSED,
+        f"yoke.clearance = {1e6 * gear.yoke.clearance:.4g} um is closed from the start; the yokenut carries "
+        f"up to {force.max():.4g} N, and only contacts that open and close again count as impacts",
     )
+    return run.noting(None if chosen.rack == "flexible" else RIGID, pressed if force[0] > 0 else None)
 
 
 def end_deflection(signals: Signals) -> dict[str, float]:
@@ -77,18 +72,6 @@ def end_deflection(signals: Signals) -> dict[str, float]:
     if "rack_end_y" not in signals:
         return {}
     return {"rack_end_deflection": float(np.hypot(signals["rack_end_y"], signals["rack_end_z"]).max())}
-
-
-def _closed(gear: SteeringGear, signals: Signals) -> Remark | None:
-    """A remark on a yokenut that is pressed on from the start: it is not hit by what presses more."""
-    force = signals.get("yokenut_force", np.zeros(1))
-    if not force[0] > 0:
-        return None
-    return Remark(
-        Code.CLEARANCE_CLOSED,
-        f"yoke.clearance = {1e6 * gear.yoke.clearance:.4g} um is closed from the start; the yokenut carries "
-        f"up to {force.max():.4g} N, and only contacts that open and close again count as impacts",
-    )
 
 
 def shaken(gear: SteeringGear, steps_per_swing: int = STEPS_PER_SWING) -> Maneuver:

@@ -19,7 +19,6 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.checks.before_run import largest_angle
-from rps_exudyn.scenes.checks.rules import remarks
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.metrics import figures_of_turning
 from rps_exudyn.scenes.run_maneuver import run_maneuver
@@ -107,8 +106,8 @@ def yoke_set(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sce
     def metrics(signals: Signals) -> dict[str, float]:
         return {**figures_of_turning(signals, as_set), **figures}
 
-    run = run_maneuver(as_set, fidelity, maneuvers, options).described(metrics)
-    return run.noting(pressing if setting.clearance < 0 else None, *remarks(as_set, run.signals))
+    run = run_maneuver(as_set, fidelity, maneuvers, options)
+    return run.noting(pressing if setting.clearance < 0 else None).described(metrics, as_set)
 
 
 def _revolutions(gear: SteeringGear) -> float:

@@ -7,7 +7,7 @@
 Every row ends as a single run of that gear would: same equations, statuses, messages and figures.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
@@ -15,7 +15,7 @@ from typing import Any, Literal
 import numpy as np
 
 from rps_exudyn.analysis.passes import longest_pass
-from rps_exudyn.base.errors import InputError, raise_wrapped
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import shown
 from rps_exudyn.parameters.declaration import check_settings
 from rps_exudyn.parameters.fidelity import Fidelity, check_fidelity
@@ -25,9 +25,9 @@ from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.law_by_scene import with_law
-from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
+from rps_exudyn.simulate.cases.task import Task, answer_to
 from rps_exudyn.simulate.run import simulate
-from rps_exudyn.simulate.together import UNSUPPORTED, Together, together, unsupported_reason
+from rps_exudyn.simulate.together import UNSUPPORTED, GearTable, together, unsupported_reason
 
 ROUNDING = 1e-9  # of an angle [rad]
 
@@ -61,7 +61,7 @@ class Batch:
     """
 
     results: tuple[Result | None, ...]
-    found: Together | None = None
+    found: GearTable | None = None
     single_run_reason: str = ""
 
     def __len__(self) -> int:
@@ -193,23 +193,6 @@ def batch(
         >>> gears.ok.tolist(), gears.summary["torque_mean"].round(2).tolist()
         ([True, True], [0.54, 0.69])
     """
-    return batch_of(scene, gear, values, fidelity, keep, ranges)
-
-
-def batch_of(
-    scene: str,
-    gear: SteeringGear,
-    values: Mapping[str, Sequence[Any] | np.ndarray],
-    fidelity: str | Fidelity,
-    keep: Literal["signals", "torque"],
-    ranges: Mapping[str, Sequence[float] | np.ndarray] | None,
-    options: RunOptions = DEFAULT_OPTIONS,
-) -> Batch:
-    """Simulate a table; arguments as of `batch`, and options of single runs.
-
-    Raises:
-        InputError: as `batch`.
-    """
     chosen_scene = scene_named(scene)
     if keep not in ("signals", "torque"):
         raise InputError(f"keep is {keep!r}; it must be signals or torque.")
@@ -221,31 +204,16 @@ def batch_of(
     if "mesh.law" not in values:
         gear = with_law(gear, chosen, chosen_scene.law, values)
     kept = chosen_scene.test.curve if keep == "torque" and chosen_scene.test else None
-    found, single_run_reason = _together(scene, gear, values, chosen, ranges, kept)
-    return Batch(
-        tuple(
-            None if found is not None and found.ended[i] else _row(scene, gear, row, chosen, options)
-            for i, row in enumerate(rows)
-        ),
-        found,
-        single_run_reason,
+    found, reason = None, unsupported_reason(scene, gear, chosen, values)
+    if not reason:
+        of_ranges = None if ranges is None else _numbers(ranges)
+        found = together(scene, gear, chosen, _numbers(values), of_ranges, kept)
+        reason = "" if found else UNSUPPORTED["few"]
+    ended = [False] * len(rows) if found is None else found.ended
+    results = (
+        None if done else _row(scene, gear, row, chosen) for row, done in zip(rows, ended, strict=True)
     )
-
-
-def _together(
-    scene: str,
-    gear: SteeringGear,
-    values: Mapping[str, Any],
-    fidelity: Fidelity,
-    ranges: Mapping[str, Any] | None,
-    signals: Sequence[str] | None,
-) -> tuple[Together | None, str]:
-    """What is found together, and why nothing is."""
-    if reason := unsupported_reason(scene, gear, fidelity, values):
-        return None, reason
-    of_ranges = None if ranges is None else _numbers(ranges)
-    found = together(scene, gear, fidelity, _numbers(values), of_ranges, signals)
-    return found, "" if found else UNSUPPORTED["few"]
+    return Batch(tuple(results), found, reason)
 
 
 def _numbers(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
@@ -277,23 +245,9 @@ def rows_of(values: Mapping[str, Sequence[Any] | np.ndarray]) -> list[dict[str, 
     return [dict(zip(values, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
-def _row(
-    scene: str, gear: SteeringGear, settings: Mapping[str, Any], fidelity: Fidelity, options: RunOptions
-) -> Result:
+def _row(scene: str, gear: SteeringGear, settings: Mapping[str, Any], fidelity: Fidelity) -> Result:
     try:
         varied = gear.replace(settings)
     except InputError as error:  # a value that is not allowed
         return failed(scene, gear, fidelity, Status.INVALID, " ".join(error.problems))
-    return as_outcome(partial(simulate, scene, varied, fidelity, options=options), scene, varied, fidelity)
-
-
-def as_outcome(run: Callable[[], Result], scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
-    """Return the result of a run; what goes wrong is its outcome."""
-    try:
-        return run()
-    except InputError as error:  # a gear that cannot be built
-        status, message = Status.INVALID, " ".join(error.problems)
-    except Exception as error:
-        raise_wrapped(error)
-        status, message = Status.CRASHED, f"{type(error).__name__}: {error}"
-    return failed(scene, gear, fidelity, status, message)
+    return answer_to(Task(partial(simulate, scene, varied, fidelity))).result(scene, varied, fidelity)

@@ -1,6 +1,6 @@
 """An accuracy that is asked for: a climb of the ladder, by the cheapest preset first.
 
-    result = climb("reversal", gear, Wanted.of("1%", ["hysteresis_area"]))
+    result = climb("reversal", gear, AccuracyGoal.of("1%", ["hysteresis_area"]))
     result.findings["accuracy"]    level, its bar, and what the next level would cost
 
 The climb ends where the bars of the metrics asked for are within the accuracy. It takes 3 times the change
@@ -40,8 +40,8 @@ HALVED = 0.5  # what a level makes of all that steps decide
 
 
 @dataclass(frozen=True)
-class Wanted:
-    """What is asked for.
+class AccuracyGoal:
+    """The accuracy that a climb of the ladder shall reach.
 
     Attributes:
         accuracy: largest share of each metric's size that 1.5 bars may be.
@@ -56,7 +56,7 @@ class Wanted:
     @classmethod
     def of(
         cls, accuracy: str, metrics: Sequence[str] | None = None, fidelity: str | Fidelity | None = None
-    ) -> "Wanted":
+    ) -> "AccuracyGoal":
         """Return what a user asks for.
 
         Raises:
@@ -131,7 +131,9 @@ def _check_metrics(names: Sequence[str], known: Collection[str], what: str) -> N
 
 
 # --- the climb -------------------------------------------------------------------------------------
-def climb(scene: str, gear: SteeringGear, wanted: Wanted, time_limit: TimeLimit | None = None) -> Result:
+def climb(
+    scene: str, gear: SteeringGear, wanted: AccuracyGoal, time_limit: TimeLimit | None = None
+) -> Result:
     """Return the first run whose bars are within what is wanted, else the best one with a remark.
 
     Raises:
@@ -170,7 +172,7 @@ class _Rung:
 class _Climb:
     """The best run so far, and why presets were left: by name a reason, or what they cannot run."""
 
-    def __init__(self, scene: str, gear: SteeringGear, wanted: Wanted, limit: TimeLimit | None) -> None:
+    def __init__(self, scene: str, gear: SteeringGear, wanted: AccuracyGoal, limit: TimeLimit | None) -> None:
         self._scene, self._gear, self._wanted, self._limit = scene, gear, wanted, limit
         self._wall, self._cpu = perf_counter(), process_time()
         self.best: _Rung | None = None

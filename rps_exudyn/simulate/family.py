@@ -4,7 +4,6 @@ A family is followed over the first period of the maneuver, at the instants of s
 pass all checks of a finished run well within their bounds are the family's; all others are run singly.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -14,11 +13,11 @@ from rps_exudyn.forces.force_element import RACK
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.checks.after_run import ROUNDING
+from rps_exudyn.scenes.bar_terms import ROUNDING
 from rps_exudyn.scenes.checks.before_run import largest_angle
 from rps_exudyn.scenes.checks.rules import IN_RECORD, Seen
 from rps_exudyn.scenes.maneuver import Maneuver
-from rps_exudyn.scenes.run_maneuver import CLOSED
+from rps_exudyn.scenes.run_maneuver import CYCLE_DRIFT_LIMIT
 from rps_exudyn.scenes.scene_run import Signals
 from rps_exudyn.solvers.equilibrium import Start
 from rps_exudyn.solvers.gear_forces import gear_forces
@@ -100,7 +99,9 @@ class Family:
     ) -> "Family | None":
         """Learn from gears `steps` above and below the reference."""
         pair, maneuver, drive = GearPair.of(gear), whole.one_period(), whole.drive
-        record = _angles(maneuver, pair)
+        # pinion angles of the record, of a gear without errors
+        places = np.asarray(drive.place(maneuver.time[maneuver.lead :]))
+        record = places / travel_per_radian(drive.body, float(pair.gain))
         pitch = 2 * np.pi / gear.pinion.teeth
         lock = gear.rack.travel / 2 / pair.gain * (1 if gear.test.path == "lock-to-lock" else NEAR_LOCK)
         if np.abs(record).max() > max(lock * (1 + 1e-9), largest_angle(gear) - pitch):
@@ -113,7 +114,8 @@ class Family:
         lead = max(2, int(np.ceil(LEAD * in_pitch)))
         angles = np.concatenate([record[0] + step * np.arange(-before - lead, 0), record])
         weighted = bool(maneuver.rack_load)
-        gears = [gear, *_perturbed(gear, steps)]
+        ends = [{path: both[k] for path, both in settings} for settings, _ in steps for k in (0, 1)]
+        gears = [gear, *(gear.replace(end) for end in ends)]
         records = packed(gears, fidelity, weighted)
         forces = gear_forces(gear, fidelity, maneuver.rack_load)
         series = GearSeries(forces, pair, drive.pinion_speed(float(pair.gain), 0.0), drive.body)
@@ -160,12 +162,6 @@ def is_alike(gear: SteeringGear, table: Table) -> bool:
     return not any(np.any(table.get(path, gear.value_at(path))) for path in SINGLE_OUT)
 
 
-def _angles(maneuver: Maneuver, pair: GearPair) -> np.ndarray:
-    """Pinion angles of the record, of a gear without errors [rad]."""
-    places = np.asarray(maneuver.drive.place(maneuver.time[maneuver.lead :]))
-    return places / travel_per_radian(maneuver.drive.body, float(pair.gain))
-
-
 def _features(gear: SteeringGear, table: Table, ranges: Table) -> tuple[list[tuple[Ends, float]], np.ndarray]:
     """What the motion responds to: for each feature the parameters above and below the reference and half
     their distance, and its values (n, f)."""
@@ -194,15 +190,6 @@ def _features(gear: SteeringGear, table: Table, ranges: Table) -> tuple[list[tup
 def _rounded(size: float) -> float:
     """A size to one digit, so that parts of a study learn from the same gears."""
     return float(f"{size:.0e}")
-
-
-def _perturbed(gear: SteeringGear, steps: Sequence[tuple[Ends, float]]) -> list[SteeringGear]:
-    """The gears above and below the reference, feature by feature."""
-    return [
-        gear.replace({path: ends[which] for path, ends in settings})
-        for settings, _ in steps
-        for which in (0, 1)
-    ]
 
 
 def _singly(
@@ -256,37 +243,31 @@ class FamilyRecord:
             instants["pinion_angle"] = family.angles
         return cls(family, some, found.found, integrated(instants, family.time), found.counts)
 
-    def some(self, kept: np.ndarray) -> "FamilyRecord":
-        """Return the record of those gears that a mask (n,) keeps."""
-        period = {name: each[kept] if each.ndim > 1 else each for name, each in self.period.items()}
-        counts = {name: each[kept] for name, each in self.counts.items()}
-        return FamilyRecord(self.family, self.records[kept], self.found[kept], period, counts)
-
-    @property
-    def force(self) -> str:
-        """Signal of the drive's torque or force."""
-        return self.family.maneuver.drive.signal
-
-    def whole(self) -> Signals:
-        """Signals over all periods."""
-        return repeated(self.period, self.family.periods) if self.family.periods > 1 else self.period
+    def whole(self, kept: np.ndarray) -> Signals:
+        """Return the signals over all periods of those gears that a mask (n,) keeps."""
+        period, periods = signals_of_some(self.period, kept), self.family.periods
+        return repeated(period, periods) if periods > 1 else period
 
     def surely_ok(self) -> np.ndarray:
         """Which gears were found and pass all checks of a finished run well within their bounds, (n,)."""
         family, signals = self.family, self.period
-        force, offset = signals[self.force], self.records["mesh"]["flank"]["axis_offset"][:, None]
+        force, offset = (
+            signals[family.maneuver.drive.signal],
+            self.records["mesh"]["flank"]["axis_offset"][:, None],
+        )
         seen = Seen(family.gear, signals=signals, axis_offset=offset, valid_to=family.series.forces.valid_to)
         drift = np.abs(force[:, -1] - force[:, 0]) / np.maximum(np.abs(force).max(axis=-1), ROUNDING)
-        allowed_drift = SAFE * CLOSED if family.periods > 1 else STEADY
+        steps = np.diff(signals["pinion_angle"]) * np.sign(family.series.speed)
+        allowed_drift = SAFE * CYCLE_DRIFT_LIMIT if family.periods > 1 else STEADY
         checks = (
             self.found,
             *(rule.within(seen, SAFE) for rule in IN_RECORD),
             (drift * family.periods < allowed_drift) | (not family.maneuver.closes),
-            self._turns_on(),
+            (steps > 0).all(axis=-1),  # the pinion never turns back
         )
-        return np.asarray(np.logical_and.reduce(checks))
+        return np.asarray(np.logical_and.reduce(np.broadcast_arrays(*checks)))
 
-    def _turns_on(self) -> np.ndarray:
-        """Whether the pinion never turns back, (n,)."""
-        steps = np.diff(self.period["pinion_angle"]) * np.sign(self.family.series.speed)
-        return np.broadcast_to((steps > 0).all(axis=-1), len(self.records))
+
+def signals_of_some(signals: Signals, rows: np.ndarray | int) -> Signals:
+    """Return the signals of one or some of many gears, by number or mask (n,), and those that all share."""
+    return {name: each[rows] if each.ndim > 1 else each for name, each in signals.items()}

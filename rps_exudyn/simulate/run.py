@@ -10,7 +10,6 @@
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -24,7 +23,7 @@ from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.ladder import valid_level
 from rps_exudyn.scenes.law_by_scene import with_law
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
-from rps_exudyn.simulate.by_accuracy import Wanted, climb
+from rps_exudyn.simulate.by_accuracy import AccuracyGoal, climb
 from rps_exudyn.simulate.cases.task import Task
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.simulate.run_plan import Plan, run_with_fallback
@@ -103,10 +102,8 @@ def simulate(
     metrics: Sequence[str] | None = None,
     robust: bool = False,
     time_limit: TimeLimit | None = None,
-    options: RunOptions = DEFAULT_OPTIONS,
 ) -> Result:
-    """Simulate a scene of a gear; arguments as of `run`. The options are of runs of a model that is given,
-    without a time limit.
+    """Simulate a scene of a gear; arguments as of `run`.
 
     Raises:
         InputError: no such scene or fidelity, or a gear or test that cannot exist.
@@ -114,7 +111,7 @@ def simulate(
     if accuracy is not None:
         if level is not None:
             raise InputError("accuracy chooses the level itself; leave out level.")
-        wanted = Wanted.of(accuracy, metrics, fidelity)
+        wanted = AccuracyGoal.of(accuracy, metrics, fidelity)
         model = Fidelity.preset(wanted.presets(scene_named(scene))[-1])
         climbing = partial(climb, scene, gear, wanted, time_limit)
         return isolated_run(climbing, scene, gear, model, time_limit) if time_limit else climbing()
@@ -122,10 +119,9 @@ def simulate(
         raise InputError("metrics are those that accuracy keeps; give accuracy, or leave out metrics.")
     fidelity = "flank" if fidelity is None else fidelity
     chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity)
-    if level is not None:
-        options = replace(options, level=valid_level(level, chosen))
+    options = DEFAULT_OPTIONS if level is None else RunOptions(level=valid_level(level, chosen))
     if time_limit is not None:
-        plain = partial(simulate, scene, gear, chosen, robust=robust, options=options)
+        plain = partial(simulate, scene, gear, chosen, level=level, robust=robust)
         return isolated_run(plain, scene, with_law(gear, chosen, scene_named(scene).law), chosen, time_limit)
     if robust:
         return run_with_fallback(scene, gear, chosen, options)
@@ -158,7 +154,4 @@ def isolated_run(
             raise
     if isinstance(answer.error, InputError):
         raise answer.error
-    if answer.value is None:
-        return answer.failure(scene, gear, fidelity)
-    result: Result = answer.value
-    return result
+    return answer.result(scene, gear, fidelity)

@@ -7,28 +7,28 @@ level of the ladder below the other.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.geometry_report import check_gear
-from rps_exudyn.gears.tooth_stiffness import BEARABLE_PRESSURE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Remark
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.bar_terms import bar_terms, numbers_of
+from rps_exudyn.scenes.bar_terms import bar_terms
 from rps_exudyn.scenes.checks.after_run import unsettled_share
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses, of_many
-from rps_exudyn.scenes.checks.rules import OF_BARS, Seen, refused, remarks
+from rps_exudyn.scenes.checks.rules import OF_BARS, REMARKS, Seen, refused, remarks
 from rps_exudyn.scenes.error_bars import error_bars
 from rps_exudyn.scenes.ladder import model_at
 from rps_exudyn.scenes.maneuver import StepLimits
-from rps_exudyn.scenes.scene import Scene, Turned
+from rps_exudyn.scenes.scene import Scene, SteadyRecord, SteadyTest
 from rps_exudyn.scenes.scene_run import Signals, one_after_another
-from rps_exudyn.simulate.family import SAFE, Family, FamilyRecord, is_alike
+from rps_exudyn.simulate.family import SAFE, Family, FamilyRecord, is_alike, signals_of_some
 from rps_exudyn.solvers.many_gears import RUNOUT, RUNOUT_ANGLE, Table, packed, packed_table
 from rps_exudyn.solvers.record import WHERE_DAMPED
 from rps_exudyn.solvers.temperature_and_wear import is_new
@@ -89,7 +89,7 @@ def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, value
 
 
 @dataclass(frozen=True, eq=False)
-class Together:
+class GearTable:
     """Gears found together; rows that are left to single runs have nan, and no remarks."""
 
     ended: np.ndarray  # (n,) whether the row was found
@@ -97,11 +97,12 @@ class Together:
     errors: dict[str, np.ndarray]  # metric -> half width of its bar, (n,)
     counters: dict[str, np.ndarray]  # what it took -> (n,)
     remarks: list[list[Remark]]
-    signals: dict[str, np.ndarray]  # by time, (m,) where all gears have the same, else (n, m)
+    signals: Signals  # by time, (m,) where all gears have the same, else (n, m)
 
-    def signals_of(self, row: int) -> dict[str, np.ndarray]:
-        """Return the signals of one gear, (m,) each; works of damping only where it damps, as alone."""
-        own = {name: values if values.ndim == 1 else values[row] for name, values in self.signals.items()}
+    def signals_of(self, row: int) -> Signals:
+        """Return the signals of one gear, (m,) each; works of damping only where it damps, as in single
+        runs."""
+        own = signals_of_some(self.signals, row)
         return {name: values for name, values in own.items() if name not in WHERE_DAMPED or values.any()}
 
 
@@ -112,7 +113,7 @@ def together(
     table: Table,
     ranges: Table | None = None,
     signals: Sequence[str] | None = None,
-) -> Together | None:
+) -> GearTable | None:
     """Find the signals and metrics of gears that differ in a table; None if that cannot begin.
 
     Args:
@@ -127,28 +128,30 @@ def together(
     count = len(next(iter(table.values())))
     if ranges is None and count < fewest(table):
         return None
-    fine, coarse = (Common.of(scene, gear, fidelity, level, table, ranges) for level in (LEVEL, LEVEL - 1))
+    fine, coarse = (
+        TableAtLevel.of(scene, gear, fidelity, level, table, ranges) for level in (LEVEL, LEVEL - 1)
+    )
     if fine is None or coarse is None or not np.array_equal(fine.rows, coarse.rows):
         return None
     at_once = max(1, AT_ONCE // sum(len(family.nodes) for family in fine.families))
-    parts = []
+    parts: list[_Part] = []
     for begin in range(0, len(fine.records), at_once):
         each = np.arange(begin, min(begin + at_once, len(fine.records)))
         gears = [_existing(gear, _settings(table, row)) for row in fine.rows[each].tolist()]
         exist = np.array([one is not None for one in gears], dtype=bool)
         existing = [one for one in gears if one is not None]
-        followed, companion = (_Followed.of(level, each[exist], existing) for level in (fine, coarse))
+        followed, companion = (_GearsAtLevel.of(level, each[exist], existing) for level in (fine, coarse))
         followed, companion = (
             one.some(np.isin(one.chosen, other.chosen))
             for one, other in ((followed, companion), (companion, followed))
         )
-        parts.append(followed.described(companion).named(signals))
+        parts += followed.described(companion, signals)
     return _joined(parts, count)
 
 
 @dataclass(frozen=True, eq=False)
-class Common:
-    """What the gears of a table have in common in a scene at a level, and the constants of each.
+class TableAtLevel:
+    """What the gears of a table have in common in a scene at a level of the ladder, and each one's constants.
 
     Attributes:
         scene: that they run.
@@ -175,7 +178,7 @@ class Common:
         level: int,
         table: Table,
         ranges: Table | None = None,
-    ) -> "Common | None":
+    ) -> "TableAtLevel | None":
         """Learn it; arguments as of `together`. None if the gear in the middle is not found."""
         scene, asked, fidelity = scene_named(name), fidelity, model_at(level, fidelity)
         assert scene.test is not None
@@ -201,9 +204,11 @@ class Common:
         alike = not any(path.startswith(WITH_MASS) for path in table)
         return cls(scene, families, len(maneuvers), rows, records, alike)
 
-    def followed(self, chosen: np.ndarray) -> list[FamilyRecord]:
-        """Follow the chosen ones of the gears over each maneuver."""
-        return [FamilyRecord.of(family, self.records, chosen) for family in self.families]
+    @property
+    def test(self) -> SteadyTest:
+        """Return the steady test of the scene."""
+        assert self.scene.test is not None
+        return self.scene.test
 
 
 def fewest(table: Table) -> int:
@@ -273,167 +278,125 @@ def can_exist(gear: SteeringGear, fidelity: Fidelity, settings: Mapping[str, flo
 
 
 @dataclass(frozen=True, eq=False)
-class _Followed:
+class _GearsAtLevel:
     """Gears of a table that were computed together and pass all checks.
 
     Attributes:
-        common: what they have in common.
+        table: they are of.
         chosen: which of its gears, (n,).
         gears: each of them.
-        signals: joined, of all gears or (n, m).
-        beside: those of the maneuver that is not recorded.
-        gain: rack travel per radian, (n,) [m].
-        load: that pulls at the rack's end, (n,) [N].
+        record: of all of them.
         counters: what it took, (n,) each.
     """
 
-    common: Common
+    table: TableAtLevel
     chosen: np.ndarray
     gears: list[SteeringGear]
-    signals: Signals
-    beside: Signals
-    gain: np.ndarray
-    load: np.ndarray
+    record: SteadyRecord
     counters: dict[str, np.ndarray]
 
     @classmethod
-    def of(cls, common: Common, chosen: np.ndarray, gears: list[SteeringGear]) -> "_Followed":
+    def of(cls, table: TableAtLevel, chosen: np.ndarray, gears: list[SteeringGear]) -> "_GearsAtLevel":
         """Follow the chosen gears over all maneuvers; those found in each."""
-        recorded = common.recorded
-        ways = common.followed(chosen)
+        recorded = table.recorded
+        ways = [FamilyRecord.of(family, table.records, chosen) for family in table.families]
         kept = np.logical_and.reduce([way.surely_ok() for way in ways])
-        if not kept.all():
-            ways = [way.some(kept) for way in ways]
         some = [gears[i] for i in np.flatnonzero(kept).tolist()]
-        joined = one_after_another([way.whole() for way in ways[:recorded]])
-        beside = ways[recorded].whole() if len(ways) > recorded else {}
-        gain, load = ways[0].records["mesh"]["flank"]["gain"], ways[0].records["load"]["force"][:, 0]
+        joined = one_after_another([way.whole(kept) for way in ways[:recorded]])
+        beside = ways[recorded].whole(kept) if len(ways) > recorded else {}
+        records = ways[0].records[kept]
+        gain, load = records["mesh"]["flank"]["gain"], records["load"]["force"][:, 0]
         counters = {
-            name: np.sum([way.counts[name] for way in ways[:recorded]], axis=0) for name in ways[0].counts
+            name: np.sum([way.counts[name] for way in ways[:recorded]], axis=0)[kept]
+            for name in ways[0].counts
         }
-        return cls(common, chosen[kept], some, joined, beside, gain, np.abs(load), counters)
+        record = SteadyRecord(table.families[0].gear, joined, beside, gain, np.abs(load))
+        return cls(table, chosen[kept], some, record, counters)
 
-    def some(self, kept: np.ndarray) -> "_Followed":
+    def some(self, kept: np.ndarray) -> "_GearsAtLevel":
         """Return those of the gears that a mask (n,) keeps."""
-
-        def rows(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-            many = {name for name, each in self.signals.items() if each.ndim > 1} | {*self.counters}
-            return {name: each[kept] if name in many else each for name, each in columns.items()}
-
-        return replace(
-            self,
-            chosen=self.chosen[kept],
-            gears=[self.gears[i] for i in np.flatnonzero(kept).tolist()],
-            signals=rows(self.signals),
-            beside=rows(self.beside),
-            gain=self.gain[kept],
-            load=self.load[kept],
-            counters=rows(self.counters),
-        )
-
-    def turned(self, signals: Signals) -> Turned:
-        """Return what a record of theirs shows."""
-        family = self.common.families[0]
-        return Turned(family.gear, signals, self.beside, self.gain, self.load)
+        gears, record = [self.gears[i] for i in np.flatnonzero(kept).tolist()], self.record
+        signals, beside = (signals_of_some(each, kept) for each in (record.signals, record.beside))
+        some = SteadyRecord(record.gear, signals, beside, record.gain[kept], record.load[kept])
+        counters = {name: each[kept] for name, each in self.counters.items()}
+        return type(self)(self.table, self.chosen[kept], gears, some, counters)
 
     def metrics(self, signals: Signals) -> dict[str, np.ndarray]:
         """Return the metrics of a record of theirs, (n,) each."""
-        assert self.common.scene.test is not None
-        found = self.common.scene.test.metrics(self.turned(signals))
+        found = self.table.test.metrics(replace(self.record, signals=signals))
         return {name: np.broadcast_to(values, len(self.gears)) for name, values in found.items()}
 
-    @property
+    @cached_property
     def summary(self) -> dict[str, np.ndarray]:
         """Their metrics, (n,) each."""
-        return self.metrics(self.signals)
+        return self.metrics(self.record.signals)
 
-    def bars(self, coarse: "_Followed") -> tuple[dict[str, np.ndarray], np.ndarray]:
+    def bars(self, coarse: "_GearsAtLevel") -> tuple[dict[str, np.ndarray], np.ndarray]:
         """Return the half widths of the metrics' bars (n,), and whose main metric inertia leaves as it is."""
-        family, values = self.common.families[0], self.summary
-        bars = error_bars(self.metrics, self.signals, values, coarse.signals, coarse.summary)
+        scene, family, values = self.table.scene, self.table.families[0], self.summary
+        signals, gain = self.record.signals, self.record.gain[:, None]
+        bars = error_bars(self.metrics, signals, values, coarse.record.signals, coarse.summary)
         preload = np.array([gear.yoke.preload for gear in self.gears])[:, None]
-        middle = replace(MovedMasses.of(family.gear), gain=self.gain[:, None], preload=preload)
-        masses = middle if self.common.alike else of_many([MovedMasses.of(gear) for gear in self.gears])
+        middle = replace(MovedMasses.of(family.gear), gain=gain, preload=preload)
+        masses = middle if self.table.alike else of_many([MovedMasses.of(gear) for gear in self.gears])
         start = family.start
         findings = {} if family.maneuver.closes else {"start_unsettled": start.unsettled_behind}
-        findings["unsettled_mean"] = unsettled_share(start, self.signals)
-        terms = bar_terms(
-            self.common.scene, family.fidelity, self.metrics, self.signals, values, findings, masses
-        )
-        numbers = numbers_of(self.common.scene, family.fidelity, self.signals, values, terms)
-        seen = Seen(family.gear, numbers=numbers)
+        findings["unsettled_mean"] = unsettled_share(start, signals)
+        recorded = signals, values, findings
+        terms, measured = bar_terms(scene, family.fidelity, self.metrics, *recorded, masses)
+        seen = Seen(family.gear, numbers=measured)
         holds = np.logical_and.reduce([rule.within(seen, SAFE) for rule in OF_BARS])
         none = np.zeros(len(self.gears))
         return {name: bars[name] + terms.get(name, none) for name in bars}, holds
 
-    def described(self, coarse: "_Followed") -> "_Part":
-        """Return the gears with their metrics, and the bars of these from the same gears a level below."""
-        test = self.common.scene.test
-        if not self.gears or test is None:
-            return NO_GEARS
+    def described(self, coarse: "_GearsAtLevel", names: Sequence[str] | None) -> "list[_Part]":
+        """Return the rows of the gears with their metrics, the bars of these from the same gears a level
+        below, and the signals of these names, by default all; nothing where no gear is left."""
+        if not self.gears:
+            return []
         bars, holds = self.bars(coarse)
         if not holds.all():
-            return self.some(holds).described(coarse.some(holds))
-        summary = dict(self.summary)
-        of_limits, of_test = _remarks(self.gears, self.signals), test.remarks(self.turned(self.signals))
-        noted = [[*limits, *own] for limits, own in zip(of_limits, of_test, strict=True)]
+            return self.some(holds).described(coarse.some(holds), names)
+        summary, test = dict(self.summary), self.table.test
+        of_test, signals = test.remarks(self.record), self.record.signals
+        noted = [[*met, *own] for met, own in zip(self._limits_met(), of_test, strict=True)]
         if test.formulas is not None:
             figures = [test.formulas(each) for each in self.gears]
             for name in dict.fromkeys(name for own in figures for name in own):
                 summary[name] = np.array([own.get(name, np.nan) for own in figures])
-        return _Part(self.common.rows[self.chosen], summary, bars, self.counters, noted, self.signals)
+        wanted = signals if names is None else names
+        kept = {name: signals[name] for name in wanted if name in signals}
+        ended = np.ones(len(self.gears), dtype=bool)
+        return [(self.table.rows[self.chosen], GearTable(ended, summary, bars, self.counters, noted, kept))]
+
+    def _limits_met(self) -> list[list[Remark]]:
+        """Remarks on each gear by the function that remarks on single runs, where there is a cause."""
+        signals = self.record.signals
+        seen = Seen(self.gears[0], signals=signals)
+        within = np.logical_and.reduce(np.broadcast_arrays(*(rule.within(seen) for rule in REMARKS)))
+        return [
+            [] if within[i] else list(remarks(gear, signals_of_some(signals, i)))
+            for i, gear in enumerate(self.gears)
+        ]
 
 
-@dataclass(frozen=True, eq=False)
-class _Part:
-    """Some gears of a table, described."""
-
-    rows: np.ndarray  # of the table, of the gears found, (n,)
-    summary: dict[str, np.ndarray]  # (n,) each
-    errors: dict[str, np.ndarray]  # (n,) each
-    counters: dict[str, np.ndarray]
-    remarks: list[list[Remark]]
-    signals: dict[str, np.ndarray]
-
-    def named(self, names: Sequence[str] | None) -> "_Part":
-        """Return the part with some of its signals; None keeps all."""
-        if names is None:
-            return self
-        return replace(self, signals={name: self.signals[name] for name in names if name in self.signals})
+_Part = tuple[np.ndarray, GearTable]
+"""Rows of a table, and what was found in them."""
 
 
-NO_GEARS = _Part(np.zeros(0, dtype=np.intp), {}, {}, {}, [], {})
-
-
-def _remarks(gears: list[SteeringGear], signals: Signals) -> list[list[Remark]]:
-    """Remarks on each gear by the function that remarks on single runs, where there is a cause."""
-    pressed = np.minimum(signals["mesh_normal_force_drive"], signals["mesh_normal_force_coast"]).min(axis=1)
-    overloaded = signals["mesh_pressure"].max(axis=1) > BEARABLE_PRESSURE
-    said = (pressed <= 0) | overloaded | (signals["yokenut_force"].max(axis=1) > 0)
-    noted: list[list[Remark]] = [[] for _ in gears]
-    for i in np.flatnonzero(said).tolist():
-        own = {name: each[i] if each.ndim > 1 else each for name, each in signals.items()}
-        noted[i] = list(remarks(gears[i], own))
-    return noted
-
-
-def _joined(parts: list[_Part], count: int) -> Together:
+def _joined(parts: Sequence[_Part], count: int) -> GearTable:
     """The parts one after the other, in the rows of the table."""
-    ended, noted = np.zeros(count, dtype=bool), [list[Remark]() for _ in range(count)]
-    summary: dict[str, np.ndarray] = {}
-    errors: dict[str, np.ndarray] = {}
-    counters: dict[str, np.ndarray] = {}
-    signals: dict[str, np.ndarray] = {}
-    for part in parts:
-        ended[part.rows] = True
-        columns = (summary, part.summary), (errors, part.errors), (counters, part.counters)
-        for whole, own in (*columns, (signals, part.signals)):
-            for name, values in own.items():
-                if whole is signals and values.ndim == 1:
-                    whole[name] = values
+    whole = GearTable(np.zeros(count, dtype=bool), {}, {}, {}, [[] for _ in range(count)], {})
+    for rows, part in parts:
+        whole.ended[rows] = True
+        for group in ("summary", "errors", "counters", "signals"):
+            columns = getattr(whole, group)
+            for name, values in getattr(part, group).items():
+                if group == "signals" and values.ndim == 1:
+                    columns[name] = values
                 else:
-                    whole.setdefault(name, np.full((count, *values.shape[1:]), np.nan))[part.rows] = values
-        for row, remarks_of_row in zip(part.rows.tolist(), part.remarks, strict=True):
-            noted[row] = remarks_of_row
-    found = {name: values for name, values in summary.items() if not np.isnan(values).all()}
-    return Together(ended, found, errors, counters, noted, signals)
+                    columns.setdefault(name, np.full((count, *values.shape[1:]), np.nan))[rows] = values
+        for row, remarks_of_row in zip(rows.tolist(), part.remarks, strict=True):
+            whole.remarks[row] = remarks_of_row
+    known = {name: values for name, values in whole.summary.items() if not np.isnan(values).all()}
+    return replace(whole, summary=known)

@@ -14,7 +14,7 @@ from rps_exudyn.parameters.declaration import Table
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import Setup, SteeringGear
 from rps_exudyn.results.provenance import MODEL_VERSION
-from rps_exudyn.simulate.by_accuracy import Wanted
+from rps_exudyn.simulate.by_accuracy import AccuracyGoal
 from rps_exudyn.study.definition import GRID_DESIGN, Case, Description, Study, settings_of
 from rps_exudyn.study.designs import points, points_per_sample
 
@@ -24,7 +24,7 @@ MOST_KNOWN = 4096
 NAMES = {"name", "based_on"}  # of a fidelity: no number depends on them
 
 
-def case_hash(scene: str, gear: SteeringGear, fidelity: Fidelity, wanted: Wanted | None = None) -> str:
+def case_hash(scene: str, gear: SteeringGear, fidelity: Fidelity, wanted: AccuracyGoal | None = None) -> str:
     """Sixteen hex digits that name a case: of all that its numbers depend on, and nothing else."""
     tables = ",".join(f'"{name}":{_json(getattr(gear, name))}' for name in sorted(SteeringGear.model_fields))
     model = _canonical(asdict(wanted)) if wanted else _json(fidelity)

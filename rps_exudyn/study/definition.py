@@ -23,7 +23,7 @@ from rps_exudyn.results.block import AxisColumns, Keep
 from rps_exudyn.results.quantities import Quantity
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.law_by_scene import SERIES, with_law
-from rps_exudyn.simulate.by_accuracy import Wanted
+from rps_exudyn.simulate.by_accuracy import AccuracyGoal
 
 FILETYPE = "rps_exudyn-study"
 VERSION = (1, 2)
@@ -199,7 +199,7 @@ class Study:
     seed: int
     time_limit: float  # [s]
     keep: Keep
-    wanted: Wanted | None = None  # to which each case climbs the ladder; None: one run with bars
+    wanted: AccuracyGoal | None = None  # to which each case climbs the ladder; None: one run with bars
     blocks: bool | None = None  # whether cases are kept in blocks; None: if they are many
     correlation: Mapping[str, float] = field(default_factory=dict)  # "axis, axis" -> that of their scores
 

@@ -39,7 +39,7 @@ from rps_exudyn.parameters.gear import CORRELATION
 from rps_exudyn.results.block import Keep
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes import SCENE_NAMES
-from rps_exudyn.simulate.by_accuracy import Wanted
+from rps_exudyn.simulate.by_accuracy import AccuracyGoal
 from rps_exudyn.study.axis_tables import check_twice, read_axes
 from rps_exudyn.study.definition import DESIGNS, FIDELITY, GRID_DESIGN, UNCERTAIN_DESIGN, Axis, Study
 from rps_exudyn.study.designs import ends, uncertain_axes
@@ -143,7 +143,7 @@ class _StudyKeys(Keys):
 
     def wanted(
         self, content: Mapping[str, Any], settings: Mapping[str, Any], axes: tuple[Axis, ...]
-    ) -> Wanted | None:
+    ) -> AccuracyGoal | None:
         """The accuracy to which each case climbs the ladder; None: each is run once, with its bars."""
         if "accuracy" not in content:
             if "metrics" in content:
@@ -157,7 +157,7 @@ class _StudyKeys(Keys):
             self.wrong("metrics", f"is {shown(metrics)}; it must be a list of names.")
         elif preset is None or preset in PRESETS:  # else said already
             with self.gathering():
-                return Wanted.of(self.text(content, "accuracy", ""), metrics, preset)
+                return AccuracyGoal.of(self.text(content, "accuracy", ""), metrics, preset)
         return None
 
     def gear(self, content: Mapping[str, Any]) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Status
 from rps_exudyn.scenes import free_pinion_torque
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.simulate.by_accuracy import Wanted, climb
+from rps_exudyn.simulate.by_accuracy import AccuracyGoal, climb
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.study.dataset import open_study
 from shell import Command
@@ -97,7 +97,7 @@ def test_the_best_level_is_kept_where_the_next_one_fails(monkeypatch: pytest.Mon
 def test_inertia_that_equilibria_leave_out_ends_their_climb() -> None:
     """No level shows it: dynamics serve."""
     gear = SteeringGear().replace({"pinion.runout": "20 um", "test.speed": "600 rpm"})
-    wanted = Wanted.of("2%", ["torque_first_order"], "quasi-static")
+    wanted = AccuracyGoal.of("2%", ["torque_first_order"], "quasi-static")
     result = climb(SCENE, gear, wanted)
     assert Code.ACCURACY_NOT_REACHED in result.codes
     assert result.findings["level"] == 2
@@ -106,7 +106,7 @@ def test_inertia_that_equilibria_leave_out_ends_their_climb() -> None:
 
 def test_no_level_is_begun_that_takes_longer_than_is_left() -> None:
     past = TimeLimit(1.0, begun=-1e9)
-    result = climb(SCENE, GEAR, Wanted.of("0.001%"), past)
+    result = climb(SCENE, GEAR, AccuracyGoal.of("0.001%"), past)
     assert (result.status, result.findings["level"]) == (Status.OK, 1)
     assert "level 2 would take longer than is left of the time limit" in result.message
 

@@ -10,12 +10,12 @@ import pytest
 
 from edited import edited
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.simulate.cases.run_cases import Here
 from rps_exudyn.study.designs import points
 from rps_exudyn.study.runner import StudyWork, run_study
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.study_file import read_study
 from shell import Command
+from study_files import Here
 
 STUDIES = sorted((Path(__file__).parents[2] / "studies").glob("*.toml"))
 SHIPPED = (

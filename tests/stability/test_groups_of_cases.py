@@ -18,7 +18,6 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes.error_bars import error_bars
 from rps_exudyn.simulate.cases.case_group import CaseGroup
 from rps_exudyn.simulate.cases.processes import Processes
-from rps_exudyn.simulate.cases.run_cases import Here
 from rps_exudyn.simulate.cases.task import Answer, Executor, Task, answer_to
 from rps_exudyn.study import handover
 from rps_exudyn.study.handover import FEWEST, Handover, dispatch_of
@@ -26,7 +25,7 @@ from rps_exudyn.study.runner import StudyWork, run_study
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.study_file import read_study
 from shell import Command
-from study_files import write_grid, write_stand_in
+from study_files import Here, write_grid, write_stand_in
 
 SINGLY = '[set]\nyoke.friction_law = "bristle"\n'  # as no gears are computed together
 TORQUE = '[keep]\nsignals = ["pinion_torque"]\n[set]\ntest.turns = 0.2\n'

@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +16,7 @@ from edited import edited
 from rps_exudyn.results.block import CaseRow
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.simulate.cases.processes import Processes
-from rps_exudyn.simulate.cases.task import Answer, Task
+from rps_exudyn.simulate.cases.task import Task
 from rps_exudyn.study.store import Store
 from shell import Command
 from study_files import write_grid, write_stand_in
@@ -223,12 +223,12 @@ def test_workers_start_together_unless_the_first_has_to_compile(
     started: list[Task] = []
     case = Task(int)
 
-    def first_event(processes: Processes) -> Iterator[tuple[Task, Answer]]:
+    def first_event(processes: Processes) -> float:
         raise InterruptedError
 
     monkeypatch.setattr("rps_exudyn.simulate.cases.processes.object_files", lambda: [1] * compiled)
     monkeypatch.setattr(Processes, "_start", lambda _, warm_up: started.append(warm_up))
-    monkeypatch.setattr(Processes, "_next_event", first_event)
+    monkeypatch.setattr(Processes, "_until_deadline", first_event)
     processes = Processes(3, 1.0)
     monkeypatch.setattr("rps_exudyn.simulate.cases.processes.object_files", lambda: [1])
     with pytest.raises(InterruptedError):

@@ -11,7 +11,7 @@ from rps_exudyn.inference.uncertainty.joint import JointInputs
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.simulate.batch import Batch, batch_of
+from rps_exudyn.simulate.batch import Batch, batch
 from rps_exudyn.simulate.cases.run_cases import run_cases
 from rps_exudyn.simulate.cases.task import Task
 from rps_exudyn.simulate.together import fewest, unsupported_reason
@@ -86,7 +86,7 @@ def runs_at(
         tasks: dict[Task, tuple[range, dict[str, np.ndarray] | None]] = {}
         for rows, learned in waiting:
             part = {path: column[rows.start : rows.stop] for path, column in values.items()}
-            call = partial(batch_of, scene, gear, part, fidelity, keep, learned)
+            call = partial(batch, scene, gear, part, fidelity=fidelity, keep=keep, ranges=learned)
             tasks[Task(call)] = rows, learned
         waiting = []
         for task, answer in run_cases(list(tasks), jobs, time_limit):

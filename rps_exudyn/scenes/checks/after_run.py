@@ -5,9 +5,7 @@ of it: teeth in mesh, contact within the range in which its law holds. What disc
 left of the start, is in the error bars of its metrics.
 """
 
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -16,9 +14,6 @@ from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.checks.rules import IN_RECORD, OF_GENERAL_CONTACT, Seen, breaches
 from rps_exudyn.solvers.equilibrium import Start
 from rps_exudyn.solvers.record import Record
-
-MISSED_TORQUE = 1e-3  # whose work is none: a gear without friction takes none [N m]
-ROUNDING = 1e-9  # of the works of a gear that nothing moves [J]
 
 
 def validated(
@@ -42,8 +37,3 @@ def unsettled_share(start: Start, signals: dict[str, np.ndarray]) -> float:
     """Return the share of the mean force over a record that depends on where the motion began."""
     recorded = float(signals["time"][-1])
     return start.unsettled * min(1.0, start.settles_in / recorded) if start.unsettled else 0.0
-
-
-def least_work(signals: Mapping[str, np.ndarray]) -> Any:
-    """Return the work below which none counts [J]; of many gears (n,)."""
-    return MISSED_TORQUE * np.abs(np.diff(signals["pinion_angle"])).sum(axis=-1) + ROUNDING

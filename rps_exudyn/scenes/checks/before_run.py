@@ -8,6 +8,7 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.rack_bar import RackBar
+from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 
 # --- Plans whose record no memory holds, refused before they start
@@ -76,7 +77,20 @@ def _of_process() -> float:
         return float("inf")
 
 
-# --- The pinion on the rack's teeth
+# --- What a model or a gear lacks
+
+
+def check_dynamics(fidelity: Fidelity, scene: str, missing: str) -> None:
+    """Check that a model has inertia; equilibria are without what is `missing`.
+
+    Raises:
+        InputError: it has none.
+    """
+    if fidelity.solver != "generalized-alpha":
+        raise InputError(
+            f"fidelity.solver is {fidelity.solver}; {scene} needs generalized-alpha: equilibria have no "
+            f"{missing}."
+        )
 
 
 def check_travel(gear: SteeringGear, angles: Sequence[float], test: str) -> None:

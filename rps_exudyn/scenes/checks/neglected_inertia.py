@@ -6,7 +6,6 @@ square of the speed: with a runout of 20 um the first order of the default gear'
 120 rpm and 10 % at 600.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -14,12 +13,11 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.analysis.curve import durations, pieces_of
+from rps_exudyn.analysis.passes import Signals
 from rps_exudyn.gears.bar_section import mass_and_moments
 from rps_exudyn.gears.masses import pinion_inertia
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
-
-Signals = Mapping[str, np.ndarray]
 
 FREE_OF_RANGES = 4e-3
 """Of the yoke's force, the inertia beside the travel, at its largest, that moves the rack's ranges by 5 % and

@@ -43,14 +43,11 @@ def widest_zone(gear: SteeringGear, ratio: float, lost: float) -> float:
     return float(brentq(lambda each: work_in_zone(gear, each) - lost, 0.0, ratio))
 
 
-def _curvature_radius(pair: GearPair) -> float:
-    return float(pair.reference_radius * np.sin(pair.alpha_t) / np.cos(pair.beta_p) ** 2)
-
-
 def least_profile_samples(gear: SteeringGear) -> int:
     """Return the spheres along the path of contact such that `SPACING` strips of contact lie between two of
     them."""
     pair = GearPair.of(gear)
-    strip = 2 * np.sqrt(2 * _curvature_radius(pair) * max(mean_depth(gear), 1e-9))
+    curvature_radius = float(pair.reference_radius * np.sin(pair.alpha_t) / np.cos(pair.beta_p) ** 2)
+    strip = 2 * np.sqrt(2 * curvature_radius * max(mean_depth(gear), 1e-9))
     path = abs(pair.active_path[1] - pair.active_path[0])
     return int(np.ceil(path / (SPACING * strip)))

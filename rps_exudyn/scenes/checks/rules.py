@@ -10,11 +10,12 @@ What discretisation misses of a metric is in its error bar, and no matter of rul
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 
-from rps_exudyn.analysis.passes import first_angle
+from rps_exudyn.analysis.passes import Signals, first_angle
 from rps_exudyn.forces.force_element import ENERGY_TERMS
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_limits import largest_lift
@@ -25,7 +26,6 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark, Status
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes.checks.predicted import least_profile_samples, widest_zone, work_in_zone
-from rps_exudyn.scenes.scene_run import Signals
 from rps_exudyn.solvers.record import Record, contact_disagreement
 from rps_exudyn.tooth_contact.mean_depth import mean_depth, rack_approach
 from rps_exudyn.tooth_contact.spheres import sphere_radius
@@ -97,21 +97,21 @@ class Rule:
 
     Attributes:
         code: what its breach is about.
-        status: of a run that breaks it; ok: its sentence is a remark.
         measured: the quantity, a number or over the instants (t,), of many gears (n,) or (n, t).
-        limit: the largest allowed value.
         sentence: about a breach, without a full stop.
+        limit: the largest allowed value.
         applies: whether there is anything to measure.
         repair: choices of the fidelity that meet the limit.
+        status: of a run that breaks it; ok: its sentence is a remark.
     """
 
     code: Code
-    status: Status
     measured: Callable[[Seen], Any]
-    limit: Callable[[Seen], Any]
     sentence: Callable[["Breach"], str]
+    limit: Callable[[Seen], Any] = lambda seen: 0.0
     applies: Callable[[Seen], bool] = lambda seen: True
     repair: Callable[["Breach"], dict[str, Any]] = lambda breach: {}
+    status: Status = Status.INVALID
 
     def breach(self, seen: Seen) -> "Breach | None":
         """Return what breaks the rule."""
@@ -169,8 +169,9 @@ def breaches(rules: Iterable[Rule], seen: Seen) -> Iterator[Breach]:
 
 
 def breaches_of_plan(gear: SteeringGear, fidelity: Fidelity, *, motion: Motion) -> Iterator[Breach]:
-    """Yield the limits that a plan does not meet."""
-    return breaches(OF_PLAN, Seen(gear, fidelity, motion))
+    """Yield the limits that a plan does not meet; formulas have none."""
+    rules = OF_PLAN if fidelity.solver != "closed-form" else ()
+    return breaches(rules, Seen(gear, fidelity, motion))
 
 
 def refused(gear: SteeringGear, fidelity: Fidelity, *, motion: Motion) -> list[str]:
@@ -198,24 +199,14 @@ def _asks(quantity: str, why: str, show: str, scale: float = 1.0) -> Callable[[B
     return sentence
 
 
-def _plan(
-    measured: Callable[[Seen], Any],
-    limit: Callable[[Seen], Any],
-    sentence: Callable[[Breach], str],
-    applies: Callable[[Seen], bool],
-    repair: Callable[[Breach], dict[str, Any]],
-) -> Rule:
-    def simulated(seen: Seen) -> bool:
-        return seen.model.solver != "closed-form" and applies(seen)
-
-    return Rule(Code.REFUSED, Status.INVALID, measured, limit, sentence, simulated, repair)
+_plan = partial(Rule, Code.REFUSED)
 
 
 def _at_least(choice: str, least: Callable[[SteeringGear], int], mesh: str) -> Rule:
     return _plan(
         lambda seen: -getattr(seen.model, choice),
-        lambda seen: -least(seen.gear),
         _asks(f"fidelity.{choice}", "the integral over the contact", "{:.0f}"),
+        lambda seen: -least(seen.gear),
         lambda seen: seen.model.mesh == mesh,
         lambda breach: {choice: int(-breach.limit)},
     )
@@ -223,6 +214,12 @@ def _at_least(choice: str, least: Callable[[SteeringGear], int], mesh: str) -> R
 
 def _pitch(gear: SteeringGear) -> float:
     return 2 * np.pi / gear.pinion.teeth
+
+
+def _coarse(breach: Breach) -> str:
+    pitch = f"{np.degrees(_pitch(breach.seen.gear)):.4g} deg"
+    why = f"a tooth pitch of {pitch}, which needs {STEPS_PER_PITCH} steps,"
+    return _asks("fidelity.step_angle", why, "{:.4g} deg", 180 / np.pi)(breach)
 
 
 def _is_chain(seen: Seen) -> bool:
@@ -248,25 +245,19 @@ def _straightened(breach: Breach) -> dict[str, Any]:
 OF_PLAN = (
     _plan(
         lambda seen: seen.model.step_angle,
+        _coarse,
         lambda seen: _pitch(seen.gear) / STEPS_PER_PITCH * (1 + 1e-9),
-        lambda breach: _asks(
-            "fidelity.step_angle",
-            f"a tooth pitch of {np.degrees(_pitch(breach.seen.gear)):.4g} deg, which needs {STEPS_PER_PITCH} "
-            "steps,",
-            "{:.4g} deg",
-            180 / np.pi,
-        )(breach),
         lambda seen: seen.motion == "steady",
         lambda breach: {"step_angle": float(_pitch(breach.seen.gear) / REPAIRED_STEPS_PER_PITCH)},
     ),
     _plan(
         lambda seen: seen.model.zone_ratio,
-        lambda seen: widest_zone(seen.gear, seen.model.zone_ratio, LOST_IN_ZONE),
         _asks(
             "fidelity.zone_ratio",
             "a motion that stops, where friction is too small within the zone,",
             "{:.3g}",
         ),
+        lambda seen: widest_zone(seen.gear, seen.model.zone_ratio, LOST_IN_ZONE),
         lambda seen: (
             seen.motion == "stopping"
             and seen.model.zone_ratio > NARROW_ZONE
@@ -274,18 +265,17 @@ OF_PLAN = (
         ),
         lambda breach: {"zone_ratio": 0.99 * breach.limit},
     ),
-    _plan(lambda seen: abs(seen.gear.rack.bow), lambda seen: 0.0, _bowed, _is_straight_only, _straightened),
+    _plan(lambda seen: abs(seen.gear.rack.bow), _bowed, applies=_is_straight_only, repair=_straightened),
     _plan(
         lambda seen: float(np.abs(rack_errors(seen.gear)).max()),
-        lambda seen: 0.0,
         _asks(
             "the largest of rack.pitch_errors",
             "fidelity.mesh = general-contact, whose racks have teeth without errors,",
             "{:.4g} um",
             1e6,
         ),
-        lambda seen: seen.model.mesh == "general-contact" and bool(seen.gear.rack.pitch_errors),
-        lambda breach: {"mesh": "flank"},
+        applies=lambda seen: seen.model.mesh == "general-contact" and bool(seen.gear.rack.pitch_errors),
+        repair=lambda breach: {"mesh": "flank"},
     ),
     _at_least("strip_points", lambda gear: 2, "flank"),
     _at_least("strip_stations", lambda gear: LEAST_STATIONS[gear.mesh.contact_law], "flank"),
@@ -295,13 +285,13 @@ OF_PLAN = (
     _at_least("axial_samples", lambda gear: LEAST_ROWS, "general-contact"),
     _plan(
         lambda seen: DEEPEST * mean_depth(seen.gear),
-        lambda seen: sphere_radius(GearPair.of(seen.gear)),
         _asks(
             "the deepest contact predicted from yoke.preload and the teeth's stiffness",
             "general contact, through whose flanks a sphere passes that is deeper than its radius,",
             "{:.0f} um",
             1e6,
         ),
+        lambda seen: sphere_radius(GearPair.of(seen.gear)),
         lambda seen: seen.model.mesh == "general-contact",
         lambda breach: {"mesh": "flank"},
     ),
@@ -310,10 +300,6 @@ OF_PLAN = (
 
 
 # --- Records ---------------------------------------------------------------------------------------
-
-
-def _not_finite(seen: Seen) -> Any:
-    return sum(~np.isfinite(values) for values in seen.signals.values())
 
 
 def _lift(seen: Seen) -> Any:
@@ -334,38 +320,35 @@ def _beyond_law(breach: Breach) -> str:
 IN_RECORD = (
     Rule(
         Code.NOT_FINITE,
-        Status.DIVERGED,
-        _not_finite,
-        lambda seen: 0,
+        lambda seen: sum(~np.isfinite(values) for values in seen.signals.values()),
         lambda breach: (
             next(name for name, each in breach.seen.signals.items() if not np.isfinite(each).all())
             + " is not finite"
         ),
+        status=Status.DIVERGED,
     ),
     Rule(
         Code.RACK_OUT_OF_MESH,
-        Status.CONTACT_LOST,
         _lift,
-        lambda seen: largest_lift(seen.gear),
         lambda breach: (
             f"the rack is {1e6 * breach.value:.4g} um out of its place, first above "
             f"{1e6 * breach.limit:.4g} um at {breach.where}"
         ),
+        lambda seen: largest_lift(seen.gear),
+        status=Status.CONTACT_LOST,
     ),
     Rule(
         Code.TEETH_UNLOADED,
-        Status.CONTACT_LOST,
         lambda seen: seen.signals["mesh_normal_force"] <= 0,
-        lambda seen: 0,
         lambda breach: f"the teeth carry no load, first at {breach.where}",
-        lambda seen: "mesh_normal_force" in seen.signals and not seen.is_shaken,
+        applies=lambda seen: "mesh_normal_force" in seen.signals and not seen.is_shaken,
+        status=Status.CONTACT_LOST,
     ),
     Rule(
         Code.BEYOND_LAW,
-        Status.INVALID,
         lambda seen: np.max([seen.signals[name] / to for name, to in seen.valid_to.items()], axis=0),
-        lambda seen: 1.0,
         _beyond_law,
+        lambda seen: 1.0,
         lambda seen: bool(seen.valid_to),
     ),
 )
@@ -405,44 +388,40 @@ def _disagreement(seen: Seen) -> float:
 OF_GENERAL_CONTACT = (
     Rule(
         Code.CONTACT_DISAGREES,
-        Status.INVALID,
         _disagreement,
-        lambda seen: AGREEMENT,
         lambda breach: (
             f"two evaluations of the contact forces differ by {breach.value:.2g} (limit {AGREEMENT:.0g})"
         ),
+        lambda seen: AGREEMENT,
     ),
     Rule(
         Code.FEW_SPHERES,
-        Status.INVALID,
         lambda seen: -_touching(seen),
-        lambda seen: -LEAST_TOUCHING,
         lambda breach: (
             f"{-breach.value:g} spheres touch, of which half count on an edge; {LEAST_TOUCHING} are needed: "
             "raise fidelity.profile_samples or axial_samples"
         ),
+        lambda seen: -LEAST_TOUCHING,
         lambda seen: seen.has_spheres,
     ),
     Rule(
         Code.SPHERES_OUT_OF_PLACE,
-        Status.INVALID,
         _displaced,
-        lambda seen: OUT_OF_PLACE,
         lambda breach: (
             f"the rack is displaced from its preloaded position by {breach.value:.1%} of the path of contact "
             f"(limit of general contact {OUT_OF_PLACE:.0%}): choose fidelity.mesh = flank"
         ),
+        lambda seen: OUT_OF_PLACE,
         lambda seen: seen.has_spheres,
     ),
     Rule(
         Code.SPHERES_AT_NUT,
-        Status.INVALID,
         _on_nut,
-        lambda seen: AT_NUT,
         lambda breach: (
             f"the yokenut carries {breach.value:.0%} of the yoke's force on average, which spheres on a grid "
             f"show 8 % and more off (limit of general contact {AT_NUT:.0%}): choose fidelity.mesh = flank"
         ),
+        lambda seen: AT_NUT,
         lambda seen: seen.has_spheres and not seen.is_shaken,
     ),
 )
@@ -451,23 +430,21 @@ OF_GENERAL_CONTACT = (
 OF_BARS = (
     Rule(
         Code.WORK_MISSING,
-        Status.INVALID,
         lambda seen: seen.numbers["work_missing"],
-        lambda seen: MOST_OF_WORK,
         lambda breach: (
             f"the error of the work balance is {breach.value:.1%} (limit {MOST_OF_WORK:.0%}); lower "
             "fidelity.step_angle"
         ),
+        lambda seen: MOST_OF_WORK,
     ),
     Rule(
         Code.TURN_TOO_FAST,
-        Status.INVALID,
         lambda seen: seen.numbers["moved_by_inertia"],
-        lambda seen: MOST_OF_TERMS,
         lambda breach: (
             f"the motion is too fast for equilibria: inertia may change the scene's main metric by "
             f"{breach.value:.0%} (limit {MOST_OF_TERMS:.0%}); choose generalized-alpha"
         ),
+        lambda seen: MOST_OF_TERMS,
         lambda seen: "moved_by_inertia" in seen.numbers,
     ),
 )
@@ -475,14 +452,14 @@ OF_BARS = (
 
 VIBRATES = Rule(
     Code.PEAKS_UNRESOLVED,
-    Status.OK,
     lambda seen: seen.numbers.get("vibration_grows", 0.0),
-    lambda seen: GROWN,
     lambda breach: (
         f"friction excites a vibration that grows {np.exp(min(breach.value, MOST_POWER)):.3g} times over a "
         "pass and that the steps damp: the errors of peak to peak values, ranges, largest and smallest "
         "values are unknown"
     ),
+    lambda seen: GROWN,
+    status=Status.OK,
 )
 """Eigenvalues along the path: no pair of levels sees a vibration that both damp."""
 
@@ -490,46 +467,44 @@ VIBRATES = Rule(
 # --- Remarks ---------------------------------------------------------------------------------------
 
 
+_remark = partial(Rule, status=Status.OK)
+
+
 def _lifted(side: str, other: str) -> Rule:
     name = f"mesh_normal_force_{side}"
-    return Rule(
+    return _remark(
         Code.FLANK_LIFTED,
-        Status.OK,
         lambda seen: seen.signals[name] <= 0,
-        lambda seen: 0,
         lambda breach: (
             f"the {side} flanks carry no load in {breach.beyond.mean():.0%} of the record, first at "
             f"{breach.where}; all load is on the {other} flanks"
         ),
-        lambda seen: name in seen.signals,
+        applies=lambda seen: name in seen.signals,
     )
 
 
 REMARKS = (
     _lifted("drive", "coast"),
     _lifted("coast", "drive"),
-    Rule(
+    _remark(
         Code.YOKE_STOPPED,
-        Status.OK,
         lambda seen: seen.signals["yokenut_force"],
-        lambda seen: 0.0,
         lambda breach: (
             f"yoke.clearance = {1e6 * breach.seen.gear.yoke.clearance:.4g} um is closed, first at "
             f"{breach.where}; the yokenut carries up to {breach.value:.4g} N; the error of the contact law "
             "is unknown there"
         ),
-        lambda seen: "yokenut_force" in seen.signals,
+        applies=lambda seen: "yokenut_force" in seen.signals,
     ),
-    Rule(
+    _remark(
         Code.TEETH_OVERLOADED,
-        Status.OK,
         lambda seen: seen.signals["mesh_pressure"],
-        lambda seen: BEARABLE_PRESSURE,
         lambda breach: (
             f"the contact pressure is up to {1e-6 * breach.value:.4g} MPa (limit of case-hardened steel "
             f"{1e-6 * BEARABLE_PRESSURE:.4g} MPa, ISO 6336-5), first exceeded at {breach.where}; the model "
             "stays elastic"
         ),
+        lambda seen: BEARABLE_PRESSURE,
         lambda seen: "mesh_pressure" in seen.signals,
     ),
 )

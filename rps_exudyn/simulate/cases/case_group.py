@@ -20,8 +20,9 @@ from rps_exudyn.results.block import CaseRecord, Keep
 from rps_exudyn.results.outcome import Status, each_once, joined_text
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.simulate.batch import Batch, as_outcome, batch
-from rps_exudyn.simulate.by_accuracy import Wanted, climb
+from rps_exudyn.simulate.batch import Batch, batch
+from rps_exudyn.simulate.by_accuracy import AccuracyGoal, climb
+from rps_exudyn.simulate.cases.task import Task, answer_to
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.simulate.together import LEVEL
@@ -42,7 +43,7 @@ class CaseGroup:
     # path -> over what it varies in the whole study, whose cases are computed together; None: one by one
     ranges: Mapping[str, Sequence[float]] | None = None
     # what each climbs the ladder to, and its time limit [s]; None: one run with bars
-    goal: tuple[Wanted, float] | None = None
+    goal: tuple[AccuracyGoal, float] | None = None
 
     def records(self) -> list[CaseRecord]:
         """Return the record of each case.
@@ -77,7 +78,7 @@ class CaseGroup:
         if self.goal is not None:
             wanted, seconds = self.goal
             run = partial(climb, self.scene, setup.steering_gear, wanted, TimeLimit(seconds))
-        return as_outcome(run, self.scene, setup.steering_gear, setup.fidelity)
+        return answer_to(Task(run)).result(self.scene, setup.steering_gear, setup.fidelity)
 
     def _batch(self) -> list[Result]:
         wall, cpu = perf_counter(), process_time()

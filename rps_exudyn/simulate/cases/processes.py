@@ -102,7 +102,8 @@ class Processes:
         self._messages = messages
         self._running: list[_Worker] = []
         self._events: queue.SimpleQueue[tuple[_Worker | None, bytes | None]] = queue.SimpleQueue()
-        self._again: deque[Task] = deque()
+        self._tasks: Iterator[Task] = iter(())
+        self._again: deque[Task] = deque()  # to be done before these
         self._attempts: dict[Task, int] = {}
         self._failed_starts = 0
         self._next_start = 0.0  # when one may be started again
@@ -123,13 +124,18 @@ class Processes:
         Raises:
             StartError: processes end before they are ready.
         """
-        waiting = _Waiting(tasks, self._again)
-        while waiting or any(worker.tasks for worker in self._running):
+        self._tasks = tasks
+        while self._next_task() or any(worker.tasks for worker in self._running):
             if self.is_cancelled:
                 self.__exit__()
                 return
-            self._hand_out(waiting)
-            yield from self._next_event()
+            self._hand_out()
+            try:
+                event = self._events.get(timeout=self._until_deadline())
+            except queue.Empty:
+                yield from self._out_of_time()
+            else:
+                yield from self._happened(*event)
 
     def cancel(self) -> None:
         """End what `run` does, which another thread iterates; these processes do nothing any more."""
@@ -146,21 +152,34 @@ class Processes:
             with contextlib.suppress(queue.Empty):
                 yield from self._happened(*self._events.get(timeout=max(end - monotonic(), 0.001)))
 
-    def _hand_out(self, waiting: "_Waiting") -> None:
+    def _next_task(self) -> Task | None:
+        """Return the next task, left where it is: those to be done again first."""
+        if not self._again and (task := next(self._tasks, None)) is not None:
+            self._again.append(task)
+        return self._again[0] if self._again else None
+
+    def _give(self, worker: _Worker, most: int) -> None:
+        """Hand the next tasks over to a process."""
+        taken: list[Task] = []
+        while len(taken) < most and self._next_task():
+            taken.append(self._again.popleft())
+        worker.give(taken, self.time_limit)
+
+    def _hand_out(self) -> None:
         """Keep every process busy, and start one more if there is work for it.
 
         The first one starts before the others, until machine code is made, so that this is done once.
         """
         for worker in self._running:
-            if worker.ready and len(worker.tasks) <= self._batch // 2 and waiting:
-                worker.give(waiting.take(self._batch - len(worker.tasks)), self.time_limit)
+            if worker.ready and len(worker.tasks) <= self._batch // 2 and self._next_task():
+                self._give(worker, self._batch - len(worker.tasks))
         missing = self.workers - len(self._running) if self._compiled else 1 - len(self._running)
         for _ in range(missing):
-            if monotonic() < self._next_start or (first := waiting.peek()) is None:
+            if monotonic() < self._next_start or (first := self._next_task()) is None:
                 return
             self._start(first)
             if first.begun is not None:  # its time runs already: it does not wait until the process is ready
-                self._running[-1].give(waiting.take(1), self.time_limit)
+                self._give(self._running[-1], 1)
 
     @property
     def _batch(self) -> int:
@@ -194,15 +213,6 @@ class Processes:
             for frame in frames_in(output):
                 self._events.put((worker, frame))
         self._events.put((worker, None))
-
-    def _next_event(self) -> Iterator[tuple[Task, Answer]]:
-        """Return what happens next: an answer, the end of a process, or the end of a task's time."""
-        try:
-            event = self._events.get(timeout=self._until_deadline())
-        except queue.Empty:
-            yield from self._out_of_time()
-            return
-        yield from self._happened(*event)
 
     def _happened(self, worker: _Worker | None, frame: bytes | None) -> Iterator[tuple[Task, Answer]]:
         if worker is None or worker not in self._running:
@@ -295,29 +305,6 @@ class Processes:
                 f"{FAILED_STARTS} processes in a row ended before they had done anything ({how}){where}."
             )
         self._next_start = monotonic() + min(FIRST_PAUSE * 2**self._failed_starts, LONGEST_PAUSE)
-
-
-class _Waiting:
-    """Tasks not yet handed out: those to be done again first."""
-
-    def __init__(self, tasks: Iterator[Task], again: deque[Task]) -> None:
-        self._tasks, self._again = tasks, again
-
-    def peek(self) -> Task | None:
-        """Return the next task, left where it is."""
-        if not self._again and (task := next(self._tasks, None)) is not None:
-            self._again.append(task)
-        return self._again[0] if self._again else None
-
-    def __bool__(self) -> bool:
-        return self.peek() is not None
-
-    def take(self, count: int) -> list[Task]:
-        """Take up to `count` tasks."""
-        taken: list[Task] = []
-        while len(taken) < count and self.peek() is not None:
-            taken.append(self._again.popleft())
-        return taken
 
 
 def environment() -> dict[str, str]:

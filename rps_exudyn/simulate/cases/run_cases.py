@@ -4,13 +4,12 @@
     for task, answer in run_cases(tasks, jobs=2):
         print(answer.returned().summary)
 
-A task is a call, and an executor does tasks: `Here`, `Processes` or `Cluster`. With each of them a time limit
-that is over, a process that ends and an error are answers; Ctrl-C ends the iteration.
+A task is a call. A time limit that is over, a process that ends and an error are answers; Ctrl-C ends the
+iteration.
 """
 
 import os
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.simulate.cases.processes import Processes
@@ -18,20 +17,6 @@ from rps_exudyn.simulate.cases.task import Answer, Task, answer_to
 
 STARTING = 3.0  # [s] of CPU time until a process is ready, its kernels loaded
 MOST_JOBS = 1024
-
-
-@dataclass(frozen=True)
-class Here:
-    """Does tasks one after the other in this process, each for at most so many seconds."""
-
-    time_limit: float = float("inf")
-    workers: int = 1
-    group_seconds: float = 2.0
-
-    def run(self, tasks: Iterator[Task]) -> Iterator[tuple[Task, Answer]]:
-        """Do tasks; see `Executor`."""
-        for task in tasks:
-            yield task, answer_to(task, self.time_limit)
 
 
 class CaseRunner:

@@ -96,6 +96,10 @@ class Answer:
             raise InputError(f"a run did not end: {self.ended}.")
         return self.value
 
+    def result(self, scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
+        """Return the result of a run, whatever became of it."""
+        return self.failure(scene, gear, fidelity) if self.value is None else self.value
+
     def failure(self, scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
         """Return the result of a run that returned none: its status, its cause, and what was recorded."""
         status, message = Status.CRASHED, self.ended
@@ -127,7 +131,7 @@ class Executor(Protocol):
         """Do tasks, taken from the iterator as needed; answers come in the order in which the tasks end."""
 
 
-def answer_to(task: Task, time_limit: float) -> Answer:
+def answer_to(task: Task, time_limit: float = float("inf")) -> Answer:
     """Do a task in this process; the time limit in seconds.
 
     Raises:
