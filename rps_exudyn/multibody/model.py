@@ -173,7 +173,7 @@ def _add_forces_beside_spheres(model: SteeringModel) -> None:
     stack = [nodes[body] for body in model.stack]
     # GeneralContact itself contributes no Jacobian: without contact between spheres its own derivative is
     # exactly zero (tests/upstream pins this), so that of the compiled spheres is added
-    add_forces(mbs, stack, len(stacked(model.stack)), forces.without_mesh.force, forces.dynamics.tangent)
+    add_forces(mbs, stack, len(stacked(model.stack)), forces.without_mesh.force, forces.tangent)
     model.contacts = add_general_contacts(
         mbs,
         model.gear,
@@ -211,16 +211,15 @@ def _add_forces_together(model: SteeringModel) -> None:
     mass = np.diag(np.repeat([0.0, 1.0, 0.0], [of_bodies, modes, held]))
     if held:
         mass[-held:, -held:] = pinion_on_supports(model.gear)
-    dynamics = forces.dynamics
-    if dynamics.has_bristles:
-        dynamics.memory[:] = model.start.kept[-1][1]
+    if forces.has_bristles:
+        forces.memory[:] = model.start.kept[-1][1]
     add_forces(
         model.mbs,
         [model.nodes[body] for body in model.stack],
         of_bodies + modes + held,
-        dynamics.force,
-        dynamics.tangent,
-        memory=dynamics.memory if dynamics.has_bristles else None,
+        forces.force,
+        forces.tangent,
+        memory=forces.memory if forces.has_bristles else None,
         mass=mass,
         applied=applied,
     )

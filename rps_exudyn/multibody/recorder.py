@@ -16,7 +16,7 @@ from rps_exudyn.gears.geometry_limits import largest_lift
 from rps_exudyn.multibody.solve import StepRefusedError
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.results.outcome import Code, Status
-from rps_exudyn.solvers.balance import SIZE, Balance
+from rps_exudyn.solvers.balance import SIZE
 from rps_exudyn.solvers.record import AT_MESH, Record, axis_at_pitch_point
 from rps_exudyn.solvers.steering_column import WheelTorque
 
@@ -65,8 +65,8 @@ class Recorder:
         from exudyn import ConfigurationType
 
         left = [step for step in self.steps if step.time <= time]
-        if len(left) < len(self.steps) and self._dynamics.has_bristles:
-            self._dynamics.memory[0] = self.steps[len(left)].begun
+        if len(left) < len(self.steps) and self.model.forces.has_bristles:
+            self.model.forces.memory[0] = self.steps[len(left)].begun
         self.steps = left
         coordinates, rates = (left[-1].coordinates, left[-1].rates) if left else self._start
         system, initial = self.model.mbs.systemData, ConfigurationType.Initial
@@ -148,19 +148,15 @@ class Recorder:
 
     def _remembered(self, t: float, coordinates: np.ndarray, rates: np.ndarray) -> np.ndarray:
         """Make the end of a step found the begin of the next; return what was the begin."""
-        dynamics = self._dynamics
-        if not dynamics.has_bristles:
+        forces = self.model.forces
+        if not forces.has_bristles:
             return NOTHING
-        memory, columns = dynamics.memory, self._columns
+        memory, columns = forces.memory, self._columns
         begun = memory[0].copy()
         memory[1, TIME] = t
-        dynamics.force(coordinates[columns], rates[columns])
+        forces.force(coordinates[columns], rates[columns])
         memory[0] = memory[1]
         return begun
-
-    @cached_property
-    def _dynamics(self) -> Balance:
-        return self.model.forces.dynamics
 
     @cached_property
     def _columns(self) -> np.ndarray:
@@ -198,7 +194,7 @@ class Recorder:
         energy = 0.5 * np.einsum("ti,ij,tj->t", rates, mass, rates)
         if model.segments:
             energy += stored_in_chain(model.gear, model.forces.chain, coordinates[:, model.segment_columns()])
-        columns, bar, has_bristles = self._columns, model.forces.bar, self._dynamics.has_bristles
+        columns, bar, has_bristles = self._columns, model.forces.bar, self.model.forces.has_bristles
         places, speeds = (np.ascontiguousarray(rows[:, columns]) for rows in (coordinates, rates))
         if bar is not None:
             energy += bar.elastic_energy(places)

@@ -40,22 +40,11 @@ RIGID = Remark(
 
 
 @dataclass(frozen=True)
-class GrowingForce:
+class GrowingForce(RoadForce):
     """A sine whose amplitude grows evenly from 0, at `begin` [s], to the road's after `duration` [s]."""
 
-    road: RoadForce
     begin: float
     duration: float
-
-    @property
-    def peak(self) -> tuple[float, float, float]:
-        """Largest force, in the housing [N]."""
-        return self.road.peak
-
-    @property
-    def place(self) -> float:
-        """Along the bar's axis from the rack's reference point [m]."""
-        return self.road.place
 
     def grown(self, time: float) -> float:
         """Return the amplitude at a time [s] over the largest."""
@@ -63,11 +52,7 @@ class GrowingForce:
 
     def share(self, time: float) -> float:
         """Return the force at a time over its peak."""
-        return self.grown(time) * self.road.share(time)
-
-    def force(self, time: float) -> np.ndarray:
-        """Force at a time [s], shape (3,) [N]."""
-        return np.multiply(self.share(time), self.peak)
+        return self.grown(time) * super().share(time)
 
 
 def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
@@ -149,7 +134,9 @@ def shaken_by_road(gear: SteeringGear, steps_per_swing: int = STEPS_PER_SWING) -
             test.road_shape == "half-sine",
         )
         cycle = 1 / test.road_frequency
-        force = GrowingForce(road, cycle, test.road_cycles * cycle) if test.road_shape == GROWING else road
+        force = road
+        if test.road_shape == GROWING:
+            force = GrowingForce(**vars(road), begin=cycle, duration=test.road_cycles * cycle)
         steps = per_cycle * test.road_cycles
         drive = Steady("pinion", test.start_angle, 0.0)
         yield Maneuver(drive, cycle / per_cycle, per_cycle, steps, pulse=force)

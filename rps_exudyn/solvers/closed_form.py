@@ -23,7 +23,7 @@ from numpy.polynomial.legendre import leggauss
 
 from rps_exudyn.analysis.efficiency import LoadTest
 from rps_exudyn.analysis.friction_oscillator import Rubbing
-from rps_exudyn.forces.bush import bush_chain, housing_station, lateral_stiffness
+from rps_exudyn.forces.bush import bush_chain, housing_station
 from rps_exudyn.forces.yoke import seat_under
 from rps_exudyn.gears.bar_section import mass_and_moments
 from rps_exudyn.gears.gear_pair import GearPair
@@ -212,7 +212,7 @@ def tilting_stiffness(gear: SteeringGear) -> float:
     straight."""
     bush = bush_chain(gear)
     to_fit = housing_station(gear, bush.end_station)
-    k = lateral_stiffness(bush)[np.ix_([0, 3], [0, 3])]  # along y, about z
+    k = bush.lateral_stiffness[np.ix_([0, 3], [0, 3])]  # along y, about z
     seat = seat_under(gear).stiffness * gear.yoke.seat_length**2 / 12
     lift, tilt = np.array([1.0, 0.0]), np.array([to_fit, 1.0])  # what the fit sees of both
     along, both, about = lift @ k @ lift, lift @ k @ tilt, tilt @ k @ tilt + seat

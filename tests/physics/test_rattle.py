@@ -104,7 +104,7 @@ def test_road_force_is_a_sine_or_its_positive_halves() -> None:
 def test_growing_force_finds_its_amplitude_at_the_first_hit() -> None:
     """It grows to 5 N in two cycles after one of run-in; the hit comes after a quarter of them: 1.25 N."""
     road = RoadForce((3.0, 4.0, 0.0), -0.18, 1 / PERIOD, 0.0, False)
-    force = GrowingForce(road, begin=PERIOD, duration=2 * PERIOD)
+    force = GrowingForce(**vars(road), begin=PERIOD, duration=2 * PERIOD)
     assert force.share(PERIOD / 4) == 0
     assert force.share(PERIOD * 1.25) == pytest.approx(0.125)
     assert force.grown(9 * PERIOD) == 1
