@@ -60,7 +60,7 @@ FIT = record_type(
 )
 """Record of the sliding fit between the rack and what carries it."""
 
-PART = Part("bush", ("rack",), ("bush_lateral_force", "bush_drag", *FRICTION_STATE))
+PART = Part("bush", ("rack",), ("bush_force", "bush_drag", *FRICTION_STATE))
 STILL = (0.0, 0.0, 0.0)
 CENTRING = 1e-6  # over Young's modulus times length of the bush: 2 mN at 20 um of the default one
 

@@ -130,6 +130,13 @@ def _node_1d(model: SteeringModel, body: str) -> Any:
     )
 
 
+def coordinate_marker(model: SteeringModel, node: Any, coordinate: int = 0) -> Any:
+    """Add a marker of one of a node's coordinates; return its number."""
+    from exudyn.itemInterface import MarkerNodeCoordinate
+
+    return model.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
+
+
 def _start(model: SteeringModel, body: str) -> tuple[np.ndarray, np.ndarray]:
     """Coordinates and rates of a body where the model starts."""
     block = COORDINATE_BLOCKS[body]

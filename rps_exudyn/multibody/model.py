@@ -33,7 +33,7 @@ from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
 from rps_exudyn.gears import solids
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import pinion_on_supports
-from rps_exudyn.multibody.bodies import add_bodies, add_chain, add_forces
+from rps_exudyn.multibody.bodies import add_bodies, add_chain, add_forces, coordinate_marker
 from rps_exudyn.multibody.column import add_column, add_wheel_torque
 from rps_exudyn.multibody.general_contact import add_general_contacts
 from rps_exudyn.multibody.steering_model import SteeringModel
@@ -146,13 +146,10 @@ def _lock(model: SteeringModel) -> None:
 
 
 def _constrain(model: SteeringModel, body: str, coordinate: int, **law: Any) -> Any:
-    from exudyn.itemInterface import CoordinateConstraint, MarkerNodeCoordinate, NodePointGround
+    from exudyn.itemInterface import CoordinateConstraint, NodePointGround
 
     ground, node = model.mbs.AddNode(NodePointGround()), model.nodes[body]
-    markers = [
-        model.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=number, coordinate=index))
-        for number, index in ((ground, 0), (node, coordinate))
-    ]
+    markers = [coordinate_marker(model, ground), coordinate_marker(model, node, coordinate)]
     return model.mbs.AddObject(CoordinateConstraint(markerNumbers=markers, **law))
 
 

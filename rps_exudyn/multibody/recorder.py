@@ -231,10 +231,8 @@ class Recorder:
         if model.column is None or wheel is None:
             return np.asarray(-model.drive.sign * multiplier)
         pinion = model.coordinates("pinion").start
-        angle, rate = wheel.T
-        ratio = model.column.ratio(angle)
-        twist = model.column.output(angle) + coordinates[:, pinion]
-        torque = model.column.torque(twist, ratio * rate + rates[:, pinion])
+        ratio, *twist = model.column.twisted(*wheel.T, coordinates[:, pinion], rates[:, pinion])
+        torque = model.column.torque(*twist)
         return np.asarray(ratio * torque + model.column.inertia * model.drive.acceleration(time))
 
     def _wheel(self, coordinates: np.ndarray, rates: np.ndarray) -> np.ndarray | None:

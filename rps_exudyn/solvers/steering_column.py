@@ -64,6 +64,14 @@ class ColumnModel:
         """Return the torque on the pinion [N m] of a twist [rad] and its rate [rad/s]."""
         return np.asarray(self.stiffness * twist + self.damping * rate)
 
+    def twisted(
+        self, angle: Angle, rate: Angle, coordinate: Angle, speed: Angle
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the joint's ratio, and the twist [rad] between wheel and pinion with its rate [rad/s]; the
+        pinion's coordinate counts against its angle."""
+        ratio = self.ratio(angle)
+        return ratio, self.output(angle) + coordinate, ratio * rate + speed
+
     def _lead(self, yoke: Angle) -> np.ndarray:
         """Angle by which the joint's output leads its input."""
         sine, cosine = np.sin(yoke), np.cos(yoke)
