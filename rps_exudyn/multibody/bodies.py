@@ -203,13 +203,8 @@ def add_forces(
         if memory is not None:
             memory[1, TIME] = t
         rates = np.array(v)  # Exudyn uses its arrays again
-        return secant.noted(t, rates, force_of(np.asarray(q), rates))
-
-    def force_with_applied(
-        mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]
-    ) -> np.ndarray:
-        assert applied is not None
-        return np.asarray(force(mbs, t, item, q, v) + applied(t))
+        total = secant.noted(t, rates, force_of(np.asarray(q), rates))
+        return total if applied is None else total + applied(t)
 
     def jacobian(
         mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float], fq: float, fv: float
@@ -225,7 +220,7 @@ def add_forces(
         ObjectGenericODE2(
             nodeNumbers=list(nodes),
             massMatrix=np.zeros((size, size)) if mass is None else mass,
-            forceUserFunction=force if applied is None else force_with_applied,
+            forceUserFunction=force,
             jacobianUserFunction=jacobian,
             visualization=VObjectGenericODE2(show=False),
         )

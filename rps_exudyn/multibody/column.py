@@ -71,7 +71,7 @@ def add_wheel_torque(model: SteeringModel, drive: WheelTorque) -> None:
 
 def jointed_forces(q: np.ndarray, v: np.ndarray, column: ColumnModel) -> np.ndarray:
     """Return the torques (2,) on wheel and pinion [N m]; their coordinates count against the angles."""
-    ratio, twist, twisting = column.twisted(-q[0], -v[0], q[1], v[1])
+    ratio, twist, twisting = column.twisted((-q[0], -v[0]), q[1], v[1])
     torque = float(column.torque(twist, twisting))
     return np.array([ratio * torque, -torque])
 
@@ -80,7 +80,7 @@ def jointed_tangent(
     q: np.ndarray, v: np.ndarray, column: ColumnModel, factor_q: float, factor_v: float
 ) -> np.ndarray:
     """Return factor_q dF/dq + factor_v dF/dv of `jointed_forces`, shape (2, 2)."""
-    ratio, twist, twisting = column.twisted(-q[0], -v[0], q[1], v[1])
+    ratio, twist, twisting = column.twisted((-q[0], -v[0]), q[1], v[1])
     slope, torque = float(column.ratio_slope(-q[0])), float(column.torque(twist, twisting))
     of_place = np.array([-column.stiffness * ratio + column.damping * slope * v[0], column.stiffness])
     of_rate = column.damping * np.array([-ratio, 1.0])

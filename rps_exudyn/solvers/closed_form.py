@@ -83,20 +83,16 @@ class ClosedForm:
 
 def closed_form(gear: SteeringGear) -> ClosedForm:
     """Return the gear without load: torques, losses, limits."""
-    pair = GearPair.of(gear)
-    forward, backward = mean_state(gear, +1, 0.0), mean_state(gear, -1, 0.0)
-    lever = mean_lever(pair)
-    per_preload = torque_per_preload(gear)
-    runout_cosine, runout_sine = runout_harmonics(gear)
+    pair, harmonics = GearPair.of(gear), runout_harmonics(gear)
     return ClosedForm(
         rack_gain=float(pair.gain),
-        forward=forward,
-        backward=backward,
-        friction_lever=lever,
-        torque_per_preload=per_preload,
+        forward=mean_state(gear, +1, 0.0),
+        backward=mean_state(gear, -1, 0.0),
+        friction_lever=mean_lever(pair),
+        torque_per_preload=torque_per_preload(gear),
         unloading_force=unloading_force(gear),
-        runout_cosine=runout_cosine,
-        runout_sine=runout_sine,
+        runout_cosine=harmonics[0],
+        runout_sine=harmonics[1],
     )
 
 

@@ -445,7 +445,7 @@ class _Following:
     def path(self) -> EquilibriumPath:
         """Return what was found."""
         rows, size, found = self.rows, self.balance.size, self.found
-        asked = np.flatnonzero(rows.asked[:found])
+        asked, (evaluations, iterations, tangents) = np.flatnonzero(rows.asked[:found]), self.counts.tolist()
         coordinates, rates, applied = rows.coordinates[asked], rows.rates[asked], rows.applied[asked, :size]
         if self.column[5]:  # the tyres
             applied[:, RACK] -= self.column[5] * (coordinates[:, RACK] - self.column[6])
@@ -458,7 +458,9 @@ class _Following:
             rates[:, :size],
             rows.forces[asked, :size],
             applied,
-            *self.counts.tolist(),
+            evaluations,
+            iterations,
+            tangents,
             self.rescues,
             self.unbalanced if self.whole else self.residual,
             None if self.whole else float(rows.time[found]),

@@ -370,7 +370,7 @@ def of_column(record: Record) -> dict[str, np.ndarray]:
         return {}
     angle = record.wheel[:, 0]
     ratio, twist, twisting = column.twisted(
-        *record.wheel.T, record.of("pinion")[:, 0], record.of_rates("pinion")[:, 0]
+        record.wheel.T, record.of("pinion")[:, 0], record.of_rates("pinion")[:, 0]
     )
     torque = column.torque(twist, twisting)
     lost = column.damping * twisting**2
