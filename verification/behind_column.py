@@ -79,7 +79,7 @@ class Behind:
             raise NotFoundError("no equilibrium at the start")
         motion = FreeMotion.of(gear, fidelity, Steady("pinion", float(still.start), 0.0))
         moving = np.array([i for i in range(8) if i not in forces.locked])
-        balance = forces.dynamics
+        balance = forces
         if balance.has_bristles:
             balance.memory[0] = balance.memory[1]
             balance.memory[0, TIME] = 0.0

@@ -128,7 +128,7 @@ class _Kept:
         places, rates = (
             np.ascontiguousarray(np.array(each)[:, columns]) for each in (self.places, self.rates)
         )
-        balance, column = model.forces.dynamics, model.drive.coordinate
+        balance, column = model.forces, model.drive.coordinate
         torque = [-model.drive.sign * balance.force(q, v)[column] for q, v in zip(places, rates, strict=True)]
         time, no_energy = np.array(self.time), np.zeros(len(self.time))
         return Record(model.forces, time, places, rates, np.array(torque), "pinion", no_energy)

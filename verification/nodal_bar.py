@@ -73,7 +73,7 @@ class NodalBar:
         straight = forces.statics.gears.copy()
         straight["is_bent"] = 0
         bar = cls(
-            forces.statics.with_(gears=straight, modes=0),
+            forces.statics.with_(gears=straight),
             gear.test.start_angle,
             [],
             beams[0].nodes,

@@ -62,7 +62,7 @@ class FreeMotion:
         mass = np.array(model.mbs.sys["dynamicSolver"].GetSystemMassMatrix())
         moving = np.array([i for i in range(q.size) if i not in (drive.coordinate, *forces.locked)])
         model.release()
-        return cls(forces, drive, q, v, moving, mass, forces.dynamics, rack_masses(gear), pulse)
+        return cls(forces, drive, q, v, moving, mass, forces, rack_masses(gear), pulse)
 
     def moving_mass(self, q: np.ndarray) -> np.ndarray:
         """Mass matrix of the moving coordinates, (m, m); the rack's masses turn with it."""

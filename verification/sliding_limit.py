@@ -116,7 +116,7 @@ def fast_growth(gear: SteeringGear, fidelity: Fidelity) -> float:
         raise ArithmeticError("no equilibrium at the start")
     q, v, column = path.coordinates[-1].copy(), path.rates[-1].copy(), ColumnModel.of(gear)
     free = np.array([i for i in range(q.size) if i not in forces.locked])
-    inverse, balance = np.linalg.inv(mass_matrix(gear, forces, q)[np.ix_(free, free)]), forces.dynamics
+    inverse, balance = np.linalg.inv(mass_matrix(gear, forces, q)[np.ix_(free, free)]), forces
     ahead = balance.force(q, v)[0] / column.stiffness - q[0]
 
     def acceleration(time: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:

@@ -81,7 +81,8 @@ class Chain:
         h = length / segments
         centres = h * (np.arange(segments) + 0.5)
         root = Connection(-1, 0, h / 4, tube.connection(h / 2))
-        return cls(length, centres, (root, *_inner(tube, h, segments)), tube.connection(h / 2))
+        inner = (Connection(i, i + 1, h * (i + 1), tube.connection(h)) for i in range(segments - 1))
+        return cls(length, centres, (root, *inner), tube.connection(h / 2))
 
     @property
     def end_station(self) -> float:
@@ -97,16 +98,13 @@ class Chain:
         return total
 
     @cached_property
-    def at_free_end(self) -> np.ndarray:
-        """What `lateral_stiffness` returns."""
+    def lateral_stiffness(self) -> np.ndarray:
+        """Stiffness of the free end with its fit, seen in the housing: forces along y, z and moments about
+        y, z over displacements and tilts, shape (4, 4) [N/m, N, N m]."""
         compliance = self.compliance_at(self.end_station) + np.diag(1 / self.end)
         # the chain's stations run against X: lateral motion about y and z changes sign with the lever
         mirror = np.diag([1.0, 1.0, -1.0, -1.0])
         return np.linalg.inv(mirror @ compliance[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] @ mirror)
-
-
-def _inner(tube: Tube, h: float, segments: int) -> tuple[Connection, ...]:
-    return tuple(Connection(i, i + 1, h * (i + 1), tube.connection(h)) for i in range(segments - 1))
 
 
 def _carry(lever: float) -> np.ndarray:
@@ -125,12 +123,6 @@ def bush_chain(gear: SteeringGear) -> Chain:
 def _shared_chain(tube: Tube, length: float, segments: int) -> Chain:
     """Equal bushes of many gears are one chain, which keeps what it has computed."""
     return Chain.of(tube, length, segments)
-
-
-def lateral_stiffness(chain: Chain) -> np.ndarray:
-    """Stiffness of the bush's free end with its fit, seen in the housing: forces along y, z and moments about
-    y, z over displacements and tilts, shape (4, 4) [N/m, N, N m]."""
-    return chain.at_free_end
 
 
 def housing_station(gear: SteeringGear, station: float | np.ndarray) -> Any:

@@ -1,15 +1,17 @@
 """External forces on the rack: a load at its end, its weight, a pulse."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from math import cos, pi, sin
-from typing import Protocol
 
 import numpy as np
 
 from rps_exudyn.base.compiled import inline, record, record_type
 from rps_exudyn.forces.force_element import Part
 from rps_exudyn.forces.rigid_motion import cross, dot, on_angles, plus, scaled, spin_of, turn_of, vector
-from rps_exudyn.parameters.gear import Installation
+from rps_exudyn.gears.masses import rack_masses
+from rps_exudyn.gears.rack_bar import RackBar
+from rps_exudyn.parameters.gear import SteeringGear
 
 DEAD_FORCE = record_type(
     [
@@ -45,58 +47,48 @@ def add_dead_tangent(q, data, factor_q, tangent):  # type: ignore[no-untyped-def
     tangent[3, 5] += lever * z
 
 
-def end_load(load: float, across: tuple[float, float], place: float) -> np.record:
-    """A load [N] that pulls the bar's end at `place` [m] towards -X, and a force (along Y, Z) [N] across."""
-    return record(DEAD_FORCE, force=(-load, *across), place=place)
+def end_load(gear: SteeringGear, load: float) -> np.record:
+    """Return a load [N] along -X at the rack's end beside the pinion, with the side force there."""
+    size, angle = gear.rack.side_force, gear.rack.side_angle
+    force = -load, size * np.cos(angle), size * np.sin(angle)
+    return record(DEAD_FORCE, force=force, place=RackBar.of(gear).x_min)
 
 
-def weight(mass: float, gravity: np.ndarray, place: float) -> np.record:
-    """The weight of the rack, its mass centre at `place` [m], under `gravity` (3,) [m/s^2]."""
-    return record(DEAD_FORCE, force=tuple(mass * gravity), place=place)
-
-
-def gravity_of(installation: Installation) -> np.ndarray:
-    """Acceleration of gravity in the housing, shape (3,) [m/s^2]: along -Y, turned about X towards Z by the
-    angle, and raised towards X by the slope."""
-    angle, slope = installation.gravity_angle, installation.gravity_slope
+def weight(gear: SteeringGear) -> np.record:
+    """Return the rack's weight at its mass centre; gravity points along -Y, turned about X towards Z by its
+    angle, and raised towards X by its slope."""
+    bar, given = rack_masses(gear), gear.installation
+    angle, slope = given.gravity_angle, given.gravity_slope
     direction = sin(slope), -cos(slope) * cos(angle), cos(slope) * sin(angle)
-    return installation.gravity * np.array(direction)
+    force = tuple(bar.mass * (given.gravity * np.array(direction)))
+    return record(DEAD_FORCE, force=force, place=float(bar.centre_of_mass[0]))
 
 
-class TimedForce(Protocol):
+@dataclass(frozen=True)
+class TimedForce(ABC):
     """A force over time on a point of the bar's axis, along one direction."""
 
-    @property
-    def peak(self) -> tuple[float, float, float]:
-        """Largest force, in the housing [N]."""
-
-    @property
-    def place(self) -> float:
-        """Along the bar's axis from the rack's reference point [m]."""
+    peak: tuple[float, float, float]  # largest, in the housing [N]
+    place: float  # along the bar's axis from the rack's reference point [m]
 
     def force(self, time: float) -> np.ndarray:
-        """Force at a time [s], shape (3,), in the housing [N]."""
+        """Return the force in the housing at a time [s], shape (3,) [N]."""
+        return np.multiply(self.share(time), self.peak)
 
+    @abstractmethod
     def share(self, time: float) -> float:
         """Return the force at a time over its peak."""
 
 
 @dataclass(frozen=True)
-class Pulse:
-    """Half sines of force on a point of the bar's axis, one per period."""
+class Pulse(TimedForce):
+    """Half sines of force, one per period, the first from time 0 on."""
 
-    peak: tuple[float, float, float]  # in the housing [N]
-    place: float  # along the bar's axis from the rack's reference point [m]
     duration: float  # of a half sine [s]
     period: float  # from pulse to pulse [s]
     count: int
 
-    def force(self, time: float) -> np.ndarray:
-        """Return the force [N] at a time [s] after the first pulse begins, shape (3,)."""
-        return np.multiply(self.share(time), self.peak)
-
     def share(self, time: float) -> float:
-        """Return the force at a time over its peak."""
         number, since = divmod(time, self.period)
         if time < 0 or number >= self.count or since >= self.duration:
             return 0.0
@@ -104,21 +96,14 @@ class Pulse:
 
 
 @dataclass(frozen=True)
-class RoadForce:
-    """A force of the road along a tie rod, on a point of the bar's axis: a sine, or its positive halves."""
+class RoadForce(TimedForce):
+    """A force of the road along a tie rod: a sine, or its positive halves."""
 
-    peak: tuple[float, float, float]  # in the housing [N]
-    place: float  # along the bar's axis from the rack's reference point [m]
     frequency: float  # [Hz]
     phase: float  # at time 0 [rad]
     halves: bool  # only the positive halves
 
-    def force(self, time: float) -> np.ndarray:
-        """Force at a time [s], shape (3,) [N]."""
-        return np.multiply(self.share(time), self.peak)
-
     def share(self, time: float) -> float:
-        """Return the force at a time over its peak."""
         wave = sin(2 * pi * self.frequency * time + self.phase)
         return max(wave, 0.0) if self.halves else wave
 

@@ -82,21 +82,7 @@ LAW = record_type(
 )
 """Record of a friction law: what it has beside coefficient and zone."""
 
-PLAIN = record(
-    LAW,
-    kind=COULOMB,
-    has_state=0,
-    surplus=0.0,
-    speed=1.0,
-    exponent=2.0,
-    load_exponent=1.0,
-    usual_load=1.0,
-    elements=0,
-    stiffness=np.zeros(MOST_ELEMENTS),
-    share=np.zeros(MOST_ELEMENTS),
-    damping=0.0,
-    place=0,
-)
+PLAIN = changed(np.zeros(1, LAW)[0], kind=COULOMB, speed=1.0, exponent=2.0, load_exponent=1.0, usual_load=1.0)
 
 
 @dataclass(eq=False)

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inline, kernel, record, record_type, stacked, stacked_zeros
-from rps_exudyn.forces.bush import RIGID_END, Chain, housing_station, lateral_stiffness
+from rps_exudyn.base.compiled import changed, inline, kernel, record, record_type, stacked, stacked_zeros
+from rps_exudyn.forces.bush import RIGID_END, Chain, housing_station
 from rps_exudyn.forces.force_element import FRICTION_STATE, Part
 from rps_exudyn.forces.friction import (
     LAW,
@@ -40,6 +40,7 @@ from rps_exudyn.forces.rigid_motion import (
     turn_of,
     vector,
 )
+from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 
 FIT = record_type(
@@ -59,7 +60,7 @@ FIT = record_type(
 )
 """Record of the sliding fit between the rack and what carries it."""
 
-PART = Part("bush", ("rack",), ("bush_lateral_force", "bush_drag", *FRICTION_STATE))
+PART = Part("bush", ("rack",), ("bush_force", "bush_drag", *FRICTION_STATE))
 STILL = (0.0, 0.0, 0.0)
 CENTRING = 1e-6  # over Young's modulus times length of the bush: 2 mN at 20 um of the default one
 
@@ -338,55 +339,36 @@ def add_fit_tangent(q, v, data, memory, k, factor_q, factor_v, tangent):  # type
 LATERAL = [1, 2, 4, 5]  # of x y z, about x y z
 
 
-def bush_law(gear: SteeringGear, patches: Patches) -> np.record:
-    """Return the law of the bush's friction, one for all fits of a gear."""
-    return law_of(gear.bush, patches, gear.bush.drag)
+def fits(
+    gear: SteeringGear, fidelity: Fidelity, chain: Chain, *, friction_zone: float, patches: Patches
+) -> tuple[np.record, np.record]:
+    """Return the record of the fit as modelled, and that with the bush condensed into it.
 
-
-def chain_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float, law: np.record) -> np.record:
-    """The rack in the last segment of a chain: the last half piece is the fit's elasticity."""
-    stiffness, lever = np.diag(chain.end[LATERAL]), -(chain.end_station - chain.centres[-1])
-    return _fit(gear, stiffness, chain.end_station, friction_zone, law, lever)
-
-
-def condensed_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float, law: np.record) -> np.record:
-    """The rack in the chain's exact static stiffness, seen at the place of the fit.
-
-    Axial stretch and twist of the bush are left out: only the drag loads them.
+    chain      the rack in the last segment: the last half piece is the fit's elasticity
+    condensed  the whole chain's exact static stiffness at the place of the fit; axial stretch and twist,
+               which only the drag loads, are left out
+    rigid      stiff in place of rigid, at the bush's free end
+    guided     a fit that drags but does not hold, for a rack that is guided otherwise
     """
-    return _fit(gear, lateral_stiffness(chain), chain.end_station, friction_zone, law)
-
-
-def rigid_fit(gear: SteeringGear, *, friction_zone: float, law: np.record) -> np.record:
-    """The rack in a bush that does not yield: stiff in place of rigid, at the bush's free end."""
-    return _fit(gear, np.diag(RIGID_END[LATERAL]), gear.bush.length, friction_zone, law)
-
-
-def loose_fit(gear: SteeringGear, *, friction_zone: float, law: np.record) -> np.record:
-    """A fit that drags but does not hold, for a rack that is guided otherwise."""
-    return _fit(gear, np.zeros((4, 4)), gear.bush.length, friction_zone, law)
-
-
-def _fit(
-    gear: SteeringGear,
-    stiffness: np.ndarray,
-    station: float,
-    friction_zone: float,
-    law: np.record,
-    lever: float = 0.0,
-) -> np.record:
-    """The fit at a station of the chain [m]."""
-    return record(
+    bush, stiffness, station = gear.bush, chain.lateral_stiffness, chain.end_station
+    if fidelity.rack == "guided" or fidelity.bush == "rigid":
+        held = 0.0 if fidelity.rack == "guided" else 1.0
+        stiffness, station = held * np.diag(RIGID_END[LATERAL]), bush.length
+    condensed = record(
         FIT,
         stiffness=stiffness,
-        clearance=gear.bush.clearance / 2,
-        centring=CENTRING * gear.bush.youngs_modulus * gear.bush.length,
-        length=gear.bush.length,
-        drag=gear.bush.drag,
-        viscous=gear.bush.viscous_drag,
+        clearance=bush.clearance / 2,
+        centring=CENTRING * bush.youngs_modulus * bush.length,
+        length=bush.length,
+        drag=bush.drag,
+        viscous=bush.viscous_drag,
         zone=friction_zone,
         radius=gear.rack.bar_diameter / 2,
         station=housing_station(gear, station),
-        lever=lever,
-        law=law,
+        lever=0.0,
+        law=law_of(bush, patches, bush.drag),
     )
+    if fidelity.rack == "guided" or fidelity.bush != "chain":
+        return condensed, condensed
+    of_end, lever = np.diag(chain.end[LATERAL]), chain.centres[-1] - chain.end_station
+    return changed(condensed, stiffness=of_end, lever=lever), condensed

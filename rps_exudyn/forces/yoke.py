@@ -105,7 +105,8 @@ SPRING_PART = Part("yoke_spring", ("plunger",), ("spring_force",))
 NUT_PART = Part("yokenut", ("plunger",), ("yokenut_force",))
 BORE_PART = Part("bore", ("plunger",), ("bore_force", *FRICTION_STATE))
 
-# Gauss rules of a piece of the arc and along the rack, over -1 .. 1: points and weights
+# Gauss rules of the whole arc, of a piece of it and along the rack, over -1 .. 1: points and weights
+WHOLE_ARC, WHOLE_ARC_WEIGHT = leggauss(ARC_POINTS)
 ARC, ARC_WEIGHT = leggauss(PIECE_POINTS)
 LENGTH, LENGTH_WEIGHT = leggauss(LENGTH_POINTS)
 
@@ -419,9 +420,8 @@ def seat_record(
     axis.
     """
     yoke, touches = gear.yoke, touching_angle(gear)
-    x, wx = leggauss(ARC_POINTS)
     s, ws = LENGTH, LENGTH_WEIGHT
-    arc, arc_weight = yoke.seat_angle * x, yoke.seat_angle * wx
+    arc, arc_weight = yoke.seat_angle * WHOLE_ARC, yoke.seat_angle * WHOLE_ARC_WEIGHT
     fraction = arc_weight / np.sum(arc_weight * np.cos(arc) ** 2)
     stiffness = yoke.seat_stiffness * np.outer(fraction, ws / 2).ravel()
     normals = np.repeat(np.cos(arc), s.size), np.repeat(np.sin(arc), s.size)

@@ -130,6 +130,13 @@ def _node_1d(model: SteeringModel, body: str) -> Any:
     )
 
 
+def coordinate_marker(model: SteeringModel, node: Any, coordinate: int = 0) -> Any:
+    """Add a marker of one of a node's coordinates; return its number."""
+    from exudyn.itemInterface import MarkerNodeCoordinate
+
+    return model.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
+
+
 def _start(model: SteeringModel, body: str) -> tuple[np.ndarray, np.ndarray]:
     """Coordinates and rates of a body where the model starts."""
     block = COORDINATE_BLOCKS[body]
@@ -196,13 +203,8 @@ def add_forces(
         if memory is not None:
             memory[1, TIME] = t
         rates = np.array(v)  # Exudyn uses its arrays again
-        return secant.noted(t, rates, force_of(np.asarray(q), rates))
-
-    def force_with_applied(
-        mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]
-    ) -> np.ndarray:
-        assert applied is not None
-        return np.asarray(force(mbs, t, item, q, v) + applied(t))
+        total = secant.noted(t, rates, force_of(np.asarray(q), rates))
+        return total if applied is None else total + applied(t)
 
     def jacobian(
         mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float], fq: float, fv: float
@@ -218,7 +220,7 @@ def add_forces(
         ObjectGenericODE2(
             nodeNumbers=list(nodes),
             massMatrix=np.zeros((size, size)) if mass is None else mass,
-            forceUserFunction=force if applied is None else force_with_applied,
+            forceUserFunction=force,
             jacobianUserFunction=jacobian,
             visualization=VObjectGenericODE2(show=False),
         )

@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.multibody.bodies import add_forces
+from rps_exudyn.multibody.bodies import add_forces, coordinate_marker
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.solvers.steering_column import ColumnModel, WheelTorque
 
 
 def add_column(model: SteeringModel, column: ColumnModel) -> None:
     """Add the wheel where its drive starts, and the column between it and the pinion."""
-    from exudyn.itemInterface import Node1D, ObjectRotationalMass1D
+    from exudyn.itemInterface import CoordinateSpringDamper, Node1D, ObjectRotationalMass1D
 
     drive, pair = model.drive, GearPair.of(model.gear)
     model.nodes["wheel"] = model.mbs.AddNode(
@@ -35,19 +35,22 @@ def add_column(model: SteeringModel, column: ColumnModel) -> None:
         )
     )
     if column.bend:
-        _add_jointed(model, column)
+        add_forces(
+            model.mbs,
+            [model.nodes[name] for name in ("wheel", "pinion")],
+            2,
+            lambda q, v: jointed_forces(q, v, column),
+            lambda q, v, factor_q, factor_v: jointed_tangent(q, v, column, factor_q, factor_v),
+        )
     else:
-        _add_straight(model, column)
+        markers = [coordinate_marker(model, model.nodes[name]) for name in ("wheel", "pinion")]
+        given = {"stiffness": column.stiffness, "damping": column.damping}
+        model.mbs.AddObject(CoordinateSpringDamper(markerNumbers=markers, **given))
 
 
 def add_wheel_torque(model: SteeringModel, drive: WheelTorque) -> None:
     """Add the hand's torque on the wheel, and the tyres' spring between the ground and the rack."""
-    from exudyn.itemInterface import (
-        CoordinateSpringDamper,
-        LoadCoordinate,
-        MarkerNodeCoordinate,
-        NodePointGround,
-    )
+    from exudyn.itemInterface import CoordinateSpringDamper, LoadCoordinate, NodePointGround
 
     mbs = model.mbs
 
@@ -55,7 +58,7 @@ def add_wheel_torque(model: SteeringModel, drive: WheelTorque) -> None:
         return drive.sign * float(drive.torque(t))
 
     ground, wheel, rack = (
-        mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=0))
+        coordinate_marker(model, node)
         for node in (mbs.AddNode(NodePointGround()), model.nodes["wheel"], model.nodes["rack"])
     )
     mbs.AddLoad(LoadCoordinate(markerNumber=wheel, load=0.0, loadUserFunction=torque))
@@ -66,32 +69,10 @@ def add_wheel_torque(model: SteeringModel, drive: WheelTorque) -> None:
     )
 
 
-def _add_straight(model: SteeringModel, column: ColumnModel) -> None:
-    from exudyn.itemInterface import CoordinateSpringDamper, MarkerNodeCoordinate
-
-    markers = [
-        model.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=model.nodes[name], coordinate=0))
-        for name in ("wheel", "pinion")
-    ]
-    model.mbs.AddObject(
-        CoordinateSpringDamper(markerNumbers=markers, stiffness=column.stiffness, damping=column.damping)
-    )
-
-
-def _add_jointed(model: SteeringModel, column: ColumnModel) -> None:
-    add_forces(
-        model.mbs,
-        [model.nodes[name] for name in ("wheel", "pinion")],
-        2,
-        lambda q, v: jointed_forces(q, v, column),
-        lambda q, v, factor_q, factor_v: jointed_tangent(q, v, column, factor_q, factor_v),
-    )
-
-
 def jointed_forces(q: np.ndarray, v: np.ndarray, column: ColumnModel) -> np.ndarray:
     """Return the torques (2,) on wheel and pinion [N m]; their coordinates count against the angles."""
-    ratio = float(column.ratio(-q[0]))
-    torque = float(column.torque(column.output(-q[0]) + q[1], v[1] - ratio * v[0]))
+    ratio, twist, twisting = column.twisted((-q[0], -v[0]), q[1], v[1])
+    torque = float(column.torque(twist, twisting))
     return np.array([ratio * torque, -torque])
 
 
@@ -99,8 +80,8 @@ def jointed_tangent(
     q: np.ndarray, v: np.ndarray, column: ColumnModel, factor_q: float, factor_v: float
 ) -> np.ndarray:
     """Return factor_q dF/dq + factor_v dF/dv of `jointed_forces`, shape (2, 2)."""
-    ratio, slope = float(column.ratio(-q[0])), float(column.ratio_slope(-q[0]))
-    torque = float(column.torque(column.output(-q[0]) + q[1], v[1] - ratio * v[0]))
+    ratio, twist, twisting = column.twisted((-q[0], -v[0]), q[1], v[1])
+    slope, torque = float(column.ratio_slope(-q[0])), float(column.torque(twist, twisting))
     of_place = np.array([-column.stiffness * ratio + column.damping * slope * v[0], column.stiffness])
     of_rate = column.damping * np.array([-ratio, 1.0])
     torque_slope = factor_q * of_place + factor_v * of_rate

@@ -14,7 +14,6 @@ Exudyn needs, each with a test in tests/upstream:
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
 from math import ceil, floor
 from typing import TYPE_CHECKING, Any
 
@@ -136,7 +135,14 @@ def add_general_contacts(
         contact = _new_contact(mbs, data, bar.pair)
         on_pinion = [MarkerBodyRigid(bodyNumber=pinion, localPosition=[0, 0, 0]) for _ in range(count)]
         block = SphereBlock(contact, side, [mbs.AddMarker(each) for each in on_pinion])
-        _add_spheres(block, data.radius)
+        for marker in block.markers:
+            contact.AddSphereWithMarker(
+                markerIndex=marker,
+                radius=data.radius,
+                contactStiffness=1.0,  # any: the group's spheres bring their own
+                contactDamping=0.0,
+                frictionMaterialIndex=0,
+            )
         contact.AddTrianglesRigidBodyBased(
             rigidBodyMarkerIndex=rack_marker,
             contactStiffness=RIGID_SIDE * float(data.stiffness.sum()),
@@ -150,30 +156,13 @@ def add_general_contacts(
     return contacts
 
 
-def _add_spheres(block: SphereBlock, radius: float) -> None:
-    """Add places for spheres, with any stiffness."""
-    for marker in block.markers:
-        block.contact.AddSphereWithMarker(
-            markerIndex=marker,
-            radius=radius,
-            contactStiffness=1.0,
-            contactDamping=0.0,
-            frictionMaterialIndex=0,
-        )
-
-
 def _triangles(bar: RackBar, tooth: int, side: int) -> np.ndarray:
     """Triangles over the flanks of one side, 0 or 1, that can touch while a tooth is nearest the pinion
     (m, 3, 3)."""
     either_way = ceil(gate_angle(bar.pair) * bar.pair.teeth / (2 * np.pi))
     places = bar.pair.rack_pitch * np.arange(tooth - either_way, tooth + either_way + 1)
-    return _first_triangle(bar, side) + np.multiply.outer(places, [[1.0, 0.0, 0.0]])
-
-
-@lru_cache(maxsize=4)
-def _first_triangle(bar: RackBar, side: int) -> np.ndarray:
-    """That on tooth 0."""
-    return flank_triangle(bar, bar.flank(0, SIDES[side]))
+    first = flank_triangle(bar, bar.flank(0, SIDES[side]))
+    return first + np.multiply.outer(places, [[1.0, 0.0, 0.0]])
 
 
 def _new_contact(mbs: "exudyn.MainSystem", data: SampledContactData, pair: GearPair) -> Any:

@@ -20,7 +20,6 @@ What acts between them are the force laws of `forces` and `tooth_contact`, the s
 moves pinion, rack or wheel; the model starts in static equilibrium, so there is nothing to settle.
 """
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -33,13 +32,12 @@ from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
 from rps_exudyn.gears import solids
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import pinion_on_supports
-from rps_exudyn.multibody.bodies import add_bodies, add_chain, add_forces
+from rps_exudyn.multibody.bodies import add_bodies, add_chain, add_forces, coordinate_marker
 from rps_exudyn.multibody.column import add_column, add_wheel_torque
 from rps_exudyn.multibody.general_contact import add_general_contacts
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear, check_gear
-from rps_exudyn.solvers.bent_rack import BentBar
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.gear_model import COLUMNS
 from rps_exudyn.solvers.prescribed_motion import Drive, Steady
@@ -121,16 +119,13 @@ def _add_drive(model: SteeringModel) -> None:
     if isinstance(model.drive, WheelTorque):
         add_wheel_torque(model, model.drive)
         return
-    place_at, rate_at = model.drive.of_time
-
-    def place(mbs: Any, t: float, item: int, offset: float) -> float:
-        return place_at(t)
-
-    def rate(mbs: Any, t: float, item: int, offset: float) -> float:
-        return rate_at(t)
-
+    place, rate = model.drive.of_time
     model.constraint = _constrain(
-        model, model.drive.body, 0, offsetUserFunction=place, offsetUserFunction_t=rate
+        model,
+        model.drive.body,
+        0,
+        offsetUserFunction=lambda mbs, t, item, offset: place(t),
+        offsetUserFunction_t=lambda mbs, t, item, offset: rate(t),
     )
 
 
@@ -146,24 +141,21 @@ def _lock(model: SteeringModel) -> None:
 
 
 def _constrain(model: SteeringModel, body: str, coordinate: int, **law: Any) -> Any:
-    from exudyn.itemInterface import CoordinateConstraint, MarkerNodeCoordinate, NodePointGround
+    from exudyn.itemInterface import CoordinateConstraint, NodePointGround
 
     ground, node = model.mbs.AddNode(NodePointGround()), model.nodes[body]
-    markers = [
-        model.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=number, coordinate=index))
-        for number, index in ((ground, 0), (node, coordinate))
-    ]
+    markers = [coordinate_marker(model, ground), coordinate_marker(model, node, coordinate)]
     return model.mbs.AddObject(CoordinateConstraint(markerNumbers=markers, **law))
 
 
 def _add_pulse(model: SteeringModel, pulse: TimedForce) -> None:
     from exudyn.itemInterface import LoadForceVector, MarkerBodyPosition
 
-    def force(mbs: Any, t: float, load: Any) -> np.ndarray:
-        return pulse.force(t)
-
     end = MarkerBodyPosition(bodyNumber=model.bodies["rack"], localPosition=[pulse.place, 0.0, 0.0])
-    model.mbs.AddLoad(LoadForceVector(markerNumber=model.mbs.AddMarker(end), loadVectorUserFunction=force))
+    marker = model.mbs.AddMarker(end)
+    model.mbs.AddLoad(
+        LoadForceVector(markerNumber=marker, loadVectorUserFunction=lambda mbs, t, load: pulse.force(t))
+    )
 
 
 def _add_forces_beside_spheres(model: SteeringModel) -> None:
@@ -173,7 +165,7 @@ def _add_forces_beside_spheres(model: SteeringModel) -> None:
     stack = [nodes[body] for body in model.stack]
     # GeneralContact itself contributes no Jacobian: without contact between spheres its own derivative is
     # exactly zero (tests/upstream pins this), so that of the compiled spheres is added
-    add_forces(mbs, stack, len(stacked(model.stack)), forces.without_mesh.force, forces.dynamics.tangent)
+    add_forces(mbs, stack, len(stacked(model.stack)), forces.without_mesh.force, forces.tangent)
     model.contacts = add_general_contacts(
         mbs,
         model.gear,
@@ -183,13 +175,9 @@ def _add_forces_beside_spheres(model: SteeringModel) -> None:
         angle=float(model.start.coordinates[0, 0]),
         step=model.fidelity.step_angle,
     )
-    mbs.SetPreStepUserFunction(_bring_contacts(model))
 
-
-def _bring_contacts(model: SteeringModel) -> Callable[[Any, float], bool]:
-    """What brings the contacts to where each implicit step is about to end."""
-
-    def before_step(mbs: Any, t: float) -> bool:
+    def bring_contacts(mbs: Any, t: float) -> bool:
+        """Bring the contacts to where an implicit step is about to end."""
         contacts, system = model.contacts, mbs.systemData
         assert contacts is not None
         coordinates, rates = np.array(system.GetODE2Coordinates()), np.array(system.GetODE2Coordinates_t())
@@ -197,7 +185,7 @@ def _bring_contacts(model: SteeringModel) -> Callable[[Any, float], bool]:
         contacts.update(mbs, coordinates + mbs.sys["dynamicSolver"].it.currentStepSize * rates)
         return True
 
-    return before_step
+    mbs.SetPreStepUserFunction(bring_contacts)
 
 
 def _add_forces_together(model: SteeringModel) -> None:
@@ -205,38 +193,25 @@ def _add_forces_together(model: SteeringModel) -> None:
     forces, bar = model.forces, model.forces.bar
     bodies = [body for body in COORDINATE_BLOCKS if body in model.nodes]
     of_bodies, modes, held = len(stacked(bodies)), model.modes, len(forces.supported)
-    applied: Callable[[float], np.ndarray] | None = None
-    if model.pulse is not None and bar is not None and modes:
-        applied = _pulse_on_modes(model.pulse, bar, of_bodies, held)
+    pulse, at_peak = model.pulse, None
+    if pulse is not None and bar is not None and modes:
+        on_modes = bar.on_modes(pulse.place) @ pulse.peak
+        at_peak = np.concatenate([np.zeros(of_bodies), on_modes, np.zeros(held)])
     mass = np.diag(np.repeat([0.0, 1.0, 0.0], [of_bodies, modes, held]))
     if held:
         mass[-held:, -held:] = pinion_on_supports(model.gear)
-    dynamics = forces.dynamics
-    if dynamics.has_bristles:
-        dynamics.memory[:] = model.start.kept[-1][1]
+    if forces.has_bristles:
+        forces.memory[:] = model.start.kept[-1][1]
     add_forces(
         model.mbs,
         [model.nodes[body] for body in model.stack],
         of_bodies + modes + held,
-        dynamics.force,
-        dynamics.tangent,
-        memory=dynamics.memory if dynamics.has_bristles else None,
+        forces.force,
+        forces.tangent,
+        memory=forces.memory if forces.has_bristles else None,
         mass=mass,
-        applied=applied,
+        applied=None if pulse is None or at_peak is None else lambda time: pulse.share(time) * at_peak,
     )
-
-
-def _pulse_on_modes(
-    pulse: TimedForce, bar: BentBar, before: int, behind: int
-) -> Callable[[float], np.ndarray]:
-    """Return the pulse's forces on the modes over time, between zeros on `before` and `behind` others."""
-    on_modes = bar.on_modes(pulse.place) @ pulse.peak
-    at_peak = np.concatenate([np.zeros(before), on_modes, np.zeros(behind)])
-
-    def forces(time: float) -> np.ndarray:
-        return pulse.share(time) * at_peak
-
-    return forces
 
 
 def _add_sensors(model: SteeringModel) -> None:

@@ -9,14 +9,14 @@ import numpy as np
 from rps_exudyn.base.progress import reached
 from rps_exudyn.forces.bush import stored_in_chain
 from rps_exudyn.forces.external_load import axis_velocity
-from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
+from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, PINION, RACK
 from rps_exudyn.forces.friction import TIME
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_limits import largest_lift
 from rps_exudyn.multibody.solve import StepRefusedError
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.results.outcome import Code, Status
-from rps_exudyn.solvers.balance import SIZE, Balance
+from rps_exudyn.solvers.balance import SIZE
 from rps_exudyn.solvers.record import AT_MESH, Record, axis_at_pitch_point
 from rps_exudyn.solvers.steering_column import WheelTorque
 
@@ -65,8 +65,8 @@ class Recorder:
         from exudyn import ConfigurationType
 
         left = [step for step in self.steps if step.time <= time]
-        if len(left) < len(self.steps) and self._dynamics.has_bristles:
-            self._dynamics.memory[0] = self.steps[len(left)].begun
+        if len(left) < len(self.steps) and self.model.forces.has_bristles:
+            self.model.forces.memory[0] = self.steps[len(left)].begun
         self.steps = left
         coordinates, rates = (left[-1].coordinates, left[-1].rates) if left else self._start
         system, initial = self.model.mbs.systemData, ConfigurationType.Initial
@@ -104,7 +104,8 @@ class Recorder:
         Teeth that touch alike are a pitch away. Where lines of contact begin or end at once, a step's first
         guess may part all flanks; from there Newton's method may run into another space between teeth.
         """
-        angle, along = self.steps[-1].coordinates[self._angle_and_travel].tolist()
+        coordinates, rates = (each[self._columns] for each in self.steps[-1][1:3])
+        angle, along = coordinates[[PINION, RACK]].tolist()
         skipped, pitch = abs(along + self._pair.gain * angle), self._pair.rack_pitch
         if not skipped <= pitch / 2:
             raise StepRefusedError(
@@ -116,9 +117,9 @@ class Recorder:
             )
         if self._lift_bound() <= self._allowed_lift:
             return
-        places, rates = (each[None, self._columns] for each in self.steps[-1][1:3])
-        bar = self.model.forces.bar
-        rack = places[:, COORDINATE_BLOCKS["rack"]] if bar is None else bar.poses(places, rates, AT_MESH)[0]
+        bar, rack = self.model.forces.bar, coordinates[None, COORDINATE_BLOCKS["rack"]]
+        if bar is not None:
+            rack, _ = bar.poses(coordinates[None], rates[None], AT_MESH)
         lift = abs(float(axis_at_pitch_point(rack)[0, 0]) - self.model.gear.installation.axis_offset)
         allowed = self._allowed_lift
         if not lift <= allowed:
@@ -133,7 +134,7 @@ class Recorder:
         """Return more than the lift of a rack that tilts little, at little cost; inf of another one."""
         if self.model.forces.bar is not None:
             return np.inf
-        x, y, _, _, b, c = self.steps[-1].coordinates[self._rack_columns].tolist()
+        x, y, _, _, b, c = self.steps[-1].coordinates[self._columns][COORDINATE_BLOCKS["rack"]].tolist()
         tilt = abs(b) + abs(c)
         if not tilt < LITTLE:
             return np.inf
@@ -148,31 +149,19 @@ class Recorder:
 
     def _remembered(self, t: float, coordinates: np.ndarray, rates: np.ndarray) -> np.ndarray:
         """Make the end of a step found the begin of the next; return what was the begin."""
-        dynamics = self._dynamics
-        if not dynamics.has_bristles:
+        forces = self.model.forces
+        if not forces.has_bristles:
             return NOTHING
-        memory, columns = dynamics.memory, self._columns
+        memory, columns = forces.memory, self._columns
         begun = memory[0].copy()
         memory[1, TIME] = t
-        dynamics.force(coordinates[columns], rates[columns])
+        forces.force(coordinates[columns], rates[columns])
         memory[0] = memory[1]
         return begun
 
     @cached_property
-    def _dynamics(self) -> Balance:
-        return self.model.forces.dynamics
-
-    @cached_property
     def _columns(self) -> np.ndarray:
         return self.model.columns(self.model.stack)
-
-    @cached_property
-    def _rack_columns(self) -> np.ndarray:
-        return self._columns[COORDINATE_BLOCKS["rack"]]
-
-    @cached_property
-    def _angle_and_travel(self) -> np.ndarray:
-        return self._columns[[COORDINATE_BLOCKS["pinion"].start, COORDINATE_BLOCKS["rack"].start]]
 
     @cached_property
     def _pair(self) -> GearPair:
@@ -198,7 +187,7 @@ class Recorder:
         energy = 0.5 * np.einsum("ti,ij,tj->t", rates, mass, rates)
         if model.segments:
             energy += stored_in_chain(model.gear, model.forces.chain, coordinates[:, model.segment_columns()])
-        columns, bar, has_bristles = self._columns, model.forces.bar, self._dynamics.has_bristles
+        columns, bar, has_bristles = self._columns, model.forces.bar, self.model.forces.has_bristles
         places, speeds = (np.ascontiguousarray(rows[:, columns]) for rows in (coordinates, rates))
         if bar is not None:
             energy += bar.elastic_energy(places)
@@ -235,10 +224,8 @@ class Recorder:
         if model.column is None or wheel is None:
             return np.asarray(-model.drive.sign * multiplier)
         pinion = model.coordinates("pinion").start
-        angle, rate = wheel.T
-        ratio = model.column.ratio(angle)
-        twist = model.column.output(angle) + coordinates[:, pinion]
-        torque = model.column.torque(twist, ratio * rate + rates[:, pinion])
+        ratio, *twist = model.column.twisted(wheel.T, coordinates[:, pinion], rates[:, pinion])
+        torque = model.column.torque(*twist)
         return np.asarray(ratio * torque + model.column.inertia * model.drive.acceleration(time))
 
     def _wheel(self, coordinates: np.ndarray, rates: np.ndarray) -> np.ndarray | None:

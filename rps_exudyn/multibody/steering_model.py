@@ -98,7 +98,7 @@ def vibration(model: SteeringModel, record: Record) -> dict[str, float]:
     """Return by how many powers of e the fastest growing vibration grows over a record, and by how many that
     one dies which dies most slowly; nothing of spheres, of a bush of segments and of bristles, whose
     tangents are others, and nothing behind a column, whose scenes look for themselves."""
-    others = model.contacts is not None or bool(model.segments) or model.forces.dynamics.has_bristles
+    others = model.contacts is not None or bool(model.segments) or model.forces.has_bristles
     if others or model.column is not None or len(record.time) < 2:
         return {}
     some = np.unique(np.linspace(0, len(record.time) - 1, INSTANTS).astype(int))
@@ -108,7 +108,7 @@ def vibration(model: SteeringModel, record: Record) -> dict[str, float]:
     free = np.array([i for i in range(len(mass)) if i not in held])
     by_place, by_rate = (
         each[:, free[:, None], free]
-        for each in slopes(model.forces.dynamics, record.coordinates[some], record.rates[some])
+        for each in slopes(model.forces, record.coordinates[some], record.rates[some])
     )
     values = eigenvalues(mass[np.ix_(free, free)], by_place, by_rate)
     rates = np.where(np.abs(values.imag) * step > SLOWEST, values.real, -np.inf).max(axis=1)

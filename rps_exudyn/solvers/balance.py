@@ -37,7 +37,6 @@ class Balance:
         approach: of the rack under the preload at rest [m].
         masses: of what is accelerated, mass matrix (n, n); (0, 0) in steady motion.
         outside: times (t,) -> generalised forces (t, n) that act besides.
-        modes: of the rack's bending.
         supported: coordinates of a supported pinion under the preload at rest; none of a rigid one.
     """
 
@@ -48,10 +47,15 @@ class Balance:
     approach: float = 0.0
     masses: np.ndarray = field(default_factory=lambda: NOTHING_ACCELERATED)
     outside: Callable[[np.ndarray], np.ndarray] | None = None
-    modes: int = 0
     supported: np.ndarray = field(default_factory=lambda: np.zeros(0))
     works: np.ndarray = field(default_factory=new_work)
     _evaluations: dict[int, "_Evaluation"] = field(default_factory=dict, init=False)
+
+    @property
+    def modes(self) -> int:
+        """Return the number of modes in which the rack bends."""
+        gear = self.gears[0]
+        return int(gear["bar"]["modes"]) if gear["is_bent"] else 0
 
     @property
     def size(self) -> int:

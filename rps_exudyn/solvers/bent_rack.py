@@ -35,7 +35,7 @@ from rps_exudyn.base.compiled import (
 from rps_exudyn.forces.friction import MOST_COORDINATES
 from rps_exudyn.gears.bar_bow import BarBow
 from rps_exudyn.gears.rack_bar import RackBar
-from rps_exudyn.gears.rack_beam import RackBeam, RackModes
+from rps_exudyn.gears.rack_beam import RackBeam
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 
@@ -281,11 +281,8 @@ def bent_bar(
     per_plane = gear.rack.modes if fidelity.rack == "flexible" else 0
     if not per_plane and not gear.rack.bow:
         return None
-    return BentBar(*_tabulated(gear, RackBeam.of(gear).modes(per_plane)), places, RackBar.of(gear).x_min)
-
-
-def _tabulated(gear: SteeringGear, modes: RackModes) -> tuple[np.record, np.ndarray]:
-    """Tabulate the modes, those in plane y first, and the bow: the record, and its numbers."""
+    # tabulated, modes in plane y first
+    modes = RackBeam.of(gear).modes(per_plane)
     bow = BarBow.of(gear)
     of_modes = np.stack([modes.shape, modes.gradient, modes.slope, modes.curvature])  # (4, m, nodes)
     of_bow = np.stack([bow.offset, bow.gradient, bow.gradient, bow.curvature])  # (4, 2, nodes)
@@ -304,4 +301,5 @@ def _tabulated(gear: SteeringGear, modes: RackModes) -> tuple[np.record, np.ndar
         stiffness=0,
         damping=count,
     )
-    return made, np.concatenate([modes.frequencies**2, damping, fields.ravel()])
+    pool = np.concatenate([modes.frequencies**2, damping, fields.ravel()])
+    return BentBar(made, pool, places, RackBar.of(gear).x_min)

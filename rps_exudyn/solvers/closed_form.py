@@ -23,7 +23,7 @@ from numpy.polynomial.legendre import leggauss
 
 from rps_exudyn.analysis.efficiency import LoadTest
 from rps_exudyn.analysis.friction_oscillator import Rubbing
-from rps_exudyn.forces.bush import bush_chain, housing_station, lateral_stiffness
+from rps_exudyn.forces.bush import bush_chain, housing_station
 from rps_exudyn.forces.yoke import seat_under
 from rps_exudyn.gears.bar_section import mass_and_moments
 from rps_exudyn.gears.gear_pair import GearPair
@@ -83,20 +83,16 @@ class ClosedForm:
 
 def closed_form(gear: SteeringGear) -> ClosedForm:
     """Return the gear without load: torques, losses, limits."""
-    pair = GearPair.of(gear)
-    forward, backward = mean_state(gear, +1, 0.0), mean_state(gear, -1, 0.0)
-    lever = mean_lever(pair)
-    per_preload = torque_per_preload(gear)
-    runout_cosine, runout_sine = runout_harmonics(gear)
+    pair, harmonics = GearPair.of(gear), runout_harmonics(gear)
     return ClosedForm(
         rack_gain=float(pair.gain),
-        forward=forward,
-        backward=backward,
-        friction_lever=lever,
-        torque_per_preload=per_preload,
+        forward=mean_state(gear, +1, 0.0),
+        backward=mean_state(gear, -1, 0.0),
+        friction_lever=mean_lever(pair),
+        torque_per_preload=torque_per_preload(gear),
         unloading_force=unloading_force(gear),
-        runout_cosine=runout_cosine,
-        runout_sine=runout_sine,
+        runout_cosine=harmonics[0],
+        runout_sine=harmonics[1],
     )
 
 
@@ -212,7 +208,7 @@ def tilting_stiffness(gear: SteeringGear) -> float:
     straight."""
     bush = bush_chain(gear)
     to_fit = housing_station(gear, bush.end_station)
-    k = lateral_stiffness(bush)[np.ix_([0, 3], [0, 3])]  # along y, about z
+    k = bush.lateral_stiffness[np.ix_([0, 3], [0, 3])]  # along y, about z
     seat = seat_under(gear).stiffness * gear.yoke.seat_length**2 / 12
     lift, tilt = np.array([1.0, 0.0]), np.array([to_fit, 1.0])  # what the fit sees of both
     along, both, about = lift @ k @ lift, lift @ k @ tilt, tilt @ k @ tilt + seat

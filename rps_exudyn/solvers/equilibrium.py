@@ -253,7 +253,7 @@ class _Following:
         column: ColumnModel | None,
     ) -> "_Following":
         """Begin with the guess for the first instant, or behind a path that leads along the first ones."""
-        rows = _Rows.along(balance, pair, drive, time, column)
+        rows = _Rows.along(balance, drive, time, column is not None)
         free, lengths, numbers = balance.free(drive.coordinate), balance.lengths, NO_COLUMN
         masses = balance.masses.copy()
         if column is not None:
@@ -374,7 +374,7 @@ class _Following:
             self.found += 1
             return True
         shortest = SHORTEST_BEHIND_COLUMN if self.column[0] else SHORTEST
-        return rows.halve(k, shortest, self.balance, self.pair, self.drive)
+        return rows.halve(k, shortest, self.balance, self.drive, bool(self.column[0]))
 
     def snaps(self, k: int) -> bool:
         """Return whether the gear behind a column jumps in the step to instant k: no path of equilibria leads
@@ -444,13 +444,33 @@ class _Following:
 
     def path(self) -> EquilibriumPath:
         """Return what was found."""
-        left = self.unbalanced if self.whole else self.residual
-        path = self.rows.path(self.found, self.counts, self.rescues, left, self.balance.size, self.column)
+        rows, size, found = self.rows, self.balance.size, self.found
+        asked, (evaluations, iterations, tangents) = np.flatnonzero(rows.asked[:found]), self.counts.tolist()
+        coordinates, rates, applied = rows.coordinates[asked], rows.rates[asked], rows.applied[asked, :size]
+        if self.column[5]:  # the tyres
+            applied[:, RACK] -= self.column[5] * (coordinates[:, RACK] - self.column[6])
         kinetic: np.ndarray | float = 0.0
         if self.masses.size:
-            rates = np.append(path.rates, path.wheel[:, 1:], axis=1)
             kinetic = 0.5 * np.einsum("ti,ij,tj->t", rates, self.masses, rates)
-        return replace(path, kinetic=kinetic, jumps=self.jumps())
+        return EquilibriumPath(
+            rows.time[asked],
+            coordinates[:, :size],
+            rates[:, :size],
+            rows.forces[asked, :size],
+            applied,
+            evaluations,
+            iterations,
+            tangents,
+            self.rescues,
+            self.unbalanced if self.whole else self.residual,
+            None if self.whole else float(rows.time[found]),
+            float(rows.time[0]),
+            kept=rows.kept[asked],
+            outputs=rows.outputs[asked],
+            wheel=np.append(coordinates[:, size:], rates[:, size:], axis=1),
+            jumps=self.jumps(),
+            kinetic=kinetic,
+        )
 
 
 @dataclass
@@ -466,17 +486,14 @@ class _Rows:
     outputs: np.ndarray  # of all parts
     kept: np.ndarray  # (n, 2, .) state of the bristles
     hand: np.ndarray  # torque on the wheel [N m]
-    column: ColumnModel | None
 
     @classmethod
-    def along(
-        cls, balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray, column: ColumnModel | None
-    ) -> "_Rows":
+    def along(cls, balance: Balance, drive: Drive, time: np.ndarray, has_column: bool) -> "_Rows":
         """The driven coordinate at its places, all others at zero."""
-        n, t = balance.size + (column is not None), len(time)
+        n, t = balance.size + has_column, len(time)
         coordinates, rates, forces, applied = (np.zeros((t, n)) for _ in range(4))
         hand, wheel = np.zeros(t), drive.wheel if isinstance(drive, BehindColumn) else None
-        if column is None or wheel is None:
+        if not has_column or wheel is None:
             coordinates[:, drive.coordinate] = drive.sign * drive.place(time)
             rates[:, drive.coordinate] = drive.sign * drive.rate(time)
         else:
@@ -486,16 +503,13 @@ class _Rows:
             applied[:, : balance.size] += balance.outside(time)
         kept, outputs = np.zeros((t, 2, balance.kept)), np.zeros((t, OUTPUTS))
         asked = np.ones(t, dtype=bool)
-        return cls(time, asked, coordinates, rates, forces, applied, outputs, kept, hand, column)
+        return cls(time, asked, coordinates, rates, forces, applied, outputs, kept, hand)
 
     def take_over(self, approach_path: EquilibriumPath) -> int:
         """Take over the instants of a path; return how many."""
         found, size = len(approach_path.time), approach_path.coordinates.shape[1]
-        self.coordinates[:found, :size], self.rates[:found, :size] = (
-            approach_path.coordinates,
-            approach_path.rates,
-        )
-        self.forces[:found, :size] = approach_path.forces
+        for name in ("coordinates", "rates", "forces"):
+            getattr(self, name)[:found, :size] = getattr(approach_path, name)
         self.outputs[:found], self.kept[:found] = approach_path.outputs, approach_path.kept
         return found
 
@@ -504,50 +518,15 @@ class _Rows:
         """Number of instants found, which have forces."""
         return int(self.forces.any(axis=1).sum())
 
-    def path(
-        self,
-        found: int,
-        counts: np.ndarray,
-        rescues: int,
-        residual: float,
-        size: int,
-        column: np.ndarray,
-    ) -> EquilibriumPath:
-        """Return the path up to instant `found`; `counts` are evaluations, iterations and tangents."""
-        evaluations, iterations, tangents = counts.tolist()
-        asked = np.flatnonzero(self.asked[:found])
-        applied = self.applied[asked, :size]
-        if column[5]:  # the tyres
-            applied[:, RACK] -= column[5] * (self.coordinates[asked, RACK] - column[6])
-        forces = self.forces[asked, :size]
-        return EquilibriumPath(
-            self.time[asked],
-            self.coordinates[asked, :size],
-            self.rates[asked, :size],
-            forces,
-            applied,
-            evaluations,
-            iterations,
-            tangents,
-            rescues,
-            residual,
-            float(self.time[found]) if found < len(self.time) else None,
-            float(self.time[0]),
-            kept=self.kept[asked],
-            outputs=self.outputs[asked],
-            wheel=np.append(self.coordinates[asked, size:], self.rates[asked, size:], axis=1),
-        )
-
-    def halve(self, k: int, shortest: float, balance: Balance, pair: GearPair, drive: Drive) -> bool:
+    def halve(self, k: int, shortest: float, balance: Balance, drive: Drive, has_column: bool) -> bool:
         """Put an instant before the k-th; false if those there are as close as makes sense: `shortest` of
         the steps asked for."""
         between = self.time[k] - self.time[k - 1]
         if between < shortest * np.diff(self.time[self.asked]).min():
             return False
         middle = np.array([self.time[k] - between / 2])
-        new = _Rows.along(balance, pair, drive, middle, self.column)
+        new = _Rows.along(balance, drive, middle, has_column)
         new.asked[:] = False
         for name, values in vars(new).items():
-            if name != "column":
-                setattr(self, name, np.insert(getattr(self, name), k, values, axis=0))
+            setattr(self, name, np.insert(getattr(self, name), k, values, axis=0))
         return True

@@ -3,30 +3,27 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
-from rps_exudyn.base.compiled import Entry
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces import external_load, pinion_support, sliding_fit, yoke
 from rps_exudyn.forces.bearing import bearing_record
 from rps_exudyn.forces.bush import Chain, bush_chain
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, RACK, Part
-from rps_exudyn.forces.friction import PLAIN, Patches
+from rps_exudyn.forces.friction import PLAIN, TIME, Patches
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import pinion_inertia, pinion_on_supports, rack_masses
-from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS, check_friction_laws
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.retired import choice_instead
-from rps_exudyn.solvers.balance import SIZE, Balance, new_work
+from rps_exudyn.solvers.balance import SIZE, Balance
 from rps_exudyn.solvers.bent_rack import ALONG_BAR, ON_BAR, BentBar, bent_bar
-from rps_exudyn.solvers.gear_model import GEAR, LAWS, outputs_along, parts_of
+from rps_exudyn.solvers.gear_model import GEAR, LAWS, OUTPUTS, PARTS, fill_outputs
 from rps_exudyn.solvers.settling import static_approach
 from rps_exudyn.solvers.sphere_groups import by_touching_angle, standing_out
 from rps_exudyn.tooth_contact.elastic_teeth import room_of_teeth
@@ -40,41 +37,28 @@ from rps_exudyn.tooth_contact.teeth_stations import most_lines
 GUIDED = tuple(range(RACK + 2, RACK + 6))  # what a guided rack lacks: sideways motion, roll, yaw, pitch
 
 
-@dataclass(frozen=True, eq=False)
-class GearForces:
-    """The forces of a gear.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class GearForces(Balance):
+    """The forces of a gear to be balanced, its bush as modelled: if it is a chain, its last segment follows
+    in the stack.
 
     Attributes:
-        law: of `gear_model`.
-        gears: record of the gear, its bush as modelled, in an array (1,).
-        pool: numbers that the record points to.
         condensed: record of the fit in a bush whose static stiffness is condensed into it.
         chain: the bush.
         friction_zone: [m/s].
-        locked: coordinates of the stack that are held at zero.
         bar: of the rack, where it bends or is not straight.
-        approach: of the rack under the preload at rest [m].
         ideal: record of the gear without friction and runout in the mesh, by which the yoke is adjusted.
         valid_to: outputs above which the contact law does not hold any more, and their bounds.
         spheres: of general contact.
-        works: work space, with the state of the bristle friction.
-        supported: coordinates of a supported pinion under the preload at rest; none of a rigid one.
     """
 
-    law: Any
-    gears: np.ndarray
-    pool: np.ndarray
     condensed: np.record
     chain: Chain
     friction_zone: float
-    locked: tuple[int, ...]
     bar: BentBar | None
-    approach: float
     ideal: np.ndarray
     valid_to: dict[str, float]
     spheres: SampledContactData | None = None
-    works: np.ndarray = field(default_factory=new_work)
-    supported: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @property
     def gear(self) -> np.record:
@@ -85,7 +69,8 @@ class GearForces:
     @cached_property
     def parts(self) -> list[Part]:
         """Return the parts that exert forces, in the order of their outputs."""
-        return parts_of(self.gear)
+        having = {"load": "has_load", "weight": "has_weight", "support": "is_supported", "bore": "has_bore"}
+        return [each for each in PARTS if each.name not in having or self.gear[having[each.name]]]
 
     @property
     def with_bristles(self) -> set[str]:
@@ -101,36 +86,16 @@ class GearForces:
         return bool(self.gear.is_carried)
 
     @property
-    def modes(self) -> int:
-        """Return the number of modes in which the rack bends."""
-        return 0 if self.bar is None else self.bar.modes
-
-    @property
     def statics(self) -> Balance:
         """Return the forces on pinion, rack, plunger, modes and supports, with the bush condensed."""
-        return Balance(
-            self.law,
-            self._condensed,
-            self.pool,
-            self.locked,
-            self.approach,
-            modes=self.modes,
-            supported=self.supported,
-            works=self.works,
-        )
-
-    @property
-    def dynamics(self) -> Balance:
-        """Return the forces with the bush as modelled; in the stack its last segment follows if it is a
-        chain."""
-        return replace(self.statics, gears=self.gears)
+        return replace(self, gears=self._condensed)
 
     @property
     def without_mesh(self) -> Balance:
         """Return the same without the teeth, where these are spheres: none of them is near the mesh."""
         gears = self.gears.copy()
         gears["mesh"]["spheres"]["gate"] = -1.0
-        return replace(self.statics, gears=gears)
+        return replace(self, gears=gears)
 
     @cached_property
     def _condensed(self) -> np.ndarray:
@@ -152,9 +117,14 @@ class GearForces:
             time: (t,) [s].
             begun: state of the bristles at the start of the steps that end there, (t, .).
         """
-        gears = self.gears if self.has_chain and coordinates.shape[1] > self.statics.size else self._condensed
-        rows = coordinates, rates, time, begun
-        return outputs_along(self.law, gears, self.pool, self.works, *rows)
+        gears = self.gears if coordinates.shape[1] > self.size else self._condensed
+        outputs = np.zeros((len(coordinates), OUTPUTS))
+        state = np.zeros((len(coordinates), 0)) if begun is None else begun
+        rows = (np.ascontiguousarray(each, dtype=float) for each in (coordinates, rates, time, state))
+        if state.shape[1] == 0:
+            self.memory[:, TIME] = 0.0
+        fill_outputs(self.law, *rows, gears, self.pool, self.works, outputs)
+        return outputs
 
 
 Exchange = Callable[[GearForces, SteeringGear, Fidelity], GearForces]
@@ -176,51 +146,61 @@ def exchanged(by: Exchange) -> Iterator[None]:
 def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) -> GearForces:
     """Set up the force laws; a load [N] pulls the rack's end towards -X.
 
-    The yoke is adjusted so that the preload acts at rest on a gear without runout.
+    The yoke is adjusted so that the preload acts at rest on a gear without runout. Of general contact the
+    laws are those of its compiled samples.
+
+    Raises:
+        InputError: a law of contact or friction that the model does not have.
     """
     pair, patches = GearPair.of(gear), Patches(fidelity.friction_elements)
     zone = fidelity.zone_ratio * pair.least_sliding * gear.test.speed
     check_friction_laws({part: getattr(gear, part) for part in RUBBING_PARTS}, fidelity.mesh)
-    mesh = mesh_of(gear, fidelity, zone, patches)
-    chain = bush_chain(gear)
-    of_bush = sliding_fit.bush_law(gear, patches)
-    condensed = sliding_fit.condensed_fit(gear, chain, friction_zone=zone, law=of_bush)
-    fit, carried = condensed, False
-    if fidelity.rack == "guided":
-        fit = condensed = sliding_fit.loose_fit(gear, friction_zone=zone, law=of_bush)
-    elif fidelity.bush == "rigid":
-        fit = condensed = sliding_fit.rigid_fit(gear, friction_zone=zone, law=of_bush)
-    elif fidelity.bush == "chain":
-        fit, carried = sliding_fit.chain_fit(gear, chain, friction_zone=zone, law=of_bush), True
-    load = load_at_end(gear, rack_load) if rack_load or gear.rack.side_force else None
+    law = gear.mesh.contact_law if fidelity.mesh == "flank" else "spheres"
+    if law not in LAWS:
+        instead = choice_instead("mesh.law", law)
+        raise InputError(f"mesh.law is {law!r}, which only earlier versions have: {instead}.")
+    gears, ideal, pool, chain = np.zeros(1, GEAR), np.zeros(1, GEAR), np.zeros(1), bush_chain(gear)
+    mesh, spheres, deepest = gears["mesh"], None, DEEPEST * gear.pinion.normal_module
+    mesh["kind"] = KINDS.get(law, 0)
+    if law == "spheres":  # one deeper than its radius passes through GeneralContact's triangles unnoticed
+        spheres = spheres_of(gear, fidelity, zone)
+        deepest = spheres.radius / 2
+    else:
+        along, across = fidelity.strip_stations + (law == "teeth"), fidelity.strip_points
+        mesh["flank"] = flank = pack(gear, zone=zone, along=along, across=across, patches=patches)
+        if law == "teeth":
+            mesh["teeth"], mesh["most_lines"] = teeth_data(gear, flank), most_lines(flank)
+        ideal["mesh"] = mesh
+        of_ideal = ideal["mesh"]["flank"]
+        of_ideal["friction"], of_ideal["law"] = 0.0, PLAIN
+        of_ideal["eccentric_e"] = of_ideal["eccentric_y"] = 0.0
+    ideal["mesh"]["kind"] = mesh["kind"]
+    fit, condensed = sliding_fit.fits(gear, fidelity, chain, friction_zone=zone, patches=patches)
+    load = external_load.end_load(gear, rack_load) if rack_load or gear.rack.side_force else None
     places = {"mesh": (0.0, ALONG_BAR), "seat": (0.0, ALONG_BAR), "bush": (float(fit.station), ALONG_BAR)}
     if load is not None:
         places["load"] = (float(load.place), ON_BAR)
     bar = bent_bar(gear, fidelity, places)
-    gears, ideal = np.zeros(1, GEAR), np.zeros(1, GEAR)
-    gears["mesh"], ideal["mesh"] = mesh.record, ideal_mesh(mesh)
-    gears["fit"], gears["is_carried"] = fit, carried
+    gears["fit"], gears["is_carried"] = fit, fit is not condensed
     gears["bearing"] = bearing_record(
         gear, friction_zone=fidelity.zone_ratio * gear.test.speed, patches=patches
     )
     if load is not None:
         gears["load"], gears["has_load"] = load, 1
     if gear.installation.gravity:
-        gears["weight"], gears["has_weight"] = rack_weight(gear), 1
-    pool = np.zeros(1) if bar is None else bar.pool
+        gears["weight"], gears["has_weight"] = external_load.weight(gear), 1
     if bar is not None:
-        gears["bar"], gears["is_bent"] = bar.record, 1
-    if mesh.spheres is not None:
-        first = len(pool)
-        gears["mesh"]["spheres"], numbers = pooled(mesh.spheres, first)
-        ideal["mesh"]["spheres"], of_ideal = pooled(
-            _ideal_spheres(gear, fidelity, zone), first + numbers.size
-        )
-        pool = np.concatenate([pool, numbers, of_ideal])
-    if mesh.record[0]["most_lines"]:
-        gears["mesh"]["room"] = ideal["mesh"]["room"] = len(pool)
-        pool = np.concatenate([pool, np.zeros(room_of_teeth(mesh.record[0]["flank"]))])
-    approach = static_approach(gear.yoke.preload, mesh.law, ideal, pool, pair.axis_offset)
+        pool, gears["bar"], gears["is_bent"] = bar.pool, bar.record, 1
+    if spheres is not None:
+        perfect = {"pinion.runout": 0.0, "mesh.friction": 0.0, "mesh.friction_law": PLAIN_LAW}
+        of_perfect = spheres_of(gear.replace(perfect), fidelity, zone)
+        for each, of_gear in ((gears, spheres), (ideal, of_perfect)):
+            each["mesh"]["spheres"], numbers = pooled(of_gear, len(pool))
+            pool = np.concatenate([pool, numbers])
+    if law == "teeth":
+        mesh["room"] = ideal["mesh"]["room"] = len(pool)
+        pool = np.concatenate([pool, np.zeros(room_of_teeth(flank))])
+    approach = static_approach(gear.yoke.preload, LAWS[law], ideal, pool, pair.axis_offset)
     supported = np.zeros(0)
     if fidelity.pinion == "supported":
         gears["support"], gears["is_supported"] = pinion_support.support_record(gear, patches), 1
@@ -233,7 +213,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
     gears["has_bore"] = bool(gear.yoke.bore_friction or gear.yoke.bore_damping)
     gears["has_bristles"] = patches.needed
     made = GearForces(
-        law=mesh.law,
+        law=LAWS[law],
         gears=gears,
         pool=pool,
         condensed=condensed,
@@ -243,22 +223,12 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         bar=bar,
         approach=approach,
         ideal=ideal,
-        valid_to=mesh.valid_to,
-        spheres=mesh.spheres,
+        valid_to={"mesh_penetration": deepest},
+        spheres=spheres,
         supported=supported,
     )
     exchange = _exchange.get()
     return exchange(made, gear, fidelity) if exchange else made
-
-
-@dataclass(frozen=True)
-class ModelledMesh:
-    """The contact of the teeth as modelled."""
-
-    law: Entry  # of `gear_model`
-    record: np.ndarray  # `MESH`, without spheres
-    valid_to: dict[str, float]
-    spheres: SampledContactData | None = None
 
 
 def mass_matrix(gear: SteeringGear, forces: GearForces, place: np.ndarray) -> np.ndarray:
@@ -284,67 +254,8 @@ def accelerated(gear: SteeringGear, forces: GearForces) -> Balance:
     return forces.statics.with_(masses=mass_matrix(gear, forces, np.zeros(forces.statics.size)))
 
 
-def load_at_end(gear: SteeringGear, rack_load: float) -> np.record:
-    """Return the load [N] along -X and the side force at the rack's end beside the pinion."""
-    rack = gear.rack
-    across = rack.side_force * np.cos(rack.side_angle), rack.side_force * np.sin(rack.side_angle)
-    return external_load.end_load(rack_load, (float(across[0]), float(across[1])), RackBar.of(gear).x_min)
-
-
-def rack_weight(gear: SteeringGear) -> np.record:
-    """Return the rack's weight, which acts at its mass centre."""
-    bar = rack_masses(gear)
-    gravity = external_load.gravity_of(gear.installation)
-    return external_load.weight(bar.mass, gravity, float(bar.centre_of_mass[0]))
-
-
-def mesh_of(
-    gear: SteeringGear, fidelity: Fidelity, zone: float, patches: Patches | None = None
-) -> ModelledMesh:
-    """Return the contact of the teeth as the fidelity models it; of general contact its compiled samples.
-
-    Raises:
-        InputError: a law of contact that the model does not have.
-    """
-    made = np.zeros(1, GEAR["mesh"])
-    limits = {"mesh_penetration": DEEPEST * gear.pinion.normal_module}
-    law = gear.mesh.contact_law if fidelity.mesh == "flank" else "spheres"
-    if law not in LAWS:
-        instead = choice_instead("mesh.law", law)
-        raise InputError(f"mesh.law is {law!r}, which only earlier versions have: {instead}.")
-    made["kind"] = KINDS.get(law, 0)
-    if fidelity.mesh == "flank":
-        along, across = fidelity.strip_stations + (gear.mesh.contact_law == "teeth"), fidelity.strip_points
-        made["flank"] = pack(gear, zone=zone, along=along, across=across, patches=patches)
-        if gear.mesh.contact_law == "teeth":
-            made["teeth"] = teeth_data(gear, made["flank"][0])
-            made["most_lines"] = most_lines(made["flank"][0])
-        return ModelledMesh(LAWS[law], made, limits)
-    spheres = spheres_of(gear, fidelity, zone)
-    # one deeper than its radius passes through GeneralContact's triangles unnoticed
-    return ModelledMesh(LAWS[law], made, {"mesh_penetration": spheres.radius / 2}, spheres)
-
-
 def spheres_of(gear: SteeringGear, fidelity: Fidelity, zone: float) -> SampledContactData:
     """Return the spheres of general contact."""
     grid = {"profile": fidelity.profile_samples, "axial": fidelity.axial_samples}
     spheres = standing_out(contact_data(gear, **grid, friction_zone=zone), gear, **grid)
     return by_touching_angle(spheres, GearPair.of(gear))
-
-
-def _without_errors(gear: SteeringGear) -> SteeringGear:
-    return gear.replace({"pinion.runout": 0.0, "mesh.friction": 0.0, "mesh.friction_law": PLAIN_LAW})
-
-
-def _ideal_spheres(gear: SteeringGear, fidelity: Fidelity, zone: float) -> SampledContactData:
-    return spheres_of(_without_errors(gear), fidelity, zone)
-
-
-def ideal_mesh(mesh: ModelledMesh) -> np.ndarray:
-    """Return the record of the gear's mesh without friction and runout, shape (1,); without spheres."""
-    made = mesh.record.copy()
-    if mesh.spheres is None:
-        flank = made["flank"]
-        flank["friction"], flank["law"] = 0.0, PLAIN
-        flank["eccentric_e"] = flank["eccentric_y"] = 0.0
-    return made

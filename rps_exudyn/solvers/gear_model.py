@@ -17,10 +17,6 @@ Friction with a state takes the slip from what the coordinates moved over a step
 of a coordinate is then one of its rate too.
 """
 
-from typing import Any
-
-import numpy as np
-
 from rps_exudyn.base.compiled import (
     MATRIX,
     NUMBER,
@@ -39,12 +35,10 @@ from rps_exudyn.base.compiled import (
 from rps_exudyn.forces import bearing, external_load, pinion_support, sliding_fit, yoke
 from rps_exudyn.forces.bearing import BEARING, bearing_force, bearing_slope
 from rps_exudyn.forces.external_load import DEAD_FORCE, add_dead_tangent, dead_force
-from rps_exudyn.forces.force_element import Part
 from rps_exudyn.forces.friction import (
     MOST_COORDINATES,
     PATCH_SUMS,
     PLACES,
-    TIME,
     begin_step,
     duration,
 )
@@ -574,29 +568,3 @@ def fill_outputs(law, coordinates, rates, time, begun, gears, pool, works, outpu
         called(law, coordinates[k], rates[k], gears, 0, pool, works, 0.0, 0.0, total, tangent)
         for i in range(OUTPUTS):
             outputs[k, i] = work.out[i]
-
-
-def parts_of(gear: np.record) -> list[Part]:
-    """Return the parts of a gear, in the order of their outputs."""
-    having = {"load": "has_load", "weight": "has_weight", "support": "is_supported", "bore": "has_bore"}
-    return [each for each in PARTS if each.name not in having or gear[having[each.name]]]
-
-
-def outputs_along(
-    law: Any,
-    gears: np.ndarray,
-    pool: np.ndarray,
-    works: np.ndarray,
-    coordinates: np.ndarray,
-    rates: np.ndarray,
-    time: np.ndarray,
-    begun: np.ndarray | None,
-) -> np.ndarray:
-    """Return the outputs of all parts at states of a gear, (t, n) each; shape (t, OUTPUTS)."""
-    n = len(coordinates)
-    outputs, state = np.zeros((n, OUTPUTS)), np.zeros((n, 0)) if begun is None else begun
-    rows = (np.ascontiguousarray(each, dtype=float) for each in (coordinates, rates, time, state))
-    if state.shape[1] == 0:
-        works[0]["contact"]["memory"][:, TIME] = 0.0
-    fill_outputs(law, *rows, gears, pool, works, outputs)
-    return outputs

@@ -86,11 +86,9 @@ class Steady(Drive):
     speed: float
 
     def place(self, time: np.ndarray | float) -> np.ndarray:
-        """Return start + speed t."""
         return self.start + self.speed * np.asarray(time)
 
     def rate(self, time: np.ndarray | float) -> np.ndarray:
-        """Return the speed, constant."""
         return np.full_like(np.asarray(time, dtype=float), self.speed)
 
     @property
@@ -100,7 +98,6 @@ class Steady(Drive):
         return (lambda t: start + speed * t), (lambda t: speed)
 
     def acceleration(self, time: np.ndarray | float) -> np.ndarray:
-        """Return zeros."""
         return np.zeros_like(np.asarray(time, dtype=float))
 
 
@@ -123,15 +120,12 @@ class Swing(Drive):
         return 2 * np.pi * self.amplitude / abs(self.speed)
 
     def place(self, time: np.ndarray | float) -> np.ndarray:
-        """Return middle +- amplitude sin(omega t)."""
         phase = abs(self.speed) / self.amplitude * np.asarray(time)
         return self.middle + np.sign(self.speed) * self.amplitude * np.sin(phase)
 
     def rate(self, time: np.ndarray | float) -> np.ndarray:
-        """Return speed cos(omega t)."""
         return self.speed * np.cos(abs(self.speed) / self.amplitude * np.asarray(time))
 
     def acceleration(self, time: np.ndarray | float) -> np.ndarray:
-        """Return -omega^2 times the distance from the middle."""
         omega = abs(self.speed) / self.amplitude
         return -(omega**2) * (self.place(time) - self.middle)

@@ -23,7 +23,7 @@ from rps_exudyn.forces.force_element import (
     stacked,
 )
 from rps_exudyn.forces.friction import PLACES, TIME
-from rps_exudyn.results.quantities import WORKS
+from rps_exudyn.results.quantities import SIGNALS, WORKS
 from rps_exudyn.solvers.bent_rack import ALONG_BAR, ON_BAR, BentBar
 from rps_exudyn.solvers.equilibrium import SETTLED, EquilibriumPath, Start
 from rps_exudyn.solvers.gear_forces import GearForces
@@ -31,18 +31,6 @@ from rps_exudyn.solvers.gear_model import COLUMNS
 from rps_exudyn.solvers.prescribed_motion import OVERCOME, Drive, DrivenBody
 from rps_exudyn.solvers.steering_column import ColumnModel, TyreSpring, WheelTorque
 
-WORK = {
-    "work_mesh_friction",
-    "work_mesh_damping",
-    "work_seat_friction",
-    "work_bush_friction",
-    "work_bearing_friction",
-    "work_support_friction",
-    "work_seat_damping",
-    "work_yokenut_damping",
-    "work_bore_friction",
-    "work_bore_damping",
-}
 WHERE_DAMPED = {"work_seat_damping", "work_yokenut_damping"}  # of parts that need not be
 # Of `instant_signals`, no signals of a result; the last before the name of a work summed up over steps
 MESH_ENERGY, LOAD_ENERGY, SO_FAR = "mesh_energy", "load_energy", "so_far_"
@@ -50,19 +38,6 @@ MESH_TAKEN = f"{SO_FAR}mesh"  # what the teeth took from the bodies
 AT_MESH = (0.0, ALONG_BAR)  # where mesh and yoke stand
 # Signals of what is not prescribed, in the order of the coordinates
 COORDINATES = ("rack_y", "rack_z", "rack_roll", "rack_yaw", "rack_pitch", "plunger_displacement")
-# Signal -> the output of a force element that it shows
-SHOWN = {
-    "mesh_normal_force_drive": "mesh_normal_force_drive",
-    "mesh_normal_force_coast": "mesh_normal_force_coast",
-    "mesh_penetration": "mesh_penetration",
-    "mesh_pressure": "mesh_pressure",
-    "seat_force": "seat_force",
-    "yokenut_force": "yokenut_force",
-    "bore_force": "bore_force",
-    "bush_force": "bush_lateral_force",
-    "load_force": "load_force",
-    **{name: name for name in pinion_support.OUTPUTS[:6]},
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,7 +181,7 @@ def instant_signals(record: Record) -> dict[str, np.ndarray]:
         "rack_yaw": rack[..., 4],
         "rack_pitch": rack[..., 5],
         "plunger_displacement": record.of("plunger")[..., 0],
-        "work_drive": record.drive * driven_rate(record),
+        "work_drive": record.drive * _driven(record, record.rates, 1),
     }
     in_column = of_column(record)
     signals |= in_column
@@ -229,9 +204,9 @@ def instant_signals(record: Record) -> dict[str, np.ndarray]:
             energy = energy + energy_terms[..., ELASTIC_ENERGY]
         for loss, column in (("friction", FRICTION_POWER), ("damping", DAMPING_POWER)):
             name = f"work_{part.name}_{loss}"
-            if name in WORK and (name not in WHERE_DAMPED or np.any(energy_terms[..., column])):
+            if name in SIGNALS and (name not in WHERE_DAMPED or np.any(energy_terms[..., column])):
                 signals[name] = energy_terms[..., column]
-        signals |= {name: own[source] for name, source in SHOWN.items() if source in own}
+        signals |= {name: values for name, values in own.items() if name in SIGNALS}
     if not np.any(signals.get("mesh_pressure", 1.0)):  # a contact of spheres has no lines
         del signals["mesh_pressure"]
     if "mesh_normal_force_drive" in signals:
@@ -242,10 +217,12 @@ def instant_signals(record: Record) -> dict[str, np.ndarray]:
 def _over_steps(record: Record) -> dict[str, np.ndarray]:
     """Works [J] that are summed up over the steps of a record with bristles, in which friction turns about
     within a step and slip is a mean over it: of drive, teeth and bristles."""
-    works = {f"{SO_FAR}work_drive": _along(record.drive[:, None], driven_place(record)[:, None])}
+    works = {
+        f"{SO_FAR}work_drive": _along(record.drive[:, None], _driven(record, record.coordinates, 0)[:, None])
+    }
     for part in record.forces.parts:
         out, rubs = record.outputs(part), f"work_{part.name}_friction"
-        if rubs not in WORK:
+        if rubs not in SIGNALS:
             continue
         if not part.size:  # its forces are those of the mesh
             works[SO_FAR + rubs] = out[:, ENERGY_TERMS + part.outputs.index(FRICTION_STATE[0])]
@@ -376,36 +353,25 @@ def _work(power: np.ndarray, time: np.ndarray) -> np.ndarray:
 # --- Wheel and column in a recorded motion
 
 
-def driven_rate(record: Record) -> np.ndarray:
-    """Return the rate of the driven body in the sense of travel along +X, shape (n,) [rad/s or m/s]."""
-    if record.driven == "rack":
-        return record.of_rates("rack")[..., 0]
+def _driven(record: Record, rows: np.ndarray, column: int) -> np.ndarray:
+    """Return place or rate of the driven body in the sense of travel along +X (n,), from coordinates or rates
+    of the gear and that column of the wheel's."""
     if record.driven == "wheel":
         assert record.wheel is not None
-        return record.wheel[:, 1]
-    return -record.of_rates("pinion")[..., 0]
-
-
-def driven_place(record: Record) -> np.ndarray:
-    """Return the place of the driven body in the sense of travel along +X, shape (n,) [rad or m]."""
-    if record.driven == "rack":
-        return record.of("rack")[..., 0]
-    if record.driven == "wheel":
-        assert record.wheel is not None
-        return record.wheel[:, 0]
-    return -record.of("pinion")[..., 0]
+        return record.wheel[:, column]
+    of_body = rows[..., COORDINATE_BLOCKS[record.driven].start]
+    return of_body if record.driven == "rack" else -of_body
 
 
 def of_column(record: Record) -> dict[str, np.ndarray]:
-    """Return the signals of wheel and column at each instant, the power lost by the name of its work; {}
-    where the rig does not turn the wheel."""
+    """Return the signals of wheel and column, the power lost by the name of its work; {} without a wheel."""
     column = record.column
     if column is None or record.wheel is None:
         return {}
-    angle, rate = record.wheel.T
-    ratio = column.ratio(angle)
-    twist = column.output(angle) + record.of("pinion")[:, 0]
-    twisting = ratio * rate + record.of_rates("pinion")[:, 0]
+    angle = record.wheel[:, 0]
+    ratio, twist, twisting = column.twisted(
+        record.wheel.T, record.of("pinion")[:, 0], record.of_rates("pinion")[:, 0]
+    )
     torque = column.torque(twist, twisting)
     lost = column.damping * twisting**2
     signals = {

@@ -60,7 +60,7 @@ class Settling:
         by_differences: Tangent = differences(self.unbalanced, self.lengths[self.free])
         return by_differences(place)
 
-    def settled(self, start: np.ndarray, steps: int) -> tuple[np.ndarray, float]:
+    def settled(self, start: np.ndarray, steps: int = RESCUING_STEPS) -> tuple[np.ndarray, float]:
         """Return where the free coordinates settle from a start (m,), and the residual [N].
 
         Raises:
@@ -122,7 +122,7 @@ def search(settling: Settling, starts: list[np.ndarray]) -> tuple[np.ndarray, fl
     where the hybrid method has left no more than that, it creeps a last bit.
     """
     best, least = starts[-1], np.inf
-    for method in (by_hybrid_method, by_creeping):
+    for method in (by_hybrid_method, Settling.settled):
         for start in [best] if least <= JUMP else starts:
             with np.errstate(all="ignore"):  # far from an equilibrium the forces may be of any size
                 try:
@@ -158,12 +158,3 @@ def by_hybrid_method(settling: Settling, start: np.ndarray) -> tuple[np.ndarray,
 
     found = root(scaled, start * lengths, jac=differences(scaled, np.ones(len(start))), method="hybr")
     return found.x / lengths, float(np.abs(found.fun).max())
-
-
-def by_creeping(settling: Settling, start: np.ndarray) -> tuple[np.ndarray, float]:
-    """Return place and residual [N] where the gear settles from a start (m,).
-
-    Raises:
-        LinAlgError: the forces are not finite.
-    """
-    return settling.settled(start, RESCUING_STEPS)

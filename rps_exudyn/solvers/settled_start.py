@@ -7,7 +7,6 @@ motion begins further and further back until two beginnings in a row lead to the
 the drive, and the same place in every coordinate.
 """
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,42 +33,24 @@ TWISTS = 3  # times that the start is found behind a column: the torque hardly c
 ODD_PARTS = (0.0, 0.3, 0.6)  # of a pitch further back, where no rest is found at the phase of the start
 
 
-class Approach(ABC):
-    """A motion before its start, for as long as it takes to settle.
+@dataclass(frozen=True)
+class SteadyApproach:
+    """Steady motion before its start, in tooth pitches, for as long as it takes to settle.
 
     Attributes:
-        unit: time in which distances before the start are counted [s].
-        distances: before the start at which equilibria begin, one after the other, in this unit.
+        unit: time in which distances before the start are counted, here that of a tooth pitch [s].
         toothed: time for which the rack has teeth before the start [s].
+        step: of the motion [s]: rates are half a step late, so that the last steps are as long.
+        distances: before the start at which equilibria begin, one after the other, in units.
     """
 
     unit: float
-    distances: tuple[int, ...]
     toothed: float
-
-    @abstractmethod
-    def instants(self, distance: float) -> np.ndarray:
-        """Return the instants of a beginning so far before the start, below 0 [s]."""
-
-    @abstractmethod
-    def allowed(self, distance: float, rolling: float) -> float:
-        """Return how far two beginnings that agree may differ, of the force and of a pitch's travel.
-
-        The later began so far before the start, and the rack rolls by `rolling` of its travel.
-        """
-
-
-@dataclass(frozen=True)
-class SteadyApproach(Approach):
-    """Steady motion, in tooth pitches."""
-
-    unit: float  # time in which a tooth pitch is turned [s]
-    toothed: float
-    step: float = 0.0  # of the motion [s]: rates are half a step late, so that the last steps are as long
+    step: float = 0.0
     distances = DISTANCES
 
     def instants(self, distance: float) -> np.ndarray:
-        """Return the instants of a beginning so many tooth pitches back, the last of a far one fine."""
+        """Return the instants, below 0 [s], of a beginning so far back; the last of a far one are fine."""
         fine = min(distance, FINE_PITCHES) if distance >= FINE_FROM else 0.0
         far = np.linspace(-distance, -fine, max(round(COARSE * (distance - fine)), 1), endpoint=False)
         near = np.linspace(-fine, 0.0, round(FINE * fine), endpoint=False)
@@ -81,14 +62,15 @@ class SteadyApproach(Approach):
         return np.concatenate([instants[instants < last[0] - self.unit / FINE], last])
 
     def allowed(self, distance: float, rolling: float) -> float:
-        """Return more for fine steps than for coarse ones, of a rack that rolls nothing for coarse ones."""
+        """Return how far two beginnings that agree may differ, of the force and of a pitch's travel: nothing
+        in coarse steps if the rack rolls by that share of its travel."""
         if distance > FINE_FROM:
             return ALIKE_FINE
         return ALIKE if rolling <= ROLLING else 0.0
 
 
 @dataclass(frozen=True)
-class SwingApproach(Approach):
+class SwingApproach:
     """Motion to and fro, in half cycles; a beginning lies where the motion is fastest."""
 
     unit: float  # half a cycle [s]
@@ -97,12 +79,13 @@ class SwingApproach(Approach):
     toothed = np.inf
 
     def instants(self, distance: float) -> np.ndarray:
-        """Return the instants of a beginning so many half cycles back."""
         return np.linspace(-distance * self.unit, 0.0, round(self.per_half_cycle * distance), endpoint=False)
 
     def allowed(self, distance: float, rolling: float) -> float:
-        """Return the same for all: a rack that turns about rolls."""
-        return ALIKE
+        return ALIKE  # a rack that turns about rolls
+
+
+Approach = SteadyApproach | SwingApproach
 
 
 def settled_path(

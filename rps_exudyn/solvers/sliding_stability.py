@@ -113,7 +113,7 @@ class SlidingVibration:
         if not path.converged:
             return None
         after = path.time >= 0
-        by_place, by_rate = slopes(forces.dynamics, path.coordinates[after], path.rates[after])
+        by_place, by_rate = slopes(forces, path.coordinates[after], path.rates[after])
         by_place[:, 0, 0] -= model.stiffness
         free = np.array([i for i in range(by_place.shape[1]) if i not in forces.locked])
         mass, at = mass_matrix(gear, forces, path.coordinates[-1]), np.ix_(free, free)

@@ -131,7 +131,7 @@ def standing_out(
 def _normals(pair: GearPair, form: FlankForm, profile: int, axial: int, approach: float) -> np.ndarray:
     """Normals out of the flanks where the spheres touch them, (z, 2, n, 3), pinion frame."""
 
-    def normals(tooth: int, side: int) -> np.ndarray:
-        return sample_flank(Flank(pair, tooth, side, form), profile, axial, approach).normals
-
-    return np.array([[normals(*each) for each in borders(space)] for space in range(pair.teeth)])
+    flanks = [[Flank(pair, *each, form) for each in borders(space)] for space in range(pair.teeth)]
+    return np.array(
+        [[sample_flank(each, profile, axial, approach).normals for each in row] for row in flanks]
+    )

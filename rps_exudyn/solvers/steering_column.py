@@ -13,6 +13,7 @@ by T / (g k_m), which is a twist of T / (g^2 k_m). The rack's load, the gear's o
 as held by the vehicle.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -64,6 +65,15 @@ class ColumnModel:
         """Return the torque on the pinion [N m] of a twist [rad] and its rate [rad/s]."""
         return np.asarray(self.stiffness * twist + self.damping * rate)
 
+    def twisted(
+        self, wheel: Sequence[Angle] | np.ndarray, coordinate: Angle, speed: Angle
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the joint's ratio, and the twist [rad] and its rate [rad/s] between a wheel, of angle and
+        rate, and a pinion, of coordinate and speed, which count against its angle."""
+        angle, rate = wheel
+        ratio = self.ratio(angle)
+        return ratio, self.output(angle) + coordinate, ratio * rate + speed
+
     def _lead(self, yoke: Angle) -> np.ndarray:
         """Angle by which the joint's output leads its input."""
         sine, cosine = np.sin(yoke), np.cos(yoke)
@@ -74,22 +84,19 @@ class ColumnModel:
 
 @dataclass(frozen=True)
 class BehindColumn(Drive):
-    """The pinion's motion behind a column of constant twist."""
+    """The pinion's motion behind a column of constant twist: u(theta) - twist."""
 
     wheel: Drive
     column: ColumnModel
     twist: float = 0.0  # [rad]
 
     def place(self, time: np.ndarray | float) -> np.ndarray:
-        """Return u(theta) - twist [rad]."""
         return self.column.output(self.wheel.place(time)) - self.twist
 
     def rate(self, time: np.ndarray | float) -> np.ndarray:
-        """Return u' theta' [rad/s]."""
         return self.column.ratio(self.wheel.place(time)) * self.wheel.rate(time)
 
     def acceleration(self, time: np.ndarray | float) -> np.ndarray:
-        """Return u' theta'' + u'' theta'^2 [rad/s^2]."""
         angle, rate = self.wheel.place(time), self.wheel.rate(time)
         return (
             self.column.ratio(angle) * self.wheel.acceleration(time)
@@ -139,15 +146,12 @@ class WheelTorque(Drive):
         return np.asarray(self.peak * np.sin(2 * np.pi / self.period * np.asarray(time)))
 
     def place(self, time: Places) -> np.ndarray:
-        """Return the wheel's angle at the start [rad]."""
         return np.full_like(np.asarray(time, dtype=float), self.start)
 
     def rate(self, time: Places) -> np.ndarray:
-        """Return zeros: the wheel rests at the start."""
         return np.zeros_like(np.asarray(time, dtype=float))
 
     def acceleration(self, time: Places) -> np.ndarray:
-        """Return zeros."""
         return self.rate(time)
 
     def shown(self, time: float) -> str:
@@ -165,5 +169,4 @@ class GrowingTorque(WheelTorque):
         return 4 * self.peak / self.period
 
     def torque(self, time: Places) -> np.ndarray:
-        """Return growth t, of the shape of the times [s]."""
         return np.asarray(self.growth * np.asarray(time))

@@ -108,7 +108,9 @@ def pack(
     turns[: pair.teeth] = [form.turn(tooth, pair) for tooth in range(pair.teeth)]
     shifts[: len(of_rack)] = of_rack
     coast, drive = Flank(pair, 0, +1, unturned), Flank(pair, 0, -1, unturned)
-    (q_form, q_tip), half_face = _tangent_lengths(coast), pair.face_width / 2
+    q_form, q_tip, half_face = coast.form_tangent_length, coast.tip_tangent_length, pair.face_width / 2
+    if q_form >= q_tip:
+        raise ValueError("the tip circle lies inside the form circle: the pinion has no flank")
     normal = pair.rack_flank_normal(+1)
     return record(
         FLANK,
@@ -155,24 +157,19 @@ def pack(
         line_stiffness=line_stiffness(gear) if mesh.contact_law == "line" else 0.0,
         stations=along,
         points=across,
-        along=_padded(rules_of_teeth(along) if mesh.contact_law == "teeth" else jacobi_rules(along, 1.5)),
-        across=_padded(jacobi_rules(across, 1.0)),
-        ease_along=eased(along, 1.5, 0.5),
-        ease_across=eased(across, 1.0, 0.0),
         generators=generators,
+        **_rules(along, across, mesh.contact_law == "teeth"),
     )
 
 
-def _padded(rules: np.ndarray) -> np.ndarray:
-    """Rules (4, 2, n) with room for `MOST_POINTS`."""
-    return np.pad(rules, ((0, 0), (0, 0), (0, MOST_POINTS - rules.shape[2])))
-
-
-def _tangent_lengths(flank: Flank) -> tuple[float, float]:
-    """Lengths of the tangents from the base circle to form and tip circle [m]."""
-    if flank.form_tangent_length >= flank.tip_tangent_length:
-        raise ValueError("the tip circle lies inside the form circle: the pinion has no flank")
-    return flank.form_tangent_length, flank.tip_tangent_length
+@lru_cache(maxsize=64)
+def _rules(along: int, across: int, of_teeth: bool) -> dict[str, np.ndarray]:
+    """The rules of the record `FLANK`, with room for `MOST_POINTS`."""
+    rules = {"along": rules_of_teeth(along) if of_teeth else jacobi_rules(along, 1.5)}
+    rules["across"] = jacobi_rules(across, 1.0)
+    for name, each in rules.items():
+        rules[name] = np.pad(each, ((0, 0), (0, 0), (0, MOST_POINTS - each.shape[2])))
+    return rules | {"ease_along": eased(along, 1.5, 0.5), "ease_across": eased(across, 1.0, 0.0)}
 
 
 def sliding_zone(gear: SteeringGear, fraction: float = 0.01) -> float:
@@ -188,14 +185,13 @@ def sliding_zone(gear: SteeringGear, fraction: float = 0.01) -> float:
 def rules_of_teeth(n: int) -> np.ndarray:
     """Rules as `jacobi_rules`, the first for loads that rise towards both ends of a line with the power
     `TOWARDS_ENDS` of the distance: beyond the ends nothing yields along."""
-    rules = jacobi_rules(n, 1.5).copy()
+    rules = jacobi_rules(n, 1.5)
     x, w = gauss_jacobi(n, TOWARDS_ENDS, TOWARDS_ENDS)
     w /= (1 - x * x) ** TOWARDS_ENDS
     rules[0] = (1 + x) / 2, w / w.sum()
     return rules
 
 
-@lru_cache(maxsize=64)
 def jacobi_rules(n: int, exponent: float) -> np.ndarray:
     """Gauss-Jacobi rules on [0, 1] for loads that vanish at no end, the low, the high, at both ends.
 
@@ -207,7 +203,6 @@ def jacobi_rules(n: int, exponent: float) -> np.ndarray:
     for rule, low, high in zip(rules, (0, exponent, 0, exponent), (0, 0, exponent, exponent), strict=True):
         x, w = gauss_jacobi(n, high, low)  # weight function (1 - x)^high (1 + x)^low
         rule[:] = (1 + x) / 2, w / ((1 - x) ** high * (1 + x) ** low) / 2
-    rules.flags.writeable = False
     return rules
 
 
@@ -231,7 +226,6 @@ def gauss_jacobi(n: int, high: float, low: float) -> tuple[np.ndarray, np.ndarra
     return x, w
 
 
-@lru_cache(maxsize=64)
 def eased(n: int, exponent: float, of_stiffness: float) -> np.ndarray:
     """Weights of the stiffness over those of `jacobi_rules`, which suit the load, for each rule.
 
@@ -239,10 +233,9 @@ def eased(n: int, exponent: float, of_stiffness: float) -> np.ndarray:
     sum over u^of_stiffness, u the distances to the ends where the load vanishes, is set right.
     """
     factors = np.ones(4)
-    for rule, ends in enumerate(((), (0,), (1,), (0, 1))):
-        x, w = jacobi_rules(n, exponent)[rule]
+    for rule, (x, w) in enumerate(jacobi_rules(n, exponent)):
+        ends = ((), (0,), (1,), (0, 1))[rule]
         low, high = (of_stiffness * (end in ends) for end in (0, 1))
         exact = gamma(1 + low) * gamma(1 + high) / gamma(2 + low + high)
         factors[rule] = exact / np.sum(w * x**low * (1 - x) ** high)
-    factors.flags.writeable = False
     return factors

@@ -101,14 +101,6 @@ GATE_MARGIN = np.deg2rad(25.0)  # beyond the angle at which a tooth space's flan
 SHALLOWEST = 0.1e-6  # depth for which spheres of the law "line" are made, at least [m]
 
 
-class Spheres(NamedTuple):
-    """Spheres by tooth space, drive and coast flank."""
-
-    centres: np.ndarray  # (z, 2, n, 3), pinion frame without runout [m]
-    areas: np.ndarray  # (z, 2, n), that a sphere stands for [m^2]
-    curvature_radii: np.ndarray  # (z, 2, n), of the flank [m]
-
-
 def contact_data(gear: SteeringGear, *, profile: int, axial: int, friction_zone: float) -> SampledContactData:
     """Spheres on the triangulated flanks of all tooth spaces, and the planes they meet.
 
@@ -118,11 +110,11 @@ def contact_data(gear: SteeringGear, *, profile: int, axial: int, friction_zone:
     pair, bar = GearPair.of(gear), RackBar.of(gear)
     depth = mean_depth(gear)
     perfect, approach = replace(pair, runout=0.0), rack_approach(pair, depth)
-    spheres = _spheres(perfect, FlankForm.of(gear), profile, axial, approach)
+    centres, areas, radii = _spheres(perfect, FlankForm.of(gear), profile, axial, approach)
     rack_flanks = [bar.flank(0, side) for side in SIDES]
     return SampledContactData(
-        centres=spheres.centres + pair.eccentricity,
-        stiffness=spheres.areas * stiffness_per_area(gear, depth, spheres.curvature_radii),
+        centres=centres + pair.eccentricity,
+        stiffness=areas * stiffness_per_area(gear, depth, radii),
         radius=sphere_radius(pair),
         damping=gear.mesh.damping,
         friction=gear.mesh.friction,
@@ -166,8 +158,11 @@ def stiffness_per_area(gear: SteeringGear, depth: float, rho: np.ndarray) -> np.
 
 
 @lru_cache(maxsize=2)  # they may be many
-def _spheres(pair: GearPair, form: FlankForm, profile: int, axial: int, approach: float) -> Spheres:
-    """The spheres of a rack pressed in by `approach` [m]."""
+def _spheres(
+    pair: GearPair, form: FlankForm, profile: int, axial: int, approach: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Centres in the pinion frame without runout (z, 2, n, 3) [m], areas [m^2] and the flank's radii of
+    curvature [m], (z, 2, n) each, by tooth space, drive and coast flank; of a rack pressed in."""
 
     def off_mesh(side: int) -> np.ndarray:
         """How far the triangles lie off the perfect flank; the same on each tooth."""
@@ -184,7 +179,7 @@ def _spheres(pair: GearPair, form: FlankForm, profile: int, axial: int, approach
 
     samples = [[samples_of(*flank) for flank in borders(space)] for space in range(pair.teeth)]
     radius = sphere_radius(pair)
-    return Spheres(
+    return (
         np.array([[s.points - radius * s.normals for s in row] for row in samples]),
         np.array([[s.areas for s in row] for row in samples]),
         np.array([[s.curvature_radii for s in row] for row in samples]),

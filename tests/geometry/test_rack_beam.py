@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh, null_space
 
-from rps_exudyn.forces.bush import bush_chain, housing_station, lateral_stiffness
+from rps_exudyn.forces.bush import bush_chain, housing_station
 from rps_exudyn.gears.bar_bow import BarBow
 from rps_exudyn.gears.bar_section import (
     SIDEWAYS,
@@ -98,7 +98,7 @@ def test_bar_pinned_at_the_mesh_in_its_bush(plane: int, deflection: float, frequ
     the bar to the same finite elements: 1 %."""
     beam, chain = RackBeam.of(GEAR).elements(plane), bush_chain(GEAR)
     stiffness, mass = beam.matrices()
-    held = lateral_stiffness(chain)[np.ix_(*[((0, 3), (1, 2))[plane]] * 2)]
+    held = chain.lateral_stiffness[np.ix_(*[((0, 3), (1, 2))[plane]] * 2)]
     deflected, turned = _at(beam, housing_station(GEAR, chain.end_station))
     motion = np.stack([deflected, turned if plane == 0 else -turned])  # about Y, sections turn by -psi
     stiffness += motion.T @ held @ motion

@@ -83,7 +83,7 @@ def test_chain_rule_gives_the_tangent(bent: GearForces, factors: tuple[float, fl
     """Against central differences of the whole force: that of the laws, which leaves out what turns with the
     bar's small angles, to 1e-3 of the largest entry; that by forward differences, which a contact with kinks
     leaves 1e-3, with each coordinate's own size: over the square root of the diagonal's."""
-    balance = bent.dynamics
+    balance = bent
     for seed in range(3):
         q, v = scattered(bent, seed)
         found = balance.tangent(q, v, *factors)
@@ -119,7 +119,7 @@ def test_forces_are_the_work_of_the_laws_on_the_local_pose(bent: GearForces, cel
             power += float(record.outputs(part)[0, : part.size] @ rates[0])
         elastic = float((bent.bar.stiffness * q[8:]) @ v[8:])
         power -= elastic + float(bent.bar.damping_power(rows[1])[0])
-        assert float(bent.dynamics.force(q, v) @ v) == pytest.approx(power, rel=1e-9)
+        assert float(bent.force(q, v) @ v) == pytest.approx(power, rel=1e-9)
 
 
 def test_local_pose_moves_as_its_rates_say(bent: GearForces) -> None:

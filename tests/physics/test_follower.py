@@ -155,7 +155,7 @@ def test_a_rescue_goes_on_from_where_the_hybrid_method_ended(monkeypatch: pytest
 
     near = np.full(1, 2.0)
     monkeypatch.setattr("rps_exudyn.solvers.rescue.by_hybrid_method", lambda *_: (near, JUMP / 2))
-    monkeypatch.setattr("rps_exudyn.solvers.rescue.by_creeping", creeping)
+    monkeypatch.setattr(Settling, "settled", creeping)
     settling = Settling(lambda q, v, _: (q, v), np.zeros(1, int), np.ones(1), near, near, near, 0.0)
     assert search(settling, starts) == (near, 0.0)
     assert tried == [near]

@@ -66,7 +66,7 @@ def moment(generalised: np.ndarray, angles: np.ndarray) -> np.ndarray:
 def test_sliding_fit_acts_as_it_is_acted_upon(forces: GearForces, angle: float) -> None:
     """Rack and segment: forces and moments about one point cancel, to round-off (moments of 10 N m)."""
     q, v = state_near(("pinion", "rack", "plunger", "segment"), angle, 1)
-    on_segment = forces.dynamics.force(q, v)[COORDINATE_BLOCKS["segment"]]
+    on_segment = forces.force(q, v)[COORDINATE_BLOCKS["segment"]]
     fit, rack, segment = forces.gear.fit, q[COORDINATE_BLOCKS["rack"]], q[COORDINATE_BLOCKS["segment"]]
     on_rack = forces.outputs(q[None], v[None], np.zeros(1))[0, COLUMNS["bush"]][:6]
     segment_at = segment[0:3] + np.array([fit.station - fit.lever, 0, 0])

@@ -372,7 +372,7 @@ def test_tangent_within_the_friction_zone(remembering: tuple[str, ...]) -> None:
     0.1 ms: entries to 2 % of the diagonal's."""
     gear = GEAR.replace({f"{part}.friction_law": "bristle" for part in remembering} | {"test.speed": "1 rpm"})
     forces = gear_forces(gear, Fidelity.preset("flank"))
-    balance, h = forces.dynamics, 1e-4
+    balance, h = forces, 1e-4
     q = equilibrium_path(
         forces.statics, GearPair.of(gear), Steady("pinion", 0.0, gear.test.speed), np.zeros(1)
     ).coordinates[0]

@@ -179,7 +179,7 @@ def test_tangent_of_a_gear_is_the_derivative_of_its_forces(name: str) -> None:
 def test_tangent_of_a_rack_in_a_chain_is_the_derivative_of_its_forces(settings: Settings) -> None:
     """The last segment moves too, by micrometres and micrometres per second: 1e-3."""
     gear = SteeringGear().replace({**ERRORS, **settings})
-    balance, rng = gear_forces(gear, Fidelity(bush="chain")).dynamics, np.random.default_rng(2)
+    balance, rng = gear_forces(gear, Fidelity(bush="chain")), np.random.default_rng(2)
     _, path = followed(settings)
     for k in (3, 9):
         q = np.append(path.coordinates[k], 1e-6 * rng.normal(size=6))
