@@ -70,9 +70,8 @@ def _of_process() -> float:
 
         limit = resource.getrlimit(resource.RLIMIT_AS)[0]
         pages = int(Path("/proc/self/statm").read_text().split()[0])
-        return (
-            float(limit - pages * resource.getpagesize()) if limit != resource.RLIM_INFINITY else float("inf")
-        )
+        free = limit - pages * resource.getpagesize()
+        return float("inf") if limit == resource.RLIM_INFINITY else float(free)
     except (ImportError, OSError, ValueError):
         return float("inf")
 

@@ -70,17 +70,10 @@ class MovedMasses:
 
 def of_many(masses: list[MovedMasses]) -> MovedMasses:
     """Return the masses of many gears as one."""
-
-    def column(values: list[Any]) -> np.ndarray:
-        return np.array(values)[:, None]
-
-    return MovedMasses(
-        column([each.gain for each in masses]),
-        column([each.rack for each in masses]),
-        tuple(column([each.beside[i] for each in masses]) for i in range(len(BESIDE))),
-        column([each.preload for each in masses]),
-        tuple(gear for each in masses for gear in each.gears),
-    )
+    rows = np.array([(each.gain, each.rack, each.preload, *each.beside) for each in masses], dtype=float)
+    gain, rack, preload, *beside = rows.T[..., None]
+    gears = tuple(gear for each in masses for gear in each.gears)
+    return MovedMasses(gain, rack, tuple(beside), preload, gears)
 
 
 def acceleration(signals: Signals, name: str) -> np.ndarray:
