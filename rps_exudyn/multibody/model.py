@@ -27,7 +27,7 @@ import numpy as np
 from rps_exudyn.base.errors import check_kind
 from rps_exudyn.forces.bush import resting_segments
 from rps_exudyn.forces.external_load import TimedForce
-from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, stacked
+from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, RACK, stacked
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
 from rps_exudyn.gears import solids
 from rps_exudyn.gears.gear_pair import GearPair
@@ -106,7 +106,8 @@ def build_model(
     else:
         _add_forces_together(model)
     _add_drive(model)
-    _lock(model)
+    for coordinate in forces.locked:
+        _constrain(model, "rack", coordinate - RACK)
     if pulse is not None:
         _add_pulse(model, pulse)
     _add_sensors(model)
@@ -127,17 +128,6 @@ def _add_drive(model: SteeringModel) -> None:
         offsetUserFunction=lambda mbs, t, item, offset: place(t),
         offsetUserFunction_t=lambda mbs, t, item, offset: rate(t),
     )
-
-
-def _lock(model: SteeringModel) -> None:
-    """Hold the coordinates that the model does without."""
-    for coordinate in model.forces.locked:
-        body, block = next(
-            (name, place)
-            for name, place in COORDINATE_BLOCKS.items()
-            if coordinate in range(place.start, place.stop)
-        )
-        _constrain(model, body, coordinate - block.start)
 
 
 def _constrain(model: SteeringModel, body: str, coordinate: int, **law: Any) -> Any:

@@ -26,6 +26,11 @@ RESTARTED = {Code.NO_STEP, Code.NOT_FINITE, Code.OUT_OF_BOUNDS, Code.RACK_OUT_OF
 MOST_RESTARTS = 12  # of a run ...
 MOST_DIVISIONS = 3  # ... and about one place, each in a quarter of the steps and from twice as far back
 RESTART_PARTS, RESTART_SPAN = 4, 8  # parts of a step, and planned steps before the place, at first
+COUNTS = {
+    "steps": "currentStepIndex",
+    "newton_iterations": "newtonStepsCount",
+    "jacobians": "newtonJacobiCount",
+}
 PATIENT = 40  # iterations of Newton's method in a restart: with friction near rest they converge slowly
 
 
@@ -177,15 +182,7 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
         message = f"stopped at {reached:.6g} s of {plan.end_time:.6g} s"
     else:
         status = Status.OK
-    counters = (
-        {
-            "steps": int(solver.it.currentStepIndex),
-            "newton_iterations": int(solver.it.newtonStepsCount),
-            "jacobians": int(solver.it.newtonJacobiCount),
-        }
-        if solver
-        else {}
-    )
+    counters = {name: int(getattr(solver.it, count)) for name, count in COUNTS.items()} if solver else {}
     return Outcome(
         status,
         message,

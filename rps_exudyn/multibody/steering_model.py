@@ -104,8 +104,7 @@ def vibration(model: SteeringModel, record: Record) -> dict[str, float]:
     some = np.unique(np.linspace(0, len(record.time) - 1, INSTANTS).astype(int))
     step, time = float(np.median(np.diff(record.time))), record.time[some]
     mass = np.array(model.mbs.sys["dynamicSolver"].GetSystemMassMatrix())
-    held = (model.drive.coordinate, *model.forces.locked)
-    free = np.array([i for i in range(len(mass)) if i not in held])
+    free = model.forces.free(model.drive.coordinate)
     by_place, by_rate = (
         each[:, free[:, None], free]
         for each in slopes(model.forces, record.coordinates[some], record.rates[some])

@@ -33,7 +33,7 @@ class Balance:
         law: of `gear_model`.
         gears: record of the gear, in an array (1,).
         pool: numbers that the record points to.
-        locked: coordinates that are held at zero.
+        locked: coordinates of the rack that are held at zero.
         approach: of the rack under the preload at rest [m].
         masses: of what is accelerated, mass matrix (n, n); (0, 0) in steady motion.
         outside: times (t,) -> generalised forces (t, n) that act besides.

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rps_exudyn.forces.friction import PLACES, TIME
-from rps_exudyn.solvers.settling import TOLERANCE, Tangent, differences, settled
+from rps_exudyn.solvers.settling import TOLERANCE, differences, settled
 
 Evaluate = Callable[[np.ndarray, np.ndarray, float], tuple[np.ndarray, np.ndarray]]
 """(q, v, factor of the rates' derivative) -> forces (n,), their tangent (n, n)."""
@@ -57,8 +57,7 @@ class Settling:
         slope = self.evaluate(*self.at(place), self.per_time)[1][np.ix_(self.free, self.free)]
         if np.isfinite(slope).all() and np.linalg.matrix_rank(slope) == len(slope):
             return slope
-        by_differences: Tangent = differences(self.unbalanced, self.lengths[self.free])
-        return by_differences(place)
+        return differences(self.unbalanced, self.lengths[self.free])(place)
 
     def settled(self, start: np.ndarray, steps: int = RESCUING_STEPS) -> tuple[np.ndarray, float]:
         """Return where the free coordinates settle from a start (m,), and the residual [N].

@@ -62,8 +62,11 @@ class SteadyApproach:
         return np.concatenate([instants[instants < last[0] - self.unit / FINE], last])
 
     def allowed(self, distance: float, rolling: float) -> float:
-        """Return how far two beginnings that agree may differ, of the force and of a pitch's travel: nothing
-        in coarse steps if the rack rolls by that share of its travel."""
+        """Return how far two beginnings that agree may differ, of the force and of a pitch's travel.
+
+        The later began so far before the start; a rack that rolls, by `rolling` of its travel, needs fine
+        steps.
+        """
         if distance > FINE_FROM:
             return ALIKE_FINE
         return ALIKE if rolling <= ROLLING else 0.0
