@@ -88,7 +88,12 @@ class Entry(Function):
         code = self._code
 
         def call(_held: Any = values) -> None:
-            code(*passed)
+            try:
+                code(*passed)
+            except (
+                ctypes.ArgumentError
+            ) as error:  # arguments that are made are never wrong: a signal came then
+                raise KeyboardInterrupt from error
 
         return call
 
