@@ -47,4 +47,4 @@ def test_named_law_stays() -> None:
 def test_result_and_sheet_name_the_law() -> None:
     result = rps.run("free-pinion-torque", fidelity="closed-form")
     assert result.gear.mesh.law == "line"
-    assert sheet_of(result).title.endswith("default; closed-form; law line")
+    assert sheet_of(result).lead.endswith("default; closed-form; law line")

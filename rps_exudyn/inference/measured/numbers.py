@@ -16,6 +16,7 @@ _NUMBER = re.compile(
     rf"[{_BLANKS}]*(?P<power>[eEdD][+-]?\d+)?[^\S\n]*(?P<tail>[^\d\s.,'+-].*)?|.*)$",
     re.M,
 )
+_PLAIN = re.compile(r"(?:[+-]?\d+(?:\.\d*)?(?:[eE][+-]?\d+)?\n)*")  # a column as programs write it
 _TEXT_OF_A_CELL = re.compile(r'="(.*)"')  # ="0.63" of a spreadsheet that keeps numbers as texts
 _PLACEHOLDER = re.compile(r"[+-]?9[90]*(?:[.,][90]*)?")
 _MISSING = re.compile(
@@ -59,6 +60,9 @@ class Format:
 
         `units` are what may follow a number; None: anything.
         """
+        plain = self.decimal == "." and (units is None or "" in units)
+        if plain and _PLAIN.fullmatch("".join([f"{cell}\n" for cell in cells])):
+            return np.array(list(map(float, cells)), dtype=float)
         other = "," if self.decimal == "." else "."
         written = [
             digits + power if units is None or tail in units else "" for digits, power, tail in parsed(cells)
