@@ -60,6 +60,7 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "smoke/test_band_command.py::test_band_is_printed_and_every_sample_kept",
     "smoke/test_blocks.py::test_page_about_a_case_in_a_block_has_a_place",
     "smoke/test_cluster.py",
+    "smoke/test_commands.py::test_geometry_writes_solids_or_drawing",
     "smoke/test_commands.py::test_overwritten_files_leave_no_others_and_quiet_runs_no_words",
     "smoke/test_examples.py",
     "smoke/test_explore.py",
