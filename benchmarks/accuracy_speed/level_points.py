@@ -75,7 +75,7 @@ def points_of(scene: str, levels: Sequence[int]) -> list[dict[str, Any]]:
 
 def measured(scene: str, gear: SteeringGear, preset: str, level: int | None) -> dict[str, Any] | None:
     """Return a whole run and the least CPU time that it takes [s]; None of one that does not end well."""
-    work = partial(rps.run, scene, gear, fidelity=preset, **({} if level is None else {"level": level}))
+    work = partial(rps.run, scene, gear, fidelity=preset, level=level)
     try:
         seconds, result = least_time(work, 1)
     except rps.InputError:  # a model that the scene does not have
