@@ -31,6 +31,12 @@ def disarm() -> bool:
     return _pressed
 
 
+def took() -> None:
+    """Note that Ctrl-C had its effect: a command that it ends regularly was not interrupted."""
+    global _pressed
+    _pressed = False
+
+
 def _interrupt(number: int, frame: FrameType | None) -> None:
     global _pressed
     _pressed = True

@@ -4,6 +4,7 @@ import webbrowser
 from contextlib import suppress
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.interrupts import took
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import PAPER_GEAR, GearOptions
 from rps_exudyn.cli.output import DONE, say
@@ -37,4 +38,5 @@ def explore(
                 webbrowser.open(server.address)
         with suppress(KeyboardInterrupt):
             server.serve_forever(poll_interval=0.2)
+        took()
     return DONE

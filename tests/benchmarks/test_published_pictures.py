@@ -19,7 +19,7 @@ from benchmarks import (
     stick_slip,
     tooth_compliance,
 )
-from benchmarks.accuracy_speed import chart, law_and_scaling, overview
+from benchmarks.accuracy_speed import chart, law_and_scaling, level_points, overview
 from benchmarks.accuracy_speed.measurement import load_measurement
 from benchmarks.peers import chart as peers
 from benchmarks.peers.side_by_side import from_data
@@ -66,12 +66,17 @@ def fronts() -> Figure:
     return overview.overview_figure([point for point in measured.points if point.ok], uncertain)
 
 
+def levels() -> Figure:
+    return level_points.levels_figure(data("accuracy_speed/levels.json")["points"])
+
+
 def compared() -> Figure:
     found = data("peers/peers.json")
     return peers.work_precision_figure(from_data(found["rows"]), found["reference"]["uncertainty_percent"])
 
 
 PICTURES: dict[str, Callable[[], Figure]] = {
+    "levels": levels,
     "stick-slip map": lambda: stick_slip.map_picture(data("stick_slip/stick_slip.json")),
     "stick-slip methods": lambda: stick_slip.method_picture(data("stick_slip/stick_slip.json")["methods"]),
     "rattle": lambda: rattle_map.picture(data("flexible_rack/rattle.json")["cases"]),

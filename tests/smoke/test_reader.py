@@ -85,6 +85,7 @@ TO_HELP = {
     "run --column": "--measured titled.csv",
     "study --cluster": "study.toml",
     "fit --set": "free.csv",
+    "judge-batch --set": "line",
     "fit --prior": "free.csv",
     "fit --column": "titled.csv",
     "fit --time-limit": "free.csv",

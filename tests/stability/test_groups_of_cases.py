@@ -362,7 +362,7 @@ def test_what_is_not_followed_together_goes_in_groups_without_ranges(
 ) -> None:
     tasks = tasks_of(tmp_path, FEWEST, extra)
     assert all(group_of(task).ranges is None for task in tasks)
-    assert reason in tasks.single_run_reason
+    assert reason in tasks.dispatch.single_run_reason
 
 
 def test_ranges_leave_out_what_no_gear_can_have(tmp_path: Path) -> None:
