@@ -100,7 +100,7 @@ def levels_figure(rows: Sequence[Mapping[str, Any]]) -> Figure:
     """Draw a panel for each scene: true errors filled, printed ones open, those of one run joined."""
     scenes = list(dict.fromkeys(row["scene"] for row in rows))
     lines = -(-len(scenes) // COLUMNS)
-    figure = Figure(figsize=(10, 2.6 * lines + 0.9), layout="constrained")
+    figure = Figure(figsize=(9, 2.5 * lines + 0.8), layout="constrained")
     panels = figure.subplots(lines, COLUMNS, squeeze=False).ravel()
     for axes, scene in zip(panels, scenes, strict=False):
         _draw_scene(axes, [row for row in rows if row["scene"] == scene])
