@@ -6,7 +6,7 @@ error is that of the scene's main metric against a reference made without the la
 
 from collections.abc import Mapping, Sequence
 from functools import partial
-from math import isfinite
+from math import isfinite, nan
 from pathlib import Path
 from typing import Any
 
@@ -42,7 +42,7 @@ def run(folder: Path, scenes: Sequence[str] = SCENE_NAMES, levels: Sequence[int]
     for scene in scenes:
         if scene not in {row["scene"] for row in rows}:
             rows += points_of(scene, levels)
-        save_data(folder / DATA, {"points": rows})
+            save_data(folder / DATA, {"points": rows})
     style.save(levels_figure(rows), folder / PICTURE)
 
 
@@ -60,40 +60,32 @@ def points_of(scene: str, levels: Sequence[int]) -> list[dict[str, Any]]:
     points = []
     for preset in PRESETS:
         for level in levels if preset != "closed-form" else (None,):
-            point = measured(scene, gear, preset, level)
-            if point is None:
+            seconds, result = measured(scene, gear, preset, level)
+            if result is None:
                 break
-            result, size = point.pop("result"), point.pop("size")
-            point |= {"error": 100 * abs(result.summary[figure] - value) / size}
-            point |= {"bar": 100 * result.errors[figure] / size, "doubt": 100 * doubt / size, "by": how}
+            percent = 100 / size_in(result, figure)
+            point = {"scene": scene, "preset": preset, "level": level, "seconds": seconds}
+            point |= {"error": percent * abs(result.summary[figure] - value), "doubt": percent * doubt}
+            point |= {"bar": percent * result.errors[figure], "by": how}
             print(point, flush=True)
             points.append(point)
-            if point["seconds"] > MOST_SECONDS:
+            if seconds > MOST_SECONDS:
                 break
     return points
 
 
-def measured(scene: str, gear: SteeringGear, preset: str, level: int | None) -> dict[str, Any] | None:
-    """Return a whole run and the least CPU time that it takes [s]; None of one that does not end well."""
+def measured(
+    scene: str, gear: SteeringGear, preset: str, level: int | None
+) -> tuple[float, rps.Result | None]:
+    """Return the least CPU time of a whole run [s], and the run; None of one that does not end well."""
     work = partial(rps.run, scene, gear, fidelity=preset, level=level)
     try:
         seconds, result = least_time(work, 1)
     except rps.InputError:  # a model that the scene does not have
-        return None
-    figure = scene_named(scene).figure
-    if result.status is not Status.OK or figure not in result.errors:
-        return None
-    if seconds < SLOW:
-        seconds = least_time(work, REPEATS)[0]
-    size = size_in(result, figure)
-    return {
-        "scene": scene,
-        "preset": preset,
-        "level": level,
-        "seconds": seconds,
-        "result": result,
-        "size": size,
-    }
+        return nan, None
+    if result.status is not Status.OK or scene_named(scene).figure not in result.errors:
+        return seconds, None
+    return (least_time(work, REPEATS)[0] if seconds < SLOW else seconds), result
 
 
 def levels_figure(rows: Sequence[Mapping[str, Any]]) -> Figure:

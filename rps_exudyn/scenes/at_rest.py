@@ -30,7 +30,7 @@ from rps_exudyn.solvers.balance import SIZE, Balance
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.prescribed_motion import Drive, DrivenBody, Steady, travel_per_radian
-from rps_exudyn.solvers.record import Record, record_of_path, signals_of
+from rps_exudyn.solvers.record import Record, record_of_path, signals_of, work_along
 
 PAUSE = 1e7  # from load to load [s]: friction of a rack that moves by 0.1 mm meanwhile is 1e-5 of sliding
 LEAST_MODES = 20  # per plane of a bar that bends: its end yields by 0.3 % less with 8
@@ -208,13 +208,7 @@ def _shaft_signals(
     ends, energy = np.array([end for end, _ in rows]), np.array([energy for _, energy in rows])
     signals = {f"shaft_force_{axis}": values for axis, values in zip(AT_SHAFT, applied.T, strict=True)}
     signals |= {f"shaft_end_{axis}": ends[:, i] for i, axis in enumerate(AT_SHAFT)}
-    return signals | {"work_load": _work_along(applied, ends), SHAFT_ENERGY: energy}
-
-
-def _work_along(forces: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Return the work of forces (t, n) along places (t, n) from the first on, shape (t,) [J]."""
-    steps = np.einsum("ti,ti->t", forces[1:] + forces[:-1], np.diff(places, axis=0)) / 2
-    return np.concatenate([[0.0], np.cumsum(steps)])
+    return signals | {"work_load": work_along(applied, ends), SHAFT_ENERGY: energy}
 
 
 def _tapped(gear: SteeringGear) -> SteeringGear:
@@ -255,7 +249,7 @@ def _signals(record: Record, loads: OutsideLoads, outside: np.ndarray, place: fl
     signals |= {
         "end_force_y": loads.end_force[:n, 0],
         "end_force_z": loads.end_force[:n, 1],
-        "work_load": _work_along(outside, record.coordinates),
+        "work_load": work_along(outside, record.coordinates),
     }
     signals.setdefault("rack_end_y", rack[:, 1] + place * np.sin(rack[:, 5]))
     signals.setdefault("rack_end_z", rack[:, 2] - place * np.sin(rack[:, 4]))

@@ -218,7 +218,9 @@ def _over_steps(record: Record) -> dict[str, np.ndarray]:
     """Works [J] that are summed up over the steps of a record with bristles, in which friction turns about
     within a step and slip is a mean over it: of drive, teeth and bristles."""
     works = {
-        f"{SO_FAR}work_drive": _along(record.drive[:, None], _driven(record, record.coordinates, 0)[:, None])
+        f"{SO_FAR}work_drive": work_along(
+            record.drive[:, None], _driven(record, record.coordinates, 0)[:, None]
+        )
     }
     for part in record.forces.parts:
         out, rubs = record.outputs(part), f"work_{part.name}_friction"
@@ -230,7 +232,7 @@ def _over_steps(record: Record) -> dict[str, np.ndarray]:
         places, rates = record.seen_by(part)
         if record.bar is not None:
             places = integral_from_start(rates.T, record.time).T
-        taken = -_along(record.forces_of(part), places)
+        taken = -work_along(record.forces_of(part), places)
         if part.name == "mesh":
             works[MESH_TAKEN] = taken
         if part.name in record.forces.with_bristles:
@@ -241,7 +243,7 @@ def _over_steps(record: Record) -> dict[str, np.ndarray]:
     return works
 
 
-def _along(forces: np.ndarray, places: np.ndarray) -> np.ndarray:
+def work_along(forces: np.ndarray, places: np.ndarray) -> np.ndarray:
     """Work of forces (n, m) along places (n, m) from the start (n,), by the trapezoidal rule."""
     steps = np.einsum("ti,ti->t", forces[1:] + forces[:-1], np.diff(places, axis=0)) / 2
     return np.concatenate([[0.0], np.cumsum(steps)])

@@ -1,5 +1,6 @@
 """Ctrl-C is neither lost where Python drops exceptions nor raised within an import."""
 
+import ctypes
 import signal
 import sys
 from collections.abc import Callable, Iterator
@@ -11,6 +12,7 @@ import pytest
 
 from rps_exudyn.__main__ import main
 from rps_exudyn.base import interrupts
+from rps_exudyn.base.compiled import NUMBER, Entry
 from rps_exudyn.base.interrupts import arm, disarm
 
 
@@ -79,3 +81,13 @@ def test_a_command_states_that_it_was_interrupted(
     signal.signal(signal.SIGINT, signal.default_int_handler)
     assert main() == 130
     assert "interrupted at the end" in capsys.readouterr().err
+
+
+def test_a_signal_while_arguments_are_passed_is_an_interrupt() -> None:
+    def refuse(*_: object) -> None:
+        raise ctypes.ArgumentError("a function returned a result with an exception set")
+
+    law = Entry(lambda number: None, (NUMBER,))
+    vars(law)["_code"] = refuse
+    with pytest.raises(KeyboardInterrupt):
+        law.bound(1.0)()
