@@ -25,6 +25,7 @@ from rps_exudyn.scenes.checks.after_run import validated
 from rps_exudyn.scenes.checks.rules import refused
 from rps_exudyn.scenes.maneuver import StepLimits
 from rps_exudyn.scenes.scene import RunOptions
+from rps_exudyn.simulate.cases.time_limit import dropped_rings_again
 from rps_exudyn.simulate.run_plan import run_unchecked
 
 INACCURATE, WRONG = 0.01, 0.05  # error of the figure
@@ -126,12 +127,13 @@ def cpu_time_limit(seconds: float) -> Iterator[None]:
         raise TimeoutError(f"more than {seconds:g} s of CPU time")
 
     before = signal.signal(signal.SIGVTALRM, over)
-    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
-        signal.signal(signal.SIGVTALRM, before)
+    with dropped_rings_again(TimeoutError, signal.ITIMER_VIRTUAL):
+        signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
+        try:
+            yield
+        finally:
+            signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+            signal.signal(signal.SIGVTALRM, before)
 
 
 def reference(plan: ScenePlan, methods: Sequence[Choices] = REFERENCES) -> float:

@@ -1,5 +1,6 @@
 """A time limit holds wherever a run is, and what was recorded until then is kept."""
 
+import ctypes
 import gc
 import signal
 import subprocess
@@ -26,6 +27,7 @@ from rps_exudyn.simulate.cases.task import Task, answer_to
 from rps_exudyn.simulate.cases.time_limit import TimeLimit, alarm, place_of
 from rps_exudyn.simulate.run import simulate
 from shell import Command
+from verification.stability import cpu_time_limit
 
 # Half a million equilibria or time steps: minutes, wherever the tests run
 LONG = {"fidelity.step_angle": "0.001 deg", "test.turns": 1.4, "pinion.runout": "10 um"}
@@ -205,15 +207,25 @@ def in_a_finalizer() -> None:
     Dying()
 
 
+def in_a_callback_of_ctypes() -> None:
+    ctypes.CFUNCTYPE(None)(busy)()
+
+
 def busy(*_: object) -> None:
     end = time.monotonic() + 0.1
     while time.monotonic() < end:
         pass
 
 
-@pytest.mark.parametrize(
-    "work", [in_a_callback_of_the_collector, in_a_callback_of_a_weak_reference, in_a_finalizer]
-)
+CALLBACKS = [
+    in_a_callback_of_the_collector,
+    in_a_callback_of_a_weak_reference,
+    in_a_finalizer,
+    in_a_callback_of_ctypes,
+]
+
+
+@pytest.mark.parametrize("work", CALLBACKS)
 def test_alarm_that_python_drops_rings_again(work: Callable[[], None]) -> None:
     def then_wait() -> None:
         with alarm(0.05):
@@ -222,3 +234,15 @@ def test_alarm_that_python_drops_rings_again(work: Callable[[], None]) -> None:
 
     with pytest.raises(KeyboardInterrupt):
         then_wait()
+
+
+@pytest.mark.parametrize("work", CALLBACKS)
+def test_limit_of_cpu_time_that_python_drops_rings_again(work: Callable[[], None]) -> None:
+    def then_work() -> None:
+        with cpu_time_limit(0.02):
+            work()
+            while True:
+                pass
+
+    with pytest.raises(TimeoutError):
+        then_work()

@@ -7,7 +7,7 @@ within compiled code: whoever started the process ends it for certain, `GRACE` l
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from time import monotonic
@@ -72,7 +72,9 @@ def alarm(seconds: float) -> Iterator[None]:
             yield
         return
     before = signal.signal(signal.SIGALRM, signal.default_int_handler)
-    with unwrapped_interrupts(), _dropped_interrupt_rings_again(monotonic() + seconds):
+    end = monotonic() + seconds  # an interrupt before it was Ctrl-C
+    again = dropped_rings_again(KeyboardInterrupt, signal.ITIMER_REAL, lambda: monotonic() >= end)
+    with unwrapped_interrupts(), again:
         signal.setitimer(signal.ITIMER_REAL, max(seconds, 1e-6))
         try:
             yield
@@ -82,17 +84,19 @@ def alarm(seconds: float) -> Iterator[None]:
 
 
 @contextmanager
-def _dropped_interrupt_rings_again(end: float) -> Iterator[None]:
-    """Ring a little later where Python dropped an interrupt after the end; one before it was Ctrl-C.
+def dropped_rings_again(
+    error: type[BaseException], timer: int, is_alarm: Callable[[], bool] = lambda: True
+) -> Iterator[None]:
+    """Ring a timer of `signal` a little later where Python dropped the error that its alarm raised.
 
-    It drops what is raised in callbacks of the garbage collector and of weak references and in `__del__`,
-    and reports it to `sys.unraisablehook`.
+    It drops what is raised in callbacks of the garbage collector, of weak references and of ctypes and in
+    `__del__`, and reports it to `sys.unraisablehook`.
     """
     report = sys.unraisablehook
 
     def ring_again(dropped: "sys.UnraisableHookArgs") -> None:
-        if issubclass(dropped.exc_type, KeyboardInterrupt) and monotonic() >= end:
-            signal.setitimer(signal.ITIMER_REAL, LATER)
+        if issubclass(dropped.exc_type, error) and is_alarm():
+            signal.setitimer(timer, LATER)
         else:
             report(dropped)
 
