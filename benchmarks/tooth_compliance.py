@@ -174,7 +174,7 @@ def yields(gear: SteeringGear, division: Division) -> tuple[dict[str, Any], list
     """Errors of yields by law over the largest by elements of their line, the pinion's with the twist of its
     core: median and 95 % quantile per body and flank; and the lines of the first pose."""
     result = run_by("free-pinion-torque", gear, "guided", "teeth", division)
-    pair, handle = GearPair.of(gear), loads_data(gear)
+    pair, handle = GearPair.of(gear), loads_data(gear).records
     points, tilts, _ = rack_poses(pair, result.signals)
     chosen = np.linspace(0, len(points) - 1, ANGLES + 1).astype(int)[:-1]
     errors: dict[str, list[float]] = {}

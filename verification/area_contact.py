@@ -102,7 +102,7 @@ def _area_in_band(band, line, side, data, work, slopes):  # type: ignore[no-unty
             z = z_0 + length * data.along[rule, 0, k]
             weight = length * data.along[rule, 1, k] / data.cos_base_helix
             eased = data.ease_along[rule]
-            _area_station(strip, z, ends, weight, eased, cuts, watched, line, band, side, data, work, slopes)
+            _area_station(strip, z, ends, weight, eased, cuts, watched, line, side, data, work, slopes)
     if deepest_crest(strip, breaks[0], breaks[count - 1]) < SHALLOW * work.sums[DEEPEST]:
         return 0.0
     return _deepest_place(strip, ends, cuts, watched, breaks, count, data)
@@ -154,7 +154,7 @@ def _across_station(strip, z, ends, cuts, watched, data):  # type: ignore[no-unt
 
 
 @inline
-def _area_station(strip, z, ends, length, eased, cuts, watched, line, band, side, data, work, slopes):  # type: ignore[no-untyped-def]
+def _area_station(strip, z, ends, length, eased, cuts, watched, line, side, data, work, slopes):  # type: ignore[no-untyped-def]
     """Law "area": add the pressure on the leaning station at Z."""
     low, high, rule, c_0, c_1, c_2, c_3 = _across_station(strip, z, ends, cuts, watched, data)
     if not low < high:
@@ -165,7 +165,7 @@ def _area_station(strip, z, ends, length, eased, cuts, watched, line, band, side
     for k in range(data.points):  # numbers one by one: a view of a rule costs more than its use
         xi = low + (high - low) * data.across[rule, 0, k]
         place = z + lean * xi
-        p_r, p_t, q = formed_point(xi, place, line, band, side, data)
+        p_r, p_t, q = formed_point(xi, place, strip, line, side, data)
         depth = c_0 + xi * (c_1 + xi * (c_2 * (1 - xi * xi / 12) + xi * c_3))
         area = scale * data.across[rule, 1, k] * q * (1 + ends.turn * xi)
         press(depth, area, eased, p_r, p_t, place, side, data, work, slopes)

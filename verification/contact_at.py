@@ -16,12 +16,16 @@ from rps_exudyn.tooth_contact.teeth_data import teeth_data
 from rps_exudyn.tooth_contact.teeth_stations import most_lines
 from verification.area_contact import area_contact
 
+NO_POOL = np.zeros(1)
 
-def flank_contact(*at: Any) -> np.ndarray:
+
+def flank_contact(*at: Any, pool: np.ndarray = NO_POOL) -> np.ndarray:
     """The wrench of laws "line" and "area" at angle, rate, position, rotation, velocity, spin of a record
-    `FLANK`, the last argument."""
+    `FLANK`, the last argument; the numbers of measured flanks stand in the pool."""
     *pose, flank = at
-    return _wrench(line_contact if flank.line_stiffness > 0 else area_contact, pose, flank)
+    if flank.line_stiffness > 0:
+        return _wrench(line_contact, pose, flank, pool)
+    return _wrench(area_contact, pose, flank)
 
 
 def mesh_of_teeth(gear: SteeringGear, flank: np.record) -> np.void:
@@ -34,7 +38,7 @@ def mesh_of_teeth(gear: SteeringGear, flank: np.record) -> np.void:
 def elastic_contact(*at: Any) -> np.ndarray:
     """The same of law "teeth", of a record `MESH`."""
     *pose, mesh = at
-    return _wrench(teeth_contact, pose, mesh, after=(np.zeros(room_of_teeth(mesh["flank"])),))
+    return _wrench(teeth_contact, pose, mesh, np.zeros(room_of_teeth(mesh["flank"])))
 
 
 def sampled_wrench(*at: Any) -> np.ndarray:
@@ -48,10 +52,10 @@ def sampled_wrench(*at: Any) -> np.ndarray:
 _from_python = cache(from_python)
 
 
-def _wrench(contact: Any, pose: list[Any], *constants: Any, after: tuple[Any, ...] = ()) -> np.ndarray:
+def _wrench(contact: Any, pose: list[Any], *constants: Any) -> np.ndarray:
     angle, rate, *places = pose
     works = np.zeros(1, SCRATCH)
     reset(works[0]["memory"])
     rows = [np.ascontiguousarray(each, dtype=float) for each in places]
-    _from_python(contact)(float(angle), float(rate), *rows, *constants, works[0], 0.0, 0.0, *after)
+    _from_python(contact)(float(angle), float(rate), *rows, *constants, works[0], 0.0, 0.0)
     return np.array(works[0]["wrench"])

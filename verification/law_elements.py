@@ -125,7 +125,9 @@ def elements_matrix(lines, n, drive, coast, data, pool):  # type: ignore[no-unty
 def elements_contact(angle, rate, position, rotation, velocity, spin, data, pool, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
     """Fill the wrench as `elastic_teeth.teeth_contact` does."""
     room = pool[data.room :]
-    drive, coast, lines, n = begin_teeth(angle, rate, position, rotation, velocity, spin, data, work, room)
+    drive, coast, lines, n = begin_teeth(
+        angle, rate, position, rotation, velocity, spin, data, pool, room, work
+    )
     matrix = elements_matrix(lines, n, drive, coast, data, pool)
     left = room[lines.side.size * LINE_SIZE + lines.stations.shape[1] * COLUMN :]
     press_teeth(matrix, lines, n, drive, coast, angle, position, data, work, factor_q, factor_v, left)
@@ -165,7 +167,7 @@ def line_yields(angle, position, tilt, records, pool, room):  # type: ignore[no-
     fill_rotation(tilt, rotation)
     drive = side_of(-1.0, angle, 0.0, position, rotation, still, still, flank)
     coast = side_of(1.0, angle, 0.0, position, rotation, still, still, flank)
-    lines, n = find_lines(angle, drive, coast, data, room)
+    lines, n = find_lines(angle, drive, coast, data, pool, room)
     total = n * flank.stations
     of_elements, law = elements_matrix(lines, n, drive, coast, data, pool), np.empty((total, total))
     fill_compliance(law, lines, n, data)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from rps_exudyn.gears.flank_grid import FlankGrid, measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.pitch_errors import pinion_errors
 from rps_exudyn.parameters.gear import SteeringGear
@@ -24,18 +25,21 @@ class FlankForm:
     profile_slope: float = 0.0  # f_Halpha: surplus at the tip, linear from the form circle
     pitch_error: float = 0.0  # f_pt: shift of tooth 0 along the reference circle, polar angle ascending
     pitch_errors: tuple[float, ...] = ()  # the same of every tooth
+    grid: FlankGrid | None = None  # as measured, normal to the flank
     lead_error: float = 0.0  # f_Hbeta: over the face width; > 0 where the helix angle is too large
 
     @classmethod
     def of(cls, gear: SteeringGear) -> "FlankForm":
         """The form of a gear's pinion."""
-        own = {each.name: getattr(gear.pinion, each.name) for each in fields(cls)}
-        return cls(**own | {"pitch_errors": tuple(pinion_errors(gear).tolist())})
+        own = {each.name: getattr(gear.pinion, each.name) for each in fields(cls) if each.name != "grid"}
+        errors = tuple(pinion_errors(gear).tolist())
+        return cls(**own | {"pitch_errors": errors, "grid": measured_flanks(gear).pinion})
 
     def deviation(
         self, q: np.ndarray, Z: np.ndarray | float, ends: tuple[float, float], face_width: float
     ) -> np.ndarray:
-        """Surplus along the transverse tangent at tangent length q and axial position Z [m].
+        """Surplus along the transverse tangent at tangent length q and axial position Z [m], but for the
+        measured grid's, which differs from flank to flank.
 
         `ends` are the tangent lengths of form and tip circle [m].
         """

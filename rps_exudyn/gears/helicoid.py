@@ -80,7 +80,11 @@ class Flank:
         q = self.tangent_length(psi, Z)
         psi, Z = np.broadcast_arrays(psi, Z)
         ends = self.form_tangent_length, self.tip_tangent_length
-        along = self.side * (q + self.form.deviation(q, Z, ends, self.pair.face_width))
+        surplus = self.form.deviation(q, Z, ends, self.pair.face_width)
+        if self.form.grid is not None:  # normal to the flank -> along the tangent
+            tooth = self.tooth % self.pair.teeth
+            surplus = surplus + self.form.grid.at(q, Z, tooth, self.side) / np.cos(self.beta_b)
+        along = self.side * (q + surplus)
         c, s, rb = np.cos(psi), np.sin(psi), self.pair.base_radius
         return np.stack([rb * c - along * s, rb * s + along * c, Z], axis=-1)
 

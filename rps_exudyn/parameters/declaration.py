@@ -33,6 +33,7 @@ from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError, check_kind
 from rps_exudyn.base.files import DEEPEST, check_depth, content_of
 from rps_exudyn.parameters.distribution import Distribution, is_distribution
+from rps_exudyn.parameters.named_file import NamedFile, beside
 from rps_exudyn.parameters.retired import context_of
 from rps_exudyn.parameters.wrong_values import ConflictError, WrongValue, nearest, problems_of
 
@@ -230,7 +231,8 @@ class Table(BaseModel):
         Raises:
             InputError: unreadable file, no TOML, or parameters that are wrong (all of them at once).
         """
-        return cls.from_tables(read_toml(path), settings, where=str(path))
+        tables = beside(read_toml(path), Path(path).parent, named_files(cls))
+        return cls.from_tables(tables, settings, where=str(path))
 
     @classmethod
     def from_tables(
@@ -356,6 +358,13 @@ def check_settings(settings: object) -> None:
 
 
 BLANKS = " \t'\""
+
+
+@cache
+def named_files(table: type[Table]) -> tuple[str, ...]:
+    """Paths of the parameters that name files."""
+    declared = all_declared(table).values()
+    return tuple(each.path for each in declared if any(isinstance(m, NamedFile) for m in each.field.metadata))
 
 
 @cache

@@ -43,6 +43,7 @@ from rps_exudyn.parameters.declaration import (
 )
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import FrictionLaw, LoadedFrictionLaw
+from rps_exudyn.parameters.named_file import FilePath
 from rps_exudyn.parameters.retired import read_choice
 from rps_exudyn.parameters.rig import Test
 from rps_exudyn.parameters.wrong_values import WrongValue, conflict
@@ -125,6 +126,9 @@ class Pinion(Table):
         "pitch errors of all teeth, added to pitch_error: displacements in tooth order, or a class such as "
         '"ISO 1328 class 8, seed 3"',
     )
+    deviation: FilePath = parameter(
+        "none", "file of deviations measured normal to the flanks, added to the designed form: a grid as CSV"
+    )
     profile_slope: Length = parameter(
         0.0, "profile slope deviation f_Halpha: surplus at the tip", ge=-1e-4, le=1e-4
     )
@@ -156,6 +160,9 @@ class Rack(Table):
     density: Density = parameter(7850.0, "density of the bar", gt=0)
     pitch_errors: PitchErrors = parameter(
         "none", "pitch errors of all teeth: displacements along X in order of X, or a class as for the pinion"
+    )
+    deviation: FilePath = parameter(
+        "none", "file of deviations measured normal to the rack's flanks: a grid as CSV"
     )
     back_parallelism: Angle = parameter(
         0.0,

@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from rps_exudyn.forces.bush import Chain, bush_chain
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, RACK, Part
 from rps_exudyn.forces.friction import PLAIN, TIME, Patches
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
+from rps_exudyn.gears.flank_grid import measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import pinion_inertia, pinion_on_supports, rack_masses
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -29,6 +31,7 @@ from rps_exudyn.solvers.sphere_groups import by_touching_angle, standing_out
 from rps_exudyn.tooth_contact.elastic_teeth import room_of_teeth
 from rps_exudyn.tooth_contact.flank_data import pack
 from rps_exudyn.tooth_contact.laws import DEEPEST, KINDS
+from rps_exudyn.tooth_contact.measured_flank import pooled_grids
 from rps_exudyn.tooth_contact.sampled_contact import SampledContactData, pooled
 from rps_exudyn.tooth_contact.spheres import contact_data
 from rps_exudyn.tooth_contact.teeth_data import teeth_data
@@ -191,6 +194,10 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         gears["weight"], gears["has_weight"] = external_load.weight(gear), 1
     if bar is not None:
         pool, gears["bar"], gears["is_bent"] = bar.pool, bar.record, 1
+    if (measured := measured_flanks(gear)).are_given:
+        for each, part in product((gears, ideal), ("pinion_grid", "rack_grid")):
+            each["mesh"]["flank"][part]["first"] += len(pool)
+        pool = np.concatenate([pool, pooled_grids(measured)[2]])
     if spheres is not None:
         perfect = {"pinion.runout": 0.0, "mesh.friction": 0.0, "mesh.friction_law": PLAIN_LAW}
         of_perfect = spheres_of(gear.replace(perfect), fidelity, zone)

@@ -71,10 +71,15 @@ def room_of_teeth(flank: np.void) -> int:
 
 
 @kernel
-def teeth_contact(angle, rate, position, rotation, velocity, spin, data, work, factor_q, factor_v, room):  # type: ignore[no-untyped-def]
+def teeth_contact(  # type: ignore[no-untyped-def]
+    angle, rate, position, rotation, velocity, spin, data, pool, work, factor_q, factor_v
+):
     """Fill the wrench of law "teeth", see `wrench`, and its stiffness unless both factors are 0, see
-    `contact_tangent.Slopes`; `data` is a record `MESH`, `work` a `SCRATCH`, `room` has `room_of_teeth`."""
-    drive, coast, lines, n = begin_teeth(angle, rate, position, rotation, velocity, spin, data, work, room)
+    `contact_tangent.Slopes`; `data` is a record `MESH`, `work` a `SCRATCH`, `pool` has `room_of_teeth`."""
+    room = pool[data.room :]
+    drive, coast, lines, n = begin_teeth(
+        angle, rate, position, rotation, velocity, spin, data, pool, room, work
+    )
     if n < 0:
         for i in range(WRENCH_SIZE):
             work.wrench[i] = np.nan
@@ -88,13 +93,13 @@ def teeth_contact(angle, rate, position, rotation, velocity, spin, data, work, f
 
 
 @inline
-def begin_teeth(angle, rate, position, rotation, velocity, spin, data, work, room):  # type: ignore[no-untyped-def]
+def begin_teeth(angle, rate, position, rotation, velocity, spin, data, pool, room, work):  # type: ignore[no-untyped-def]
     """Empty the sums; return both sides, the lines along which they may meet, and how many."""
     flank = data.flank
     begin_contact(flank.law, work)
     drive = side_of(-1.0, angle, rate, position, rotation, velocity, spin, flank)
     coast = side_of(1.0, angle, rate, position, rotation, velocity, spin, flank)
-    lines, n = find_lines(angle, drive, coast, data, room)
+    lines, n = find_lines(angle, drive, coast, data, pool, room)
     return drive, coast, lines, n
 
 

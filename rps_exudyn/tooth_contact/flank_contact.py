@@ -53,7 +53,19 @@ from rps_exudyn.tooth_contact.flank_strip import (
     touching,
     within_band,
 )
-from rps_exudyn.tooth_contact.strip_limits import ends_of, insert_break, watch_limits
+from rps_exudyn.tooth_contact.measured_flank import (
+    add_deviation,
+    deviation_across,
+    is_measured,
+    measured_band,
+)
+from rps_exudyn.tooth_contact.strip_limits import (
+    ends_of,
+    ends_with_margin,
+    insert_break,
+    raise_strip,
+    watch_limits,
+)
 from rps_exudyn.tooth_contact.wrench import WRENCH_SIZE
 
 
@@ -70,7 +82,9 @@ def begin_contact(law, work):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def line_contact(angle, rate, position, rotation, velocity, spin, data, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+def line_contact(  # type: ignore[no-untyped-def]
+    angle, rate, position, rotation, velocity, spin, data, pool, work, factor_q, factor_v
+):
     """Fill the wrench of law "line", see `wrench`, and its stiffness unless both factors are 0, see
     `contact_tangent.Slopes`; `data` is a record `FLANK`, `work` a `SCRATCH`."""
     begin_contact(data.law, work)
@@ -87,7 +101,12 @@ def line_contact(angle, rate, position, rotation, velocity, spin, data, work, fa
                 depth = _plain_line(line, side, data, work, slopes)
             else:
                 for part in range(bands(data)):
-                    depth = max(depth, _line_in_band(band_of(part, data), line, side, data, work, slopes))
+                    band = band_on_flank(line, band_of(part, data), data)
+                    if is_measured(data):
+                        deep = _measured_line(band, tooth, line, side, data, pool, work, slopes)
+                    else:
+                        deep = _line_in_band(band, line, side, data, work, slopes)
+                    depth = max(depth, deep)
             note_line(before, depth, work)
         end_side(angle, position, side, data, work, slopes)
 
@@ -138,20 +157,70 @@ def _plain_line(line, side, data, work, slopes):  # type: ignore[no-untyped-def]
 @inline
 def _line_in_band(band, line, side, data, work, slopes):  # type: ignore[no-untyped-def]
     """Law "line": add the loads on one line within a band of the flank; the greatest depth."""
-    strip, cuts, breaks, band = work.strip, work.cuts, work.breaks, band_on_flank(line, band, data)
     low, high = within_band(line, band, data)
     if not low < high:
         return 0.0
-    describe_strip(strip, line, band, side, data)
+    describe_strip(work.strip, line, band, side, data)
+    count = _break_within_limits(work.strip, low, high, work)
+    return _press_strip(work.strip, count, line, side, data, work, slopes)
+
+
+@inline
+def _measured_line(band, tooth, line, side, data, pool, work, slopes):  # type: ignore[no-untyped-def]
+    """The same of measured flanks, piece by piece of the line; the greatest depth.
+
+    The pieces share what the limits leave of the line without the deviations. The outermost reach on to where
+    it could be pressed, for the deviations move the limits, by less than a piece.
+    """
+    strip, piece, deepest = work.strip, work.piece, 0.0
+    band = measured_band(band, tooth, line, side, data, pool)
+    low, high, from_, to = ends_with_margin(strip, band, line, side, data.highest, data)
+    width = (to - from_) / data.pieces
+    if not width > 0:
+        return 0.0
+    raise_strip(strip, -data.highest)
+    at_begin = deviation_across(from_, tooth, line, side, data, pool)
+    for i in range(data.pieces):
+        begin, end = from_ + i * width, from_ + (i + 1) * width
+        middle = deviation_across(begin + width / 2, tooth, line, side, data, pool)
+        at_end = deviation_across(end, tooth, line, side, data, pool)
+        add_deviation(piece, strip, begin, end, at_begin, middle, at_end, line, side, data)
+        at_begin = at_end
+        if 0 < i < data.pieces - 1:
+            count = _break_where_pressed(piece, begin, end, work)
+        else:
+            begin, end = low if i == 0 else begin, high if i == data.pieces - 1 else end
+            count = _break_within_limits(piece, begin, end, work)
+        deepest = max(deepest, _press_strip(piece, count, line, side, data, work, slopes))
+    return deepest
+
+
+@inline
+def _break_where_pressed(strip, low, high, work):  # type: ignore[no-untyped-def]
+    """Fill the breaks with the ends of what is pressed between two Z that no limit cuts; how many."""
+    breaks = work.breaks
+    breaks[0], breaks[1], _, _ = touching(strip, low, high)
+    return 2 if breaks[0] < breaks[1] else 0
+
+
+@inline
+def _break_within_limits(strip, low, high, work):  # type: ignore[no-untyped-def]
+    """Fill the breaks where to integrate a strip in parts, between two Z; how many, 0 if nothing is left."""
     low, high, low_ends, high_ends = touching(strip, low, high)
     if not low < high:
-        return 0.0
+        return 0
     ends = ends_of(strip, low, high, 0.0)
     low_ends, high_ends = low_ends and ends.limit_low < 0, high_ends and ends.limit_high < 0
-    _, count, _, _ = watch_limits(strip, ends, 0.0, low_ends, high_ends, cuts, breaks)
-    if count == 0:  # limits leave nothing, and no breaks
+    _, count, _, _ = watch_limits(strip, ends, 0.0, low_ends, high_ends, work.cuts, work.breaks)
+    return count
+
+
+@kernel
+def _press_strip(strip, count, line, side, data, work, slopes):  # type: ignore[no-untyped-def]
+    """Law "line": add the loads on a strip between its breaks; the greatest depth."""
+    if count == 0:
         return 0.0
-    turning = turning_of(line, side, data)
+    breaks, turning = work.breaks, turning_of(line, side, data)
     count = insert_break(turning.z, breaks, count)
     for i in range(count - 1):
         z_0, length = breaks[i], breaks[i + 1] - breaks[i]
@@ -160,7 +229,7 @@ def _line_in_band(band, line, side, data, work, slopes):  # type: ignore[no-unty
             z = z_0 + length * data.along[0, 0, k]
             weight = length * data.along[0, 1, k] / data.cos_base_helix
             xi, depth = crest_of(strip, z)
-            p_r, p_t, q = formed_point(xi, z, line, band, side, data)
+            p_r, p_t, q = formed_point(xi, z, strip, line, side, data)
             load = _press_line(depth, weight, p_r, p_t, q, z, side, data, work, slopes)
             if slopes.wanted and end != 0 and load > 0 and not data.law.has_state:
                 growth = (crest_of(strip, turning.z)[1] / depth - 1.0) / (turning.z - z)

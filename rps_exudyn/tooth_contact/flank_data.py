@@ -9,16 +9,20 @@ import numpy as np
 from rps_exudyn.base.compiled import record, record_type
 from rps_exudyn.forces.friction import LAW, Patches, law_of
 from rps_exudyn.gears.flank_form import FlankForm
+from rps_exudyn.gears.flank_grid import measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.pitch_errors import MOST_TEETH, rack_errors
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.tooth_contact.measured_flank import GRID, pooled_grids
 
 ALONG, ACROSS = 4, 2  # Gauss points: stations in each segment of a line, nodes across the strip
 TOWARDS_ENDS = -0.13  # power that suits the loads of teeth that bend: on eleven gears 5 stations leave 0.05 %
 TURNS_ABOUT = 0.25  # smallest over mean sliding below which the friction turns within the stations' distance
 MOST_POINTS = 33  # of a rule, as `fidelity.strip_stations` and `strip_points` allow
+
+IN_PIECE = 2  # stations in each piece of a measured line: on a piece the depth is a parabola
 
 MOST_PINION_TEETH = 40  # as `pinion.teeth` allows
 
@@ -45,6 +49,10 @@ FLANK = record_type(
         ("has_rack_errors", "i8"),
         ("rack_middle", "i8"),  # place of the rack's tooth 0 among ...
         ("rack_shifts", "f8", (MOST_TEETH,)),  # ... displacements of its teeth along X [m]
+        ("pinion_grid", GRID),  # flanks as measured
+        ("rack_grid", GRID),
+        ("highest", "f8"),  # that these add to a depth at most [m]
+        ("pieces", "i8"),  # in which a line on measured flanks is taken
         # how the pinion stands
         ("cos_delta", "f8"),
         ("sin_delta", "f8"),
@@ -89,7 +97,8 @@ def pack(
     generators: int = 0,
     patches: Patches | None = None,
 ) -> np.record:
-    """Return the record `FLANK`; the gear's `mesh.law` chooses the contact law.
+    """Return the record `FLANK`; the gear's `mesh.law` chooses the contact law. The numbers of measured
+    flanks are those of `pooled_grids`, at the beginning of a pool.
 
     Args:
         zone: sliding speed below which friction falls linearly to zero [m/s]; default `sliding_zone`.
@@ -100,14 +109,18 @@ def pack(
 
     Raises:
         ValueError: no involute is left between form and tip circle.
-        InputError: pitch errors that the rack's teeth do not have.
+        InputError: pitch errors that the rack's teeth do not have, or flanks that no grid describes.
     """
     pair, form, mesh = GearPair.of(gear), FlankForm.of(gear), gear.mesh
-    unturned = replace(form, pitch_error=0.0, pitch_errors=())
+    unturned = replace(form, pitch_error=0.0, pitch_errors=(), grid=None)
     of_rack, turns, shifts = rack_errors(gear), np.zeros(MOST_PINION_TEETH), np.zeros(MOST_TEETH)
     turns[: pair.teeth] = [form.turn(tooth, pair) for tooth in range(pair.teeth)]
     shifts[: len(of_rack)] = of_rack
     coast, drive = Flank(pair, 0, +1, unturned), Flank(pair, 0, -1, unturned)
+    measured = measured_flanks(gear)
+    of_pinion, on_rack, _ = pooled_grids(measured)
+    # law "line" has as many stations on a measured line, two in each piece
+    stations = IN_PIECE if measured.are_given and mesh.contact_law == "line" else along
     q_form, q_tip, half_face = coast.form_tangent_length, coast.tip_tangent_length, pair.face_width / 2
     if q_form >= q_tip:
         raise ValueError("the tip circle lies inside the form circle: the pinion has no flank")
@@ -133,6 +146,10 @@ def pack(
         has_rack_errors=int(bool(len(of_rack))),
         rack_middle=len(of_rack) // 2,
         rack_shifts=shifts,
+        pinion_grid=of_pinion[0],
+        rack_grid=on_rack[0],
+        highest=measured.highest,
+        pieces=max(along // IN_PIECE, 1),
         cos_delta=np.cos(pair.delta),
         sin_delta=np.sin(pair.delta),
         axis_offset=pair.axis_offset,
@@ -155,10 +172,10 @@ def pack(
         ),
         breaks_sliding=pair.slowest_sliding < TURNS_ABOUT,
         line_stiffness=line_stiffness(gear) if mesh.contact_law == "line" else 0.0,
-        stations=along,
+        stations=stations,
         points=across,
         generators=generators,
-        **_rules(along, across, mesh.contact_law == "teeth"),
+        **_rules(stations, across, mesh.contact_law == "teeth"),
     )
 
 

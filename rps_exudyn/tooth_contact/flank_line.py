@@ -35,7 +35,7 @@ from rps_exudyn.forces.friction import (
 from rps_exudyn.forces.rigid_motion import Vector
 from rps_exudyn.gears.tooth_stiffness import EFFECTIVE_MODULUS
 from rps_exudyn.tooth_contact import wrench
-from rps_exudyn.tooth_contact.flank_strip import MARGIN
+from rps_exudyn.tooth_contact.flank_strip import MARGIN, SURPLUS, across
 
 Coefficients = tuple[float, float, float, float]
 
@@ -265,10 +265,11 @@ def point(xi, z, line, side, data):  # type: ignore[no-untyped-def]
 
 
 @inline
-def formed_point(xi, z, line, band, side, data):  # type: ignore[no-untyped-def]
-    """P_r, P_t on the modified flank and the tangent length q of the perfect one."""
+def formed_point(xi, z, strip, line, side, data):  # type: ignore[no-untyped-def]
+    """P_r, P_t on the modified flank that a strip describes and the tangent length q of the perfect one."""
     p_r, p_t, q = point(xi, z, line, side, data)
-    along = side.sign * surplus(q, z * z, band, data)
+    c_0, c_1, c_2 = across(strip, SURPLUS, z)
+    along = side.sign * (c_0 + xi * (c_1 + xi * c_2))
     return p_r - along * xi, p_t + along, q
 
 
@@ -444,7 +445,8 @@ def clip(low, high, c_0, c_1, c_2):  # type: ignore[no-untyped-def]
 @inline
 def is_plain(data):  # type: ignore[no-untyped-def]
     """Return whether the flanks are unmodified."""
-    return data.relief == 0 and data.crowning == 0 and data.slope == 0
+    measured = data.pinion_grid.is_given + data.rack_grid.is_given > 0
+    return data.relief == 0 and data.crowning == 0 and data.slope == 0 and not measured
 
 
 @inline

@@ -7,7 +7,7 @@
          |    /___/______|____|_____\\___\\|
           end: a limit                   end: another, and a corner cut off by a third
 
-A strip is an array of shape (8, 10): a row for each polynomial, in it the coefficients of 1, Z, Z^2,
+A strip is an array of shape (9, 10): a row for each polynomial, in it the coefficients of 1, Z, Z^2,
 xi, xi Z, xi Z^2, xi^2, xi^2 Z, xi^2 Z^2, xi^3. The limits are positive on the permitted side.
 """
 
@@ -19,7 +19,8 @@ DEPTH = 0
 PRESSING = 1  # depth + damping * its rate
 HIGH_END, LOW_END = 2, 3  # of the band of tangent lengths: tip and form circle, or where relief begins
 RACK_TIP, FACE_LOW, FACE_HIGH, BAR = 4, 5, 6, 7  # the rack's tips, pinion's faces, bar's round surface
-STRIP_SHAPE = (8, 10)
+SURPLUS = 8  # of the pinion's flank along the transverse tangent
+STRIP_SHAPE = (9, 10)
 
 MARGIN = 0.15  # half width of a strip at most [rad]
 
@@ -46,6 +47,9 @@ def describe_strip(strip, line, band, side, data):  # type: ignore[no-untyped-de
     depth[7] = -n_p * (q_1 / 2 + surplus_1 / 2)
     depth[8] = -n_p * surplus_2 / 2
     depth[9] = n_p * s * rb / 3
+    surplus = strip[SURPLUS]
+    surplus[0], surplus[1], surplus[2], surplus[3] = surplus_0, surplus_1, surplus_2, surplus_3
+    surplus[4], surplus[6] = surplus_4, -relief * rb * rb
 
     # its rate is N . v with v = v_centre + w x P, P = P* - w xi e_r + (r_b e_r - w e_t) xi^2 / 2, w = s q*
     pressing, d, n_t = strip[PRESSING], data.damping, -s * n_p
@@ -206,7 +210,14 @@ def width(strip, z):  # type: ignore[no-untyped-def]
 @inline
 def crest_of(strip, z):  # type: ignore[no-untyped-def]
     """xi of the strip's crest at Z, and the depth there."""
+    return crest_with(strip, z, 0.0, 0.0, 0.0)
+
+
+@inline
+def crest_with(strip, z, d_0, d_1, d_2):  # type: ignore[no-untyped-def]
+    """The same where d_0 + d_1 xi + d_2 xi^2 adds to the depth."""
     c_0, c_1, c_2 = across(strip, DEPTH, z)
+    c_0, c_1, c_2 = c_0 + d_0, c_1 + d_1, c_2 + d_2
     xi = min(max(-c_1 / (2 * c_2), -MARGIN), MARGIN) if c_2 < 0 else 0.0
     return xi, c_0 + xi * (c_1 + xi * c_2)
 

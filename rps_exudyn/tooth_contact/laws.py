@@ -34,7 +34,7 @@ MESH = record_type(
         ("flank", FLANK),
         ("teeth", TEETH),
         ("most_lines", "i8"),  # that law "teeth" has room for ...
-        ("room", "i8"),  # ... from this place of the pool on
+        ("room", "i8"),  # ... from this place of the pool to its end
         ("spheres", SPHERES),
     ]
 )
@@ -53,6 +53,7 @@ SCRATCH = record_type(
         ("by_slip", "f8", (2, 2, 6)),
         ("sums", "f8", (SUMS,)),
         ("strip", "f8", STRIP_SHAPE),
+        ("piece", "f8", STRIP_SHAPE),
         ("cuts", "f8", (LIMITS, 5)),
         ("breaks", "f8", (BREAKS,)),
         ("pose", "f8", (5, 3)),  # of the rack: rotation, position, angular velocity
@@ -90,7 +91,7 @@ def on_flanks(q, turn, flank, work, factor_q, factor_v, out, tangent):  # type: 
 def line_law(q, v, mesh, pool, work, factor_q, factor_v, out, tangent):  # type: ignore[no-untyped-def]
     """Load per length of line in proportion to the flanks' depth: law "line"."""
     turn, pose = pose_of(q, v, mesh.flank.rack_reference, work.pose), work.pose
-    line_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], mesh.flank, work, factor_q, factor_v)
+    line_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], mesh.flank, pool, work, factor_q, factor_v)
     on_flanks(q, turn, mesh.flank, work, factor_q, factor_v, out, tangent)
 
 
@@ -98,8 +99,7 @@ def line_law(q, v, mesh, pool, work, factor_q, factor_v, out, tangent):  # type:
 def teeth_law(q, v, mesh, pool, work, factor_q, factor_v, out, tangent):  # type: ignore[no-untyped-def]
     """Teeth that bend together: law "teeth"."""
     turn, pose = pose_of(q, v, mesh.flank.rack_reference, work.pose), work.pose
-    room = pool[mesh.room :]
-    teeth_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], mesh, work, factor_q, factor_v, room)
+    teeth_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], mesh, pool, work, factor_q, factor_v)
     on_flanks(q, turn, mesh.flank, work, factor_q, factor_v, out, tangent)
 
 

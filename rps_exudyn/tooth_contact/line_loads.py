@@ -16,12 +16,14 @@ from rps_exudyn.base.compiled import (
     stacked_zeros,
 )
 from rps_exudyn.forces.rigid_motion import fill_rotation
+from rps_exudyn.gears.flank_grid import measured_flanks
 from rps_exudyn.gears.tooth_stiffness import HERTZ
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.tooth_contact.elastic_teeth import GUESS, fill_compliance, room_of_teeth
 from rps_exudyn.tooth_contact.flank_data import pack
 from rps_exudyn.tooth_contact.flank_line import side_of
 from rps_exudyn.tooth_contact.laws import MESH
+from rps_exudyn.tooth_contact.measured_flank import pooled_grids
 from rps_exudyn.tooth_contact.teeth_data import teeth_data
 from rps_exudyn.tooth_contact.teeth_stations import (
     COLUMN,
@@ -55,42 +57,48 @@ class LineLoads(NamedTuple):
 ROWS = len(LineLoads._fields) - 1  # in which the kernel keeps all fields but the pose, in their order
 
 
-def loads_data(gear: SteeringGear, stations: int = STATIONS) -> np.ndarray:
-    """Return the record of `line_loads` for a gear, by its law and so many stations on a segment of a line,
-    in an array (1,)."""
+class LoadsData(NamedTuple):
+    """Constants of a gear for `line_loads`."""
+
+    records: np.ndarray  # of its mesh, (1,)
+    pool: np.ndarray  # of its measured flanks
+
+
+def loads_data(gear: SteeringGear, stations: int = STATIONS) -> LoadsData:
+    """Return the constants of a gear for `line_loads`, by its law and so many stations on a segment of a
+    line."""
     flank = pack(gear, along=stations, across=1)
     made = np.zeros(1, MESH)
     made["flank"], made["teeth"], made["most_lines"] = flank, teeth_data(gear, flank), most_lines(flank)
-    return made
+    return LoadsData(made, pooled_grids(measured_flanks(gear))[2])
 
 
 AT_ONCE = 256  # poses, whose rows have room for the most stations
 
 
-def line_loads(
-    angles: np.ndarray, positions: np.ndarray, tilts: np.ndarray, records: np.ndarray
-) -> LineLoads:
+def line_loads(angles: np.ndarray, positions: np.ndarray, tilts: np.ndarray, data: LoadsData) -> LineLoads:
     """Return the loads of n poses at rest.
 
     Args:
         angles: pinion's turns (n,) [rad].
         positions: rack's reference points (n, 3) [m].
         tilts: rack's angles (n, 3) [rad].
-        records: that of `loads_data`.
+        data: that of `loads_data`.
     """
+    records, pool = data
     flank, counts, filled = records[0]["flank"], np.zeros(len(angles), np.int64), [np.zeros((ROWS, 0))]
     room = np.zeros(room_of_teeth(flank))
     rows = np.zeros((ROWS, AT_ONCE * int(records[0]["most_lines"]) * int(flank["stations"])))
     poses = [np.ascontiguousarray(each, dtype=float) for each in (angles, positions, tilts)]
     for i in range(0, len(angles), AT_ONCE):
         part = slice(i, i + AT_ONCE)
-        fill_line_loads(*(each[part] for each in poses), records, rows, counts[part], room)
+        fill_line_loads(*(each[part] for each in poses), records, pool, rows, counts[part], room)
         filled.append(rows[:, : counts[part].sum()].copy())
     return LineLoads(np.repeat(np.arange(len(angles)), counts), *np.concatenate(filled, axis=1))
 
 
-@entry(VECTOR, MATRIX, MATRIX, Array(MESH, 1), MATRIX, NUMBERS, VECTOR)
-def fill_line_loads(angles, positions, tilts, records, rows, counts, room):  # type: ignore[no-untyped-def]
+@entry(VECTOR, MATRIX, MATRIX, Array(MESH, 1), VECTOR, MATRIX, NUMBERS, VECTOR)
+def fill_line_loads(angles, positions, tilts, records, pool, rows, counts, room):  # type: ignore[no-untyped-def]
     """Fill the rows of all fields but the pose, station after station, and how many stations each pose has;
     `room` has `room_of_teeth`."""
     data = records[0]
@@ -100,7 +108,7 @@ def fill_line_loads(angles, positions, tilts, records, rows, counts, room):  # t
         fill_rotation(tilts[i], rotation)
         drive = side_of(-1.0, angle, 0.0, position, rotation, still, still, flank)
         coast = side_of(1.0, angle, 0.0, position, rotation, still, still, flank)
-        lines, found = find_lines(angle, drive, coast, data, room)
+        lines, found = find_lines(angle, drive, coast, data, pool, room)
         counts[i] = found * flank.stations
         left = room[lines.side.size * LINE_SIZE + lines.stations.shape[1] * COLUMN :]
         _fill_loads(lines, counts[i], data, rows[:, end : end + counts[i]], left)

@@ -11,12 +11,16 @@ import numpy as np
 from rps_exudyn.base.compiled import inline
 from rps_exudyn.tooth_contact.flank_strip import (
     BAR,
+    DEPTH,
     HIGH_END,
     PRESSING,
     across,
     at,
+    describe_strip,
     slanted,
+    touching,
     width,
+    within_band,
 )
 
 LIMITS = 7  # one for each of the six rows, but two for the bar, which ends the line on both sides
@@ -42,6 +46,29 @@ class Ends(NamedTuple):
     turn: float  # change of the lean per length
     limit_low: int  # -1: none, the face or the depth ends the strip
     limit_high: int
+
+
+@inline
+def raise_strip(strip, by):  # type: ignore[no-untyped-def]
+    """Deepen a strip evenly [m]."""
+    strip[DEPTH, 0] += by
+    strip[PRESSING, 0] += by
+
+
+@inline
+def ends_with_margin(strip, band, line, side, margin, data):  # type: ignore[no-untyped-def]
+    """Describe a line's strip, `margin` deeper than it is, and return between which Z it is pressed, and
+    between which of these the limits leave it; all 0 if nowhere."""
+    low, high = within_band(line, band, data)
+    if not low < high:
+        return 0.0, 0.0, 0.0, 0.0
+    describe_strip(strip, line, band, side, data)
+    raise_strip(strip, margin)
+    low, high, _, _ = touching(strip, low, high)
+    if not low < high:
+        return 0.0, 0.0, 0.0, 0.0
+    ends = ends_of(strip, low, high, 0.0)
+    return low, high, ends.low, ends.high
 
 
 @inline

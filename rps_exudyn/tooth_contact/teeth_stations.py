@@ -11,7 +11,6 @@ import numpy as np
 
 from rps_exudyn.base.compiled import inline, kernel, placed, stacked
 from rps_exudyn.gears.tooth_stiffness import FLATTENED
-from rps_exudyn.tooth_contact import flank_strip
 from rps_exudyn.tooth_contact.flank_line import (
     FlankZone,
     affine,
@@ -29,15 +28,14 @@ from rps_exudyn.tooth_contact.flank_line import (
 )
 from rps_exudyn.tooth_contact.flank_strip import (
     MARGIN,
-    PRESSING,
     STRIP_SHAPE,
     crest_of,
+    crest_with,
     deepest_crest,
-    describe_strip,
-    touching,
     within_band,
 )
-from rps_exudyn.tooth_contact.strip_limits import ends_of
+from rps_exudyn.tooth_contact.measured_flank import deviation_across, is_measured, measured_band
+from rps_exudyn.tooth_contact.strip_limits import ends_with_margin, raise_strip
 from rps_exudyn.tooth_contact.teeth_data import BY_HALF, BY_OFFSET, OFFSET, PER_COS, PHI, THICK, ZETA
 from rps_exudyn.tooth_contact.tooth_compliance import (
     MODES,
@@ -88,7 +86,7 @@ def room_of_lines(lines: int, stations: int) -> int:
 
 
 @kernel
-def find_lines(angle, drive, coast, data, room):  # type: ignore[no-untyped-def]
+def find_lines(angle, drive, coast, data, pool, room):  # type: ignore[no-untyped-def]
     """Return the lines along which flanks may meet, with their stations, in a room for them (n,), and how
     many there are; -1 if there may be more than there is room for."""
     flank, n = data.flank, 0
@@ -121,7 +119,8 @@ def find_lines(angle, drive, coast, data, room):  # type: ignore[no-untyped-def]
                 continue
             for part in range(bands(flank)):
                 band = band_on_flank(line, band_of(part, flank), flank)
-                n += _fill_line(lines, n, strip, margin, band, tooth, line, side, data)
+                band = measured_band(band, tooth, line, side, flank, pool)
+                n += _fill_line(lines, n, strip, margin, band, tooth, line, side, data, pool)
     return lines, n
 
 
@@ -139,24 +138,8 @@ def _overlap(angle, drive, coast, flank):  # type: ignore[no-untyped-def]
                 most += bands(flank) * (2 if flank.breaks_sliding else 1)
                 deepest = max(deepest, line.d_0 + max(line.d_1 * low, line.d_1 * high))
     # a surplus of the flank reaches deeper than that
-    deepest += max(flank.slope * (flank.q_tip - flank.q_form), 0.0)
+    deepest += max(flank.slope * (flank.q_tip - flank.q_form), 0.0) + flank.highest
     return (most if deepest > 0 else 0), deepest
-
-
-@inline
-def _describe_line(strip, band, line, side, margin, flank):  # type: ignore[no-untyped-def]
-    """Describe a line's strip, `margin` deeper than it is, and return between which Z it lies."""
-    low, high = within_band(line, band, flank)
-    if not low < high:
-        return low, high
-    describe_strip(strip, line, band, side, flank)
-    strip[flank_strip.DEPTH, 0] += margin
-    strip[PRESSING, 0] += margin
-    low, high, _, _ = touching(strip, low, high)
-    if not low < high:
-        return low, high
-    ends = ends_of(strip, low, high, 0.0)
-    return ends.low, ends.high
 
 
 @inline
@@ -206,27 +189,35 @@ def _name_line(lines, n, tooth, line, side, deepest, width, flank):  # type: ign
 
 
 @inline
-def _fill_line(lines, n, strip, margin, band, tooth, line, side, data):  # type: ignore[no-untyped-def]
+def _fill_line(lines, n, strip, margin, band, tooth, line, side, data, pool):  # type: ignore[no-untyped-def]
     """Fill one line within a band of modified flanks; how many pieces, 0 where the flanks are apart."""
     flank = data.flank
-    low, high = _describe_line(strip, band, line, side, margin, flank)
+    margin += flank.highest
+    _, _, low, high = ends_with_margin(strip, band, line, side, margin, flank)
     if not low < high:
         return 0
+    raise_strip(strip, -margin)
     turning = turning_of(line, side, flank)
-    middle, count = _broken_at(low, high, turning), 0
+    middle, count, measured = _broken_at(low, high, turning), 0, is_measured(flank)
     for from_, to in ((low, middle), (middle, high)):
         if not from_ < to:
             continue
         _note_turning(lines, n + count, from_, to, turning)
-        deepest = deepest_crest(strip, from_, to) - margin
-        _name_line(lines, n + count, tooth, line, side, deepest, to - from_, flank)
+        deepest = deepest_crest(strip, from_, to)
         for k in range(flank.stations):
             i, z = (n + count) * flank.stations + k, from_ + (to - from_) * flank.along[0, 0, k]
             xi, depth = crest_of(strip, z)
+            p_r, p_t, q = formed_point(xi, z, strip, line, side, flank)
+            if measured:
+                at = deviation_across(z, tooth, line, side, flank, pool)
+                xi, depth = crest_with(strip, z, at[3], at[4], at[5])
+                p_r, p_t, q = formed_point(xi, z, strip, line, side, flank)
+                along = side.sign * (at[0] + xi * (at[1] + xi * at[2]))
+                p_r, p_t, deepest = p_r - along * xi, p_t + along, max(deepest, depth)
             lines.stations[LENGTH, i] = (to - from_) * flank.along[0, 1, k] / flank.cos_base_helix
-            lines.stations[DEPTH, i] = depth - margin
-            p_r, p_t, q = formed_point(xi, z, line, band, side, flank)
+            lines.stations[DEPTH, i] = depth
             _fill_station(lines, i, p_r, p_t, q, z, side, data)
+        _name_line(lines, n + count, tooth, line, side, deepest, to - from_, flank)
         count += 1
     return count
 
