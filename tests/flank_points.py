@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.gears.flank_form import FlankForm
+from rps_exudyn.gears.flank_grid import measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
+from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.tooth_contact.wrench import (
     FORCE,
@@ -41,7 +43,8 @@ def wrench_by_points(
         normal = rotation @ pair.rack_flank_normal(side)
         for tooth in range(pair.teeth):
             flank = Flank(pair, tooth, side, form)
-            x, depth, area = _touching_cells(flank, frame, position, rotation, shape)
+            cells = _pressed_cells(gear, flank, frame, position, rotation, shape)
+            x, depth, area = (each[cells[4]] for each in cells[:3])
             slip = velocity + np.cross(spin, x - position) - rate * np.cross(k, x - axis)
             approach = slip @ normal
             load = np.maximum(mesh.stiffness * (depth + mesh.damping * approach), 0) * area
@@ -56,14 +59,41 @@ def wrench_by_points(
     return out
 
 
-def _touching_cells(
+def line_wrench_by_points(gear: SteeringGear, *args: Any, shape: tuple[int, int] = (3000, 400)) -> np.ndarray:
+    """The wrench of law "line" without friction and damping, from the deepest point of each section of a
+    flank."""
+    angle, _, position, rotation, _, _ = args
+    pair, form, out = GearPair.of(gear), FlankForm.of(gear), np.zeros(WRENCH_SIZE)
+    cos, sin = np.cos(angle), np.sin(angle)
+    frame = pair.pinion_frame @ np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
+    length = pair.face_width / shape[1] / np.cos(pair.beta_b)
+    for side in (-1, 1):
+        normal = rotation @ pair.rack_flank_normal(side)
+        for tooth in range(pair.teeth):
+            flank = Flank(pair, tooth, side, form)
+            x, depth, _, section, bears = _pressed_cells(gear, flank, frame, position, rotation, shape)
+            order = np.lexsort((-depth, section))
+            _, first = np.unique(section[order], return_index=True)
+            deepest = order[first]
+            x, depth = x[deepest], np.where(bears[deepest], depth[deepest], 0.0)
+            forces = -(line_stiffness(gear) * depth * length)[:, None] * normal
+            out[FORCE] += forces.sum(axis=0)
+            out[MOMENT] += np.cross(x - position, forces).sum(axis=0)
+            out[TORQUE] -= np.cross(x - pair.pinion_origin, forces).sum(axis=0) @ pair.pinion_frame[:, 2]
+            out[NORMAL_DRIVE if side < 0 else NORMAL_COAST] -= (forces @ normal).sum()
+    return out
+
+
+def _pressed_cells(
+    gear: SteeringGear,
     flank: Flank,
     frame: np.ndarray,
     position: np.ndarray,
     rotation: np.ndarray,
     shape: tuple[int, int],
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points in the housing, depths and areas of one flank's cells that lie inside the rack's teeth."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Of one flank's cells that lie below the rack's planes: points in the housing, depths, areas, numbers of
+    their sections, and whether they lie on both flanks."""
     pair, of_rack = flank.pair, flank.pair.rack_flank_normal(flank.side)
     q_form = flank.form_tangent_length
     lowest, highest = max(q_form - BEYOND, 0.0), flank.tip_tangent_length + BEYOND
@@ -79,9 +109,15 @@ def _touching_cells(
     in_rack = (points - position) @ rotation
     offset = pair.normal_base_pitch / 4 + np.sin(pair.alpha_n) * pair.reference_height
     depth = offset - in_rack @ of_rack
-    depth -= pair.normal_base_pitch * np.round(depth / pair.normal_base_pitch)
+    teeth = np.round(depth / pair.normal_base_pitch)
+    depth -= pair.normal_base_pitch * teeth
+    if (grid := measured_flanks(gear).rack) is not None:
+        for number in np.unique(teeth):
+            on = teeth == number
+            depth[on] += grid.at(in_rack[on, 1], in_rack[on, 2], int(-flank.side * number), flank.side)
     inside = (depth > 0) & (depth < DEEPEST)
-    inside &= in_rack[:, 1] > -pair.reference_height - pair.rack_addendum
-    inside &= np.hypot(in_rack[:, 1], in_rack[:, 2]) < pair.bar_radius
-    inside &= (radius < pair.tip_radius) & (radius > np.hypot(pair.base_radius, q_form))
-    return points[inside], depth[inside], area[inside]
+    bears = in_rack[:, 1] > -pair.reference_height - pair.rack_addendum
+    bears &= np.hypot(in_rack[:, 1], in_rack[:, 2]) < pair.bar_radius
+    bears &= (radius < pair.tip_radius) & (radius > np.hypot(pair.base_radius, q_form))
+    section = np.broadcast_to(np.arange(shape[1]), facing.shape)[facing]
+    return points[inside], depth[inside], area[inside], section[inside], bears[inside]

@@ -64,6 +64,11 @@ class FlankGrid:
         return self.low[0] + n * self.steps[0], self.low[1] + m * self.steps[1]
 
     @property
+    def is_of_each_tooth(self) -> bool:
+        """Return whether teeth differ."""
+        return len(self.coefficients) > 1
+
+    @property
     def highest(self) -> float:
         """Bound of all deviations, at least 0 [m]: a spline lies between its coefficients."""
         return float(max(self.coefficients.max(), 0.0))
@@ -118,6 +123,11 @@ class MeasuredFlanks:
     def are_given(self) -> bool:
         """Return whether there is one."""
         return self.pinion is not None or self.rack is not None
+
+    @property
+    def change_along_travel(self) -> bool:
+        """Return whether the rack's teeth differ."""
+        return self.rack is not None and self.rack.is_of_each_tooth
 
     @property
     def highest(self) -> float:

@@ -84,7 +84,7 @@ def law_error(gear: SteeringGear, fidelity: Mapping[str, Any]) -> LawError | Non
     if law is None:
         return None
     taken, pinion = law_of_formulas(law) if fidelity.get("solver") == "closed-form" else law, gear.pinion
-    if taken != "line" or pinion.tip_relief or pinion.crowning or pinion.profile_slope:
+    if taken != "line" or pinion.tip_relief or pinion.crowning or pinion.profile_slope or pinion.deviation:
         return MEASURED[taken]
     expected = BY_TRUNCATION[0] + BY_TRUNCATION[1] * tip_truncation(gear)
     return replace(MEASURED["line"], expected=expected, mean_torque=(expected - WITHIN, expected + WITHIN))

@@ -27,6 +27,8 @@ FLANK_DEVIATIONS = (
     "pinion.pitch_error",
     "pinion.pitch_errors",
     "rack.pitch_errors",
+    "pinion.deviation",
+    "rack.deviation",
 )
 """Parameters that shift load along a flank or from tooth to tooth, which takes the right stiffness."""
 

@@ -7,6 +7,7 @@ from itertools import groupby
 import numpy as np
 
 from rps_exudyn.forces.external_load import TimedForce
+from rps_exudyn.gears.flank_grid import measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.checks.before_run import check_travel, degrees_shown, largest_angle
@@ -248,9 +249,11 @@ def whole_periods(gear: SteeringGear, angle: float) -> int | None:
     or a direction of the pinion make it repeat with the turn. Along a bar that is not straight, whose
     teeth have errors, or whose back slopes it does not.
     """
-    if gear.rack.bow or gear.rack.pitch_errors or gear.rack.back_parallelism:
+    measured = measured_flanks(gear)
+    if gear.rack.bow or gear.rack.pitch_errors or gear.rack.back_parallelism or measured.change_along_travel:
         return None
-    pinion = gear.pinion
+    pinion, grid = gear.pinion, measured.pinion
     alike = pinion.runout == 0 and pinion.pitch_error == 0 and not pinion.pitch_errors
+    alike &= grid is None or not grid.is_of_each_tooth
     periods = angle / (2 * np.pi) * (gear.pinion.teeth if alike else 1)
     return round(periods) if periods > 0.5 and abs(periods - round(periods)) < 1e-9 * periods else None

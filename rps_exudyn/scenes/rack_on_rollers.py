@@ -23,7 +23,9 @@ _WITHOUT = (
 
 def on_rollers(gear: SteeringGear) -> SteeringGear:
     """Return the gear with rollers in the pinion's place: teeth and bearings that do not rub, no errors."""
-    return gear.replace(dict.fromkeys(_WITHOUT, 0.0) | {"pinion.pitch_errors": "none"})
+    return gear.replace(
+        dict.fromkeys(_WITHOUT, 0.0) | {"pinion.pitch_errors": "none", "pinion.deviation": "none"}
+    )
 
 
 def _metrics(record: SteadyRecord) -> dict[str, float]:

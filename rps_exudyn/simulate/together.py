@@ -48,7 +48,8 @@ GAIN = ("pinion.normal_module", "rack.tooth_angle")  # from lock to lock each ge
 UNSUPPORTED = {
     "scene": "the gears of this scene are run singly",
     "fidelity": "many gears are computed together only by the fidelity quasi-static",
-    "parts": "a bow, a side force, the rack's weight, listed pitch errors or a sloping back need single runs",
+    "parts": "a bow, a side force, the rack's weight, listed pitch errors, measured flanks or a sloping back "
+    "need single runs",
     "friction": "bristles, or friction of the plunger in its bore or along the pinion, need single runs",
     "conditions": "temperature, wear or a grease needs single runs",
     "parameter": "gears that differ in {path} are run singly",
@@ -64,8 +65,9 @@ def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, value
     free = "step_angle", "strip_stations", "pinion"
     same = fidelity.replace({name: getattr(usual, name) for name in free})
     supported = fidelity.pinion == "supported"
-    listed = gear.rack.pitch_errors or gear.pinion.pitch_errors or gear.rack.back_parallelism
-    parts = gear.rack.bow or gear.rack.side_force or gear.installation.gravity or listed
+    rack, pinion = gear.rack, gear.pinion
+    listed = rack.pitch_errors or pinion.pitch_errors or rack.deviation or pinion.deviation
+    parts = rack.bow or rack.side_force or rack.back_parallelism or gear.installation.gravity or listed
     reasons = {
         "scene": scene_named(scene).test is None,
         "fidelity": same != usual,

@@ -128,6 +128,8 @@ def beyond_formulas(gear: SteeringGear) -> str:
         "pinion.pitch_error": pinion.pitch_error,
         "pinion.pitch_errors": pinion.pitch_errors,
         "rack.pitch_errors": gear.rack.pitch_errors,
+        "pinion.deviation": pinion.deviation,
+        "rack.deviation": gear.rack.deviation,
         "rack.back_parallelism": gear.rack.back_parallelism,
         "pinion.profile_slope": pinion.profile_slope,
         "pinion.lead_error": pinion.lead_error,

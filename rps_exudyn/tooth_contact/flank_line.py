@@ -218,7 +218,7 @@ def band_of(part, data):  # type: ignore[no-untyped-def]
     """The band of the flank below the tip relief, 0, or that with it, 1."""
     if part == 0:
         return FlankZone(data.q_form, min(data.q_tip, data.relief_start), 0.0, 0.0)
-    return FlankZone(data.relief_start, data.q_tip, data.relief, data.relief_start)
+    return FlankZone(max(data.relief_start, data.q_form), data.q_tip, data.relief, data.relief_start)
 
 
 @inline

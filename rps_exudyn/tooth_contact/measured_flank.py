@@ -47,12 +47,16 @@ def pooled_grids(flanks: MeasuredFlanks) -> tuple[np.ndarray, np.ndarray, np.nda
     return *records, np.concatenate(numbers)
 
 
+ROUNDED = 1e-9  # of an interval: a place on the grid's edge is not beyond it
+
+
 @inline
 def _place(u, i, grid):  # type: ignore[no-untyped-def]
     """Interval of a coordinate, how far in it the place lies, and the intervals per length; none beyond."""
     at, per_length, last = (u - grid.low[i]) * grid.per_length[i], grid.per_length[i], grid.intervals[i]
-    if not 0 < at < last:
-        at, per_length = min(max(at, 0.0), last), 0.0
+    if not -ROUNDED < at < last + ROUNDED:
+        per_length = 0.0
+    at = min(max(at, 0.0), last)
     number = min(np.floor(at), last - 1)
     return int(number), at - number, per_length
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from rps_exudyn.assessment.requirements.limits import REQUIRED
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.flank_grid import measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_limits import transverse_contact_ratio
 from rps_exudyn.gears.rack_bar import RackBar
@@ -238,7 +239,8 @@ class _Judged:
     def turning(self, band_of: BandOf) -> Iterator[RequirementRow]:
         """Torques over a turn about the centre; lock to lock where the torque changes along the travel."""
         gear, path = self.gear, dict[str, object]({"test.path": "lock-to-lock"})
-        if not (gear.rack.bow or gear.rack.pitch_errors or gear.installation.gravity):
+        changing = gear.rack.bow or gear.rack.pitch_errors or measured_flanks(gear).change_along_travel
+        if not (changing or gear.installation.gravity):
             start = -np.pi * gear.test.direction
             path = {"test.path": "there-and-back", "test.start_angle": start, "test.turns": 1.0}
         try:

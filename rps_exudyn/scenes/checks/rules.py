@@ -17,6 +17,7 @@ import numpy as np
 
 from rps_exudyn.analysis.passes import Signals, first_angle
 from rps_exudyn.forces.force_element import ENERGY_TERMS
+from rps_exudyn.gears.flank_grid import measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_limits import largest_lift
 from rps_exudyn.gears.pitch_errors import rack_errors
@@ -275,6 +276,17 @@ OF_PLAN = (
             1e6,
         ),
         applies=lambda seen: seen.model.mesh == "general-contact" and bool(seen.gear.rack.pitch_errors),
+        repair=lambda breach: {"mesh": "flank"},
+    ),
+    _plan(
+        lambda seen: np.abs(measured_flanks(seen.gear).rack.coefficients).max(),  # type: ignore[union-attr]
+        _asks(
+            "the largest of rack.deviation",
+            "fidelity.mesh = general-contact, whose rack has plane flanks,",
+            "{:.4g} um",
+            1e6,
+        ),
+        applies=lambda seen: seen.model.mesh == "general-contact" and bool(seen.gear.rack.deviation),
         repair=lambda breach: {"mesh": "flank"},
     ),
     _at_least("strip_points", lambda gear: 2, "flank"),
