@@ -20,7 +20,7 @@ from benchmarks.study_scaling import tolerance_study
 from benchmarks.topic import Columns, Topic, digits, rows_table, save_data
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.batch import Batch, batch
-from rps_exudyn.simulate.family import SINGLE_OUT
+from rps_exudyn.simulate.shared_maneuver import SINGLE_OUT
 from rps_exudyn.solvers.many_gears import RUNOUT_ANGLE
 from rps_exudyn.study.definition import settings_of
 from rps_exudyn.study.runner import StudyWork

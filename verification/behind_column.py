@@ -20,7 +20,7 @@ from rps_exudyn.forces.friction import PLACES, TIME
 from rps_exudyn.forces.pinion_support import with_float
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.law_by_scene import with_law
+from rps_exudyn.scenes.contact_law import resolve_contact_law
 from rps_exudyn.scenes.stick_slip import set_off
 from rps_exudyn.solvers.balance import Balance
 from rps_exudyn.solvers.equilibrium import equilibrium_path
@@ -221,7 +221,7 @@ def settled_figures(plan: ScenePlan, seconds: float) -> tuple[WheelFigures, int]
     if with_float(plan.gear, plan.fidelity).pinion == "supported":
         raise NotFoundError("the pinion is supported")
     law = scene_named(plan.scene).law
-    plan = replace(plan, gear=with_law(plan.gear, plan.fidelity, law))
+    plan = replace(plan, gear=resolve_contact_law(plan.gear, plan.fidelity, law))
     with cpu_time_limit(seconds):
         before = figures(plan, FINER[0])
     for finer in FINER[1:]:

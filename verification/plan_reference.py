@@ -28,7 +28,7 @@ from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import LOST_MOTIONS, SPREADS
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.law_by_scene import with_law
+from rps_exudyn.scenes.contact_law import resolve_contact_law
 from rps_exudyn.scenes.run_maneuver import drift_beside_travel
 from rps_exudyn.scenes.scene import WITHOUT_BARS
 from rps_exudyn.scenes.yoke_impact import shaken
@@ -106,7 +106,7 @@ class Expected:
 def expected(plan: ScenePlan) -> Expected:
     """Return the right figures of a plan of any scene, by the contact law that the scene needs."""
     law = scene_named(plan.scene).law
-    plan = replace(plan, gear=with_law(plan.gear, plan.fidelity, law))
+    plan = replace(plan, gear=resolve_contact_law(plan.gear, plan.fidelity, law))
     try:
         if plan.scene == "yoke-impact":
             return _shaken(replace(plan, fidelity=plan.fidelity.with_bending()))

@@ -29,7 +29,7 @@ from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.results.rounding import shown_with_bar
 from rps_exudyn.results.sheet import Block, Grid, Line, Section, Text
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.law_by_scene import with_law
+from rps_exudyn.scenes.contact_law import resolve_contact_law
 from rps_exudyn.simulate.cases.run_cases import checked_jobs
 
 QUICK_OTHERWISE = 64  # runs of a scene without a quick band
@@ -72,7 +72,7 @@ class BandRun:
 
             band = made(on_progress=report, jobs=processes, time_limit=self.time_limit)
         law = band.nominal.gear.mesh.law
-        single = with_law(gear, setup.fidelity, scene_named(self.scene).law).mesh.law
+        single = resolve_contact_law(gear, setup.fidelity, scene_named(self.scene).law).mesh.law
         if law != single:
             note(
                 f"the band uses the contact law {law}, as every series of gears; a single run uses {single}."

@@ -12,7 +12,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Remark
 from rps_exudyn.scenes.checks.after_run import validated
 from rps_exudyn.scenes.checks.rules import Motion
-from rps_exudyn.scenes.law_by_scene import NeededLaw
+from rps_exudyn.scenes.contact_law import ContactLaw
 from rps_exudyn.scenes.maneuver import Maneuver, StepLimits, swing_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 
@@ -109,7 +109,7 @@ class Scene:
         test: its maneuvers and metrics, where many gears can be computed together.
         revolutions: how often the pinion turns in a run one way, by default as in the test; None where it
             does not turn.
-        law: contact law that its metrics need, where the gear's is by-scene (`law_by_scene`).
+        law: contact law that its metrics need, where the gear's is by-scene (`contact_law`).
 
     Examples:
         >>> from rps_exudyn.scenes import scene_named
@@ -131,7 +131,7 @@ class Scene:
     at_test_speed: bool = True
     test: SteadyTest | None = None
     revolutions: Callable[[SteeringGear], float] | None = lambda gear: gear.test.turns
-    law: NeededLaw = "line"
+    law: ContactLaw = "line"
 
     @property
     def motion(self) -> Motion:

@@ -24,10 +24,10 @@ from rps_exudyn.results.outcome import Status, joined_text
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.law_by_scene import with_law
+from rps_exudyn.scenes.contact_law import resolve_contact_law
 from rps_exudyn.simulate.cases.task import Task, answer_to
+from rps_exudyn.simulate.gear_table import UNSUPPORTED, GearTable, simulate_table, unsupported_reason
 from rps_exudyn.simulate.run import simulate
-from rps_exudyn.simulate.together import UNSUPPORTED, GearTable, together, unsupported_reason
 
 ROUNDING = 1e-9  # of an angle [rad]
 
@@ -170,7 +170,7 @@ def batch(
 
     The gears of a free pinion torque, a load test or a rack push are computed together, several times as fast
     as one by one: by the same equations at the same instants, with means within 1e-5 and other metrics mostly
-    within 1e-3 of single runs. What is not supported (`together.UNSUPPORTED`) or not found well within the
+    within 1e-3 of single runs. What is not supported (`gear_table.UNSUPPORTED`) or not found well within the
     bounds of all checks is simulated one by one; see `in_loop` and `single_run_reason`. So are tables
     of few gears.
 
@@ -202,12 +202,12 @@ def batch(
     chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity)
     rows = rows_of(values)
     if "mesh.law" not in values:
-        gear = with_law(gear, chosen, chosen_scene.law, values)
+        gear = resolve_contact_law(gear, chosen, chosen_scene.law, values)
     kept = chosen_scene.test.curve if keep == "torque" and chosen_scene.test else None
     found, reason = None, unsupported_reason(scene, gear, chosen, values)
     if not reason:
         of_ranges = None if ranges is None else _numbers(ranges)
-        found = together(scene, gear, chosen, _numbers(values), of_ranges, kept)
+        found = simulate_table(scene, gear, chosen, _numbers(values), of_ranges, kept)
         reason = "" if found else UNSUPPORTED["few"]
     ended = [False] * len(rows) if found is None else found.ended
     results = (

@@ -28,7 +28,7 @@ from rps_exudyn.scenes.error_bars import FACTOR
 from rps_exudyn.scenes.ladder import FINEST
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, Scene
 from rps_exudyn.scenes.sizes import size_of, sizes
-from rps_exudyn.scenes.with_bars import Levels
+from rps_exudyn.scenes.two_levels import Levels
 from rps_exudyn.simulate.cases.task import hand_over
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.simulate.run_plan import Plan

@@ -22,7 +22,7 @@ from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.block import AxisColumns, Keep
 from rps_exudyn.results.quantities import Quantity
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.law_by_scene import SERIES, with_law
+from rps_exudyn.scenes.contact_law import LAW_OF_SERIES, resolve_contact_law
 from rps_exudyn.simulate.by_accuracy import AccuracyGoal
 
 FILETYPE = "rps_exudyn-study"
@@ -220,8 +220,8 @@ class Study:
         paths = [path for axis in self.axes for path in (*axis.paths, *axis.along)]
         if any(path == "mesh.law" or path.startswith(FIDELITY) for path in paths):
             return base
-        needed = SERIES if self.design == UNCERTAIN_DESIGN else scene_named(self.scene).law
-        return with_law(base, base.fidelity, needed, paths)
+        needed = LAW_OF_SERIES if self.design == UNCERTAIN_DESIGN else scene_named(self.scene).law
+        return resolve_contact_law(base, base.fidelity, needed, paths)
 
     def setup(self, settings: Mapping[str, Any]) -> Setup:
         """Return the base with these settings (path -> value).

@@ -20,7 +20,7 @@ from rps_exudyn.results.block import CaseRecord
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.cases.case_group import CaseGroup
 from rps_exudyn.simulate.cases.task import Answer, Executor, Task
-from rps_exudyn.simulate.together import UNSUPPORTED, can_exist, fewest, unsupported_reason
+from rps_exudyn.simulate.gear_table import UNSUPPORTED, can_exist, fewest, unsupported_reason
 from rps_exudyn.study.definition import FIDELITY, Case, Description, Study, settings_of
 
 FEWEST = 64  # cases of a design, from which groups pay

@@ -22,7 +22,7 @@ from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.scenes.steering_torque import torque_maneuver
 from rps_exudyn.scenes.stick_slip import set_off
-from rps_exudyn.scenes.with_bars import Levels
+from rps_exudyn.scenes.two_levels import Levels
 from rps_exudyn.scenes.yoke_impact import shaken
 
 STILL = Fidelity.preset("quasi-static")

@@ -158,7 +158,7 @@ def test_unknown_error_bar_of_a_member_is_kept(tmp_path: Path, monkeypatch: pyte
         known = error_bars(*given)
         return known | {"torque_mean": known["torque_mean"] * np.nan}
 
-    monkeypatch.setattr("rps_exudyn.simulate.together.error_bars", bars)
+    monkeypatch.setattr("rps_exudyn.simulate.gear_table.error_bars", bars)
     group = group_of(next(tasks_of(tmp_path, FEWEST, "[set]\ntest.turns = 0.2\n")))
     record = next(each for each in group.records() if each.found_together)
     assert np.isnan(record.result().errors["torque_mean"])

@@ -35,7 +35,7 @@ from rps_exudyn.results.law_error import LawError, error_of_law
 from rps_exudyn.results.outcome import Interrupted, Status, alike
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.law_by_scene import SERIES, with_law
+from rps_exudyn.scenes.contact_law import LAW_OF_SERIES, resolve_contact_law
 from rps_exudyn.simulate.batch import Batch
 from rps_exudyn.simulate.run import simulate
 
@@ -181,7 +181,7 @@ def nominal_result(
     Raises:
         InputError: that run fails.
     """
-    gear = with_law(gear, fidelity, SERIES, inputs)
+    gear = resolve_contact_law(gear, fidelity, LAW_OF_SERIES, inputs)
     medians = gear.replace({path: each.nominal for path, each in inputs.items()})
     result = simulate(scene, medians, fidelity)
     if result.status is not Status.OK:

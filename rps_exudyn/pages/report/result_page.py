@@ -30,8 +30,8 @@ from rps_exudyn.pages.report.html import (
 )
 from rps_exudyn.pages.report.pictures import at_widths, picture
 from rps_exudyn.pages.report.result_sheet import REMARK, WORK_LOST, loss_shares, sheet_of, summary_grid
+from rps_exudyn.parameters.display_names import GEAR_FACTS, named
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.parameters.names import GEAR_FACTS, named
 from rps_exudyn.results.law_error import error_of_law
 from rps_exudyn.results.outcome import Status, sentences
 from rps_exudyn.results.page_blocks import CodeText, Columns, Facts, Fold, Pictures, Share, Shares, Warning

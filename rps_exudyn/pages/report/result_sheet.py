@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from rps_exudyn.base.units import words
 from rps_exudyn.parameters.derived import derived_values
+from rps_exudyn.parameters.display_names import named
 from rps_exudyn.parameters.gear import BY_SCENE, SteeringGear
-from rps_exudyn.parameters.names import named
 from rps_exudyn.results.law_error import error_of_law, law_error
 from rps_exudyn.results.outcome import Status, sentences
 from rps_exudyn.results.quantities import COUNTERS, LABELS, PARTS, SIGNALS, SUMMARY

@@ -24,8 +24,8 @@ from rps_exudyn.simulate.batch import Batch, batch
 from rps_exudyn.simulate.by_accuracy import AccuracyGoal, climb
 from rps_exudyn.simulate.cases.task import Task, answer_to
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
+from rps_exudyn.simulate.gear_table import LEVEL
 from rps_exudyn.simulate.run import simulate
-from rps_exudyn.simulate.together import LEVEL
 from rps_exudyn.solvers.settling import TOLERANCE
 
 FINDING = "many gears computed together: mean within 1e-5, other metrics mostly within 1e-3 of a single run"

@@ -37,7 +37,7 @@ from rps_exudyn.results.judged_row import JudgedRow, Verdict
 from rps_exudyn.results.limit import Limit
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY
-from rps_exudyn.scenes.law_by_scene import SERIES, with_law
+from rps_exudyn.scenes.contact_law import LAW_OF_SERIES, resolve_contact_law
 from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
 from rps_exudyn.scenes.rack_lift import SCENE as RACK_LIFT
 from rps_exudyn.simulate.run import simulate
@@ -161,7 +161,7 @@ def judge(
 
 def law_of_sheet(gear: SteeringGear) -> str:
     """Return the contact law of the sheet's runs."""
-    return with_law(gear, FOR_MEANS, SERIES).mesh.contact_law
+    return resolve_contact_law(gear, FOR_MEANS, LAW_OF_SERIES).mesh.contact_law
 
 
 @dataclass(frozen=True)

@@ -21,9 +21,9 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted, Remark
 from rps_exudyn.results.quantities import EXTREMES, MOTIONS, SPREADS
-from rps_exudyn.scenes.bar_terms import bar_terms
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses
 from rps_exudyn.scenes.checks.rules import OF_BARS, VIBRATES, Seen, breaches
+from rps_exudyn.scenes.error_bar_terms import bar_terms
 from rps_exudyn.scenes.error_bars import FLOOR, Metrics, error_bars
 from rps_exudyn.scenes.ladder import gear_at, model_at
 from rps_exudyn.scenes.scene import RunOptions, Scene
