@@ -92,12 +92,12 @@ class Judged:
         self.name, _, numbers = text.partition("=")
         self.value, self.bar, self.right, self.doubt = map(float, numbers.split("/"))
         self.off = max(abs(self.value - self.right) - self.doubt - ROUNDING * abs(self.right), 0.0)
-        self.is_figure = self.name == scene_named(self.scene).figure
+        self.is_main_metric = self.name == scene_named(self.scene).main_metric
 
     @property
     def kind(self) -> str:
         """What the metric is."""
-        if self.is_figure:
+        if self.is_main_metric:
             return "figure of the scene"
         return next((kind for kind, names in KINDS.items() if self.name in names), "means, works, motions")
 

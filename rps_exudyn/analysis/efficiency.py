@@ -151,7 +151,7 @@ def free_torque_of(signals: Signals, pitch: float) -> float:
 
 
 def describe_load_test(test: LoadTest) -> dict[str, float]:
-    """The summary's figures, by their names there; no efficiencies without a load.
+    """Metrics, by their names there; no efficiencies without a load.
 
     Of many gears, nan is a net efficiency that one lacks.
     """

@@ -1,7 +1,7 @@
-"""Figures of torque over angle at the steering wheel, of a wheel that is steered to and fro.
+"""Metrics of torque over angle at the steering wheel, of a wheel that is steered to and fro.
 
 The torque is that of the column, without the inertia of the wheel: what a sensor in the column reads. Each
-figure is of the last whole cycle, or the mean over its ways.
+metric is of the last whole cycle, or the mean over its ways.
 """
 
 import numpy as np
@@ -20,28 +20,28 @@ def at_wheel(signals: Signals) -> dict[str, np.ndarray]:
 
 
 def describe_feel(signals: Signals) -> dict[str, float]:
-    """The summary's figures of steering feel; {} of a record without two ways of the wheel."""
+    """Metrics of steering feel; {} of a record without two ways of the wheel."""
     seen = at_wheel(signals)
     ways = passes(seen)[1:]  # each after a turn
     if not ways:
         return {}
-    figures = {}
+    metrics = {}
     if (area := loop_area(seen)) is not None:
-        figures["feel_area"] = area
+        metrics["feel_area"] = area
     running = float(np.mean([_running(way) for way in ways]))
-    figures["feel_running_torque"] = running
+    metrics["feel_running_torque"] = running
     turned = [each for way in ways if (each := _turned_about(way)) is not None]
     if not turned:
-        return figures
-    figures["on_centre_stiffness"] = float(np.mean([stiffness for stiffness, _ in turned]))
-    figures["feel_angle_hysteresis"] = float(np.mean([lost for _, lost in turned]))
+        return metrics
+    metrics["on_centre_stiffness"] = float(np.mean([stiffness for stiffness, _ in turned]))
+    metrics["feel_angle_hysteresis"] = float(np.mean([lost for _, lost in turned]))
     peaks = []
     for way, (_, lost) in zip(ways, turned, strict=False):  # near the angle in which the torque turned about
         angle, torque = _against(way)
         peaks.append(float(torque[angle <= YIELDED * lost].max()))
-    figures["breakaway_torque"] = float(np.mean(peaks))
-    figures["breakaway_ratio"] = figures["breakaway_torque"] / running
-    return figures
+    metrics["breakaway_torque"] = float(np.mean(peaks))
+    metrics["breakaway_ratio"] = metrics["breakaway_torque"] / running
+    return metrics
 
 
 def _against(way: Pass) -> tuple[np.ndarray, np.ndarray]:
@@ -70,14 +70,14 @@ def _turned_about(way: Pass) -> tuple[float, float] | None:
     return GRADIENT * 2 * running / float(high - low), lost
 
 
-# --- Figures of a wheel that a torque steers: loop, dead bands and gradient, or where it moves off
+# --- Metrics of a wheel that a torque steers: loop, dead bands and gradient, or where it moves off
 
 MIDDLE = 0.2  # of the angles either side of the middle, over which the gradient is taken
 MOVED_OFF = 0.5  # of the speed with which the pinion follows a growing torque without friction
 
 
 def describe_breakaway(signals: Signals, speed: float, gain: float) -> dict[str, float]:
-    """The summary's figure of a torque that grows at a constant rate: the largest torque of the column, less
+    """Metric of a torque that grows at a constant rate: the largest torque of the column, less
     what the tyres take of it, until the pinion has moved off; {} of one that has not.
 
     `speed` [rad/s] is that with which the pinion would follow without friction, `gain` the rack's [m].
@@ -91,23 +91,23 @@ def describe_breakaway(signals: Signals, speed: float, gain: float) -> dict[str,
 
 
 def describe_steering_torque(signals: Signals, period: float) -> dict[str, float]:
-    """The summary's figures of steering by torque; {} of a record without both ways of the wheel.
+    """Metrics of steering by torque; {} of a record without both ways of the wheel.
 
     The torque is the column's, the angle the wheel's; `period` [s] is the hand's.
     Dead bands are the widths of the loop: of its angles without torque, of its torques at the middle angle.
     """
     seen = at_wheel(signals)
     ways = [longest_pass(seen, direction) for direction in (+1, -1)]
-    figures: dict[str, float] = {}
+    metrics: dict[str, float] = {}
     if signals["time"][-1] > period * (1 - 1e-6):
         last = signals["time"] >= signals["time"][-1] - period * (1 + 1e-6)
-        figures["feel_area"] = float(np.trapezoid(seen["pinion_torque"][last], seen["pinion_angle"][last]))
+        metrics["feel_area"] = float(np.trapezoid(seen["pinion_torque"][last], seen["pinion_angle"][last]))
     angles, torques, slopes = [], [], []
     middle = float(seen["pinion_angle"].max() + seen["pinion_angle"].min()) / 2
     reach = MIDDLE * float(np.ptp(seen["pinion_angle"]))
     for way in ways:
         if way is None or not way.signals["pinion_torque"].min() < 0 < way.signals["pinion_torque"].max():
-            return figures
+            return metrics
         rising = slice(None, None, way.direction)
         angle, torque = way.angle[rising], way.signals["pinion_torque"][rising]
         angles.append(float(np.interp(0.0, np.maximum.accumulate(torque), angle)))
@@ -115,8 +115,8 @@ def describe_steering_torque(signals: Signals, period: float) -> dict[str, float
         inner = np.abs(angle - middle) <= reach
         if np.count_nonzero(inner) > 2:
             slopes.append(float(np.polyfit(angle[inner], torque[inner], 1)[0]))
-    figures["angle_dead_band"] = angles[1] - angles[0]
-    figures["torque_dead_band"] = torques[0] - torques[1]
+    metrics["angle_dead_band"] = angles[1] - angles[0]
+    metrics["torque_dead_band"] = torques[0] - torques[1]
     if slopes:
-        figures["steering_gradient"] = float(np.mean(slopes))
-    return figures
+        metrics["steering_gradient"] = float(np.mean(slopes))
+    return metrics

@@ -94,9 +94,9 @@ def bar_terms(
             total[name] = total[name] + share
     measured = {"work_missing": missing}
     if leaves_inertia_out:  # the share of the main metric, or of the forces of its run, that the terms are
-        unit, figure = SUMMARY[scene.figure].unit, values.get(scene.figure, 0.0)
-        main = np.maximum(np.abs(figure), of_run.get(unit, 0.0))
-        measured["moved_by_inertia"] = total.get(scene.figure, 0.0) / np.where(main > 0, main, np.inf)
+        unit, main_metric = SUMMARY[scene.main_metric].unit, values.get(scene.main_metric, 0.0)
+        main = np.maximum(np.abs(main_metric), of_run.get(unit, 0.0))
+        measured["moved_by_inertia"] = total.get(scene.main_metric, 0.0) / np.where(main > 0, main, np.inf)
     return total, measured
 
 

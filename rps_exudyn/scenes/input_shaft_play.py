@@ -45,7 +45,7 @@ def input_shaft_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions
 def shaft_figures(signals: Signals) -> dict[str, float]:
     """Return how far the input shaft's end moves between the largest forces of both ways, of the radial
     directions the larger; {} of a record that ends before."""
-    figures = {}
+    metrics = {}
     for play, axes in PLAYS.items():
         moved = []
         for axis in axes:
@@ -53,8 +53,8 @@ def shaft_figures(signals: Signals) -> dict[str, float]:
             if force.max() > 0 > force.min():
                 moved.append(float(place[force.argmax()] - place[force.argmin()]))
         if len(moved) == len(axes):
-            figures[f"input_shaft_play_{play}"] = max(moved)
-    return figures
+            metrics[f"input_shaft_play_{play}"] = max(moved)
+    return metrics
 
 
 SCENE = Scene(
@@ -62,7 +62,7 @@ SCENE = Scene(
     title="Input shaft play: forces on the end of the pinion's shaft",
     run=input_shaft_play,
     signal="shaft_end_y",
-    figure="input_shaft_play_radial",
+    main_metric="input_shaft_play_radial",
     chart="shaft_play",
     at_rest=True,
     revolutions=None,

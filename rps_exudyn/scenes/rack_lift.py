@@ -37,17 +37,17 @@ def lift_figures(signals: Signals) -> dict[str, float]:
     """Return the lift of the bar's axis above the pitch point under the largest torque each way, the larger
     of both, and that of the rack's end."""
     torque, lift, end = (signals[name] for name in ("pinion_torque", "rack_y", "rack_end_y"))
-    figures, largest = {}, float(np.abs(torque).max())
+    metrics, largest = {}, float(np.abs(torque).max())
     for sense, name in ((1, "rack_lift_forward"), (-1, "rack_lift_backward")):
         turned = np.flatnonzero(torque == sense * largest)
         if largest and turned.size:
-            figures[name] = float(lift[turned[0]] - lift[0])
-            figures["rack_lift_end"] = max(
-                float(end[turned[0]] - end[0]), figures.get("rack_lift_end", -np.inf)
+            metrics[name] = float(lift[turned[0]] - lift[0])
+            metrics["rack_lift_end"] = max(
+                float(end[turned[0]] - end[0]), metrics.get("rack_lift_end", -np.inf)
             )
-    if len(figures) == 3:
-        figures["rack_lift"] = max(figures["rack_lift_forward"], figures["rack_lift_backward"])
-    return figures
+    if len(metrics) == 3:
+        metrics["rack_lift"] = max(metrics["rack_lift_forward"], metrics["rack_lift_backward"])
+    return metrics
 
 
 SCENE = Scene(
@@ -55,7 +55,7 @@ SCENE = Scene(
     title="Rack lift: the rack under a torque on the pinion",
     run=rack_lift,
     signal="rack_y",
-    figure="rack_lift",
+    main_metric="rack_lift",
     chart="lift",
     at_rest=True,
     revolutions=None,

@@ -9,7 +9,7 @@ out.
 from dataclasses import replace
 
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.metrics import figures_of_motion
+from rps_exudyn.scenes.metrics import metrics_of_motion
 from rps_exudyn.scenes.rack_push import TEST as RACK_PUSH
 from rps_exudyn.scenes.rack_push import push_figures
 from rps_exudyn.scenes.run_maneuver import run_steady
@@ -28,7 +28,7 @@ def on_rollers(gear: SteeringGear) -> SteeringGear:
 
 def _metrics(record: SteadyRecord) -> dict[str, float]:
     force = push_figures(record.signals)["push_force_mean"]
-    return {"roller_force_mean": force, **figures_of_motion(record.signals, record.gear, record.gain)}
+    return {"roller_force_mean": force, **metrics_of_motion(record.signals, record.gear, record.gain)}
 
 
 TEST = replace(RACK_PUSH, metrics=_metrics)
@@ -39,7 +39,7 @@ SCENE = Scene(
     title="Rack on rollers: force",
     run=lambda gear, fidelity, options: run_steady(TEST, on_rollers(gear), fidelity, options),
     signal="rack_force",
-    figure="roller_force_mean",
+    main_metric="roller_force_mean",
     chart="rack_push",
     steady=True,
 )

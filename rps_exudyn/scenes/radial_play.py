@@ -41,19 +41,19 @@ def radial_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
 def play_figures(signals: Signals) -> dict[str, float]:
     """Return how far the rack's end moves from where it rests under the largest force each way, {} of a
     record that ends before."""
-    figures = {}
+    metrics = {}
     for axis, names in WAYS.items():
         force, place = signals[f"end_force_{axis}"], signals[f"rack_end_{axis}"]
         largest = np.abs(force).max()
         for sense, name in zip((1, -1), names, strict=True):
             pressed = np.flatnonzero(force == sense * largest)
             if largest and pressed.size:
-                figures[f"radial_play_{name}"] = float(abs(place[pressed[0]] - place[0]))
+                metrics[f"radial_play_{name}"] = float(abs(place[pressed[0]] - place[0]))
     for axis, names in WAYS.items():
-        ways = [figures[f"radial_play_{name}"] for name in names if f"radial_play_{name}" in figures]
+        ways = [metrics[f"radial_play_{name}"] for name in names if f"radial_play_{name}" in metrics]
         if len(ways) == 2:
-            figures[f"radial_play_{axis}"] = max(ways)
-    return figures
+            metrics[f"radial_play_{axis}"] = max(ways)
+    return metrics
 
 
 SCENE = Scene(
@@ -61,7 +61,7 @@ SCENE = Scene(
     title="Radial play: the rack's end under a force across it",
     run=radial_play,
     signal="rack_end_y",
-    figure="radial_play_y",
+    main_metric="radial_play_y",
     chart="play",
     at_rest=True,
     revolutions=None,

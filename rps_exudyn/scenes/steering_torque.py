@@ -20,7 +20,7 @@ from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.results.quantities import EXTREMES, LOSS_SHARES, SPREADS
 from rps_exudyn.scenes.checks.before_run import check_travel
 from rps_exudyn.scenes.maneuver import Maneuver
-from rps_exudyn.scenes.metrics import figures_of_motion
+from rps_exudyn.scenes.metrics import metrics_of_motion
 from rps_exudyn.scenes.run_maneuver import run_maneuver, run_swing
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
@@ -56,7 +56,7 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
             of_torque = describe_breakaway(signals, test.direction * speed, gain)
         else:
             of_torque = describe_steering_torque(signals, 1 / test.steer_frequency)
-        return {**of_torque, **figures_of_motion(signals, gear)}
+        return {**of_torque, **metrics_of_motion(signals, gear)}
 
     make = run_maneuver if grows else run_swing
     run = make(gear.replace({"test.speed": speed}), fidelity, maneuver, options).described(metrics, gear)
@@ -109,7 +109,7 @@ SCENE = Scene(
     title="Steering by torque: the wheel against the tyres",
     run=steering_torque,
     signal="wheel_angle",
-    figure="feel_area",
+    main_metric="feel_area",
     chart="steering_feel",
     revolutions=None,
     at_test_speed=False,

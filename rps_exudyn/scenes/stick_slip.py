@@ -1,7 +1,7 @@
 """Stick-slip: the wheel turns at a slow constant speed from rest; the gear slides, or sticks and slips.
 
 The column twists until static friction is overcome, which is the breakaway. If friction falls with speed the
-gear may come to rest again, and again. The record begins at rest and goes on for so many cycles; figures are
+gear may come to rest again, and again. The record begins at rest and goes on for so many cycles; metrics are
 those of its later half. Beside them stands what is predicted: the speed below which the reduced gear goes on
 sticking (`analysis.friction_oscillator`), and the damping of the column below which steady sliding is
 unstable (`solvers.sliding_stability`).
@@ -96,7 +96,7 @@ SCENE = Scene(
     title="Stick-slip: the gear behind a slowly turning wheel",
     run=stick_slip,
     signal="column_torque",
-    figure="stick_slip_torque",
+    main_metric="stick_slip_torque",
     chart="stick_slip",
     needs_inertia=True,
     revolutions=None,

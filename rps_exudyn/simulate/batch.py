@@ -1,10 +1,10 @@
-"""Many gears of one design in one scene: a table of parameter values in, figures and curves out.
+"""Many gears of one design in one scene: a table of parameter values in, metrics and curves out.
 
     found = batch("free-pinion-torque", gear, {"pinion.runout": runouts, "yoke.preload": preloads})
     found.summary["torque_mean"]                      # (n,), nan where the gear failed
     found.curves("pinion_torque", angles)             # (n, angles)
 
-Every row ends as a single run of that gear would: same equations, statuses, messages and figures.
+Every row ends as a single run of that gear would: same equations, statuses, messages and metrics.
 """
 
 from collections.abc import Mapping, Sequence
@@ -33,7 +33,7 @@ ROUNDING = 1e-9  # of an angle [rad]
 
 
 class Columns(dict[str, np.ndarray]):
-    """Figures of n gears by name, shape (n,) each; a declared figure that no gear has is a column of nan."""
+    """Metrics of n gears by name, shape (n,) each; a declared metric that no gear has is a column of nan."""
 
     def __init__(self, count: int) -> None:
         super().__init__()
@@ -104,10 +104,10 @@ class Batch:
     @property
     def summary(self) -> Columns:
         """Metrics by the names of `quantities`, shape (n,) each; nan where a gear has none; where every gear
-        failed, the scene's own figure.
+        failed, the scene's own main metric.
         """
         scenes = (scene_named(result.scene) for result in self.results if result)
-        return self._columns("summary", dict.fromkeys(scene.figure for scene in scenes))
+        return self._columns("summary", dict.fromkeys(scene.main_metric for scene in scenes))
 
     def _columns(self, group: str, usual: Mapping[str, Any]) -> Columns:
         """Numbers of a group of each result; without any, the usual names."""
@@ -179,7 +179,7 @@ def batch(
         gear: what all have in common, the contact law by scene too.
         values: path of a parameter -> its n values, SI or text with a unit.
         fidelity: name of a preset, or a `Fidelity`.
-        keep: "signals", all of them; or "torque", the curve of the drive's torque or force, and figures.
+        keep: "signals", all of them; or "torque", the curve of the drive's torque or force, and metrics.
         ranges: of a table that is a part of a larger one: path -> values over which that one varies, SI; so
             each gear ends the same in whichever part it is.
 

@@ -94,9 +94,9 @@ class AccuracyGoal:
             InputError: metrics that the run does not have.
         """
         _check_metrics(self.metrics, run.errors, f"no metric of {run.scene}")
-        figure = scene_named(run.scene).figure
-        names, of_run = self.metrics or (figure,), sizes(dict(run.signals), run.summary)
-        shares = [(0.0, figure)]  # where nothing is hit there is no peak, and none that is wrong
+        main_metric = scene_named(run.scene).main_metric
+        names, of_run = self.metrics or (main_metric,), sizes(dict(run.signals), run.summary)
+        shares = [(0.0, main_metric)]  # where nothing is hit there is no peak, and none that is wrong
         for name in names:
             if name in run.errors:
                 share = BARS * run.errors[name] / size_of(name, run.summary[name], of_run)

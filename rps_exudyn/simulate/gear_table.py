@@ -361,9 +361,9 @@ class _GearsAtLevel:
         of_test, signals = test.remarks(self.record), self.record.signals
         noted = [[*met, *own] for met, own in zip(self._limits_met(), of_test, strict=True)]
         if test.formulas is not None:
-            figures = [test.formulas(each) for each in self.gears]
-            for name in dict.fromkeys(name for own in figures for name in own):
-                summary[name] = np.array([own.get(name, np.nan) for own in figures])
+            by_formula = [test.formulas(each) for each in self.gears]
+            for name in dict.fromkeys(name for own in by_formula for name in own):
+                summary[name] = np.array([own.get(name, np.nan) for own in by_formula])
         wanted = signals if names is None else names
         kept = {name: signals[name] for name in wanted if name in signals}
         ended = np.ones(len(self.gears), dtype=bool)

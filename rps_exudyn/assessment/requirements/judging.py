@@ -54,7 +54,7 @@ TURNING = {
     "variation_on_centre": "torque_on_centre_variation",
     "variation_off_centre": "torque_off_centre_variation",
 }
-"""Requirement -> figure of a run that turns the pinion freely."""
+"""Requirement -> metric of a run that turns the pinion freely."""
 BandOf = Callable[[SteeringGear], Band]
 
 
@@ -223,12 +223,12 @@ class _Judged:
 
     def of_band(self, name: str, metric: str, band: Band) -> RequirementRow:
         """Judge a metric by its band: the share of its runs; failed ones keep nothing."""
-        if metric not in band.figures:
+        if metric not in band.metrics:
             raise InputError(f"the runs give no {metric}.")
         limit, numbers = self.limits[name], band.drawn.numbers[metric]
         known = numbers[np.isfinite(numbers)]
         share = float(np.count_nonzero(limit.keeps(known)) / numbers.size)
-        found, missing = band.figures[metric], numbers.size - known.size
+        found, missing = band.metrics[metric], numbers.size - known.size
         cause = next(iter(band.drawn.failures), "")
         remark = f"{missing} of {numbers.size} samples failed, most often {cause}" if missing else ""
         values = band.nominal.summary[metric], found.low, found.high
