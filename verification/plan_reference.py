@@ -26,7 +26,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.quantities import LOST_MOTIONS, SPREADS
+from rps_exudyn.results.quantities import LOST_MOTIONS, VARIATIONS
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.contact_law import resolve_contact_law
 from rps_exudyn.scenes.run_maneuver import drift_beside_travel
@@ -140,7 +140,7 @@ def finer_metrics(plan: ScenePlan) -> dict[str, tuple[float, float]]:
         found, cause = _by_solver(plan, solver)
         causes.append(cause)
         if still and solver == "generalized-alpha":
-            found = {name: each for name, each in found.items() if scene.steady or name not in SPREADS}
+            found = {name: each for name, each in found.items() if scene.steady or name not in VARIATIONS}
         right = found | right
     if not right:
         raise NotFoundError("; ".join(causes))

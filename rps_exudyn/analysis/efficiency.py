@@ -131,9 +131,9 @@ def measured_load_test(signals: Signals, load: Any, gain: Any, free_torque: Any,
     """
     if (both := both_directions(passes(signals))) is None:
         raise ValueError("a load test needs a record of raising and of lowering at common pinion angles")
-    *ways, common = both
+    *directions, common = both
     angle = whole_periods(common, pitch)
-    raising, lowering = (mean(angle, each.over(angle, "pinion_torque")) for each in ways)
+    raising, lowering = (mean(angle, each.over(angle, "pinion_torque")) for each in directions)
     return LoadTest(load, load * gain, raising, lowering, free_torque)
 
 

@@ -81,12 +81,12 @@ def lost_motion(signals: Signals) -> float | None:
     """
     if (both := both_directions(passes(signals))) is None:
         return None
-    *ways, angle = both
+    *directions, angle = both
     centre, reach = (angle[0] + angle[-1]) / 2, MIDDLE * (angle[-1] - angle[0]) / 2
     middle = angle[np.abs(angle - centre) <= reach]
     if middle.size < 2:
         return None
-    forward, backward = (each.over(middle, "rack_displacement") for each in ways)
+    forward, backward = (each.over(middle, "rack_displacement") for each in directions)
     return mean(middle, backward - forward)
 
 

@@ -32,11 +32,14 @@ def describe_rack(signals: Signals, runs: Sequence[Pass], gain: float | np.ndarr
     lost motion, see `hysteresis`.
     """
     metrics = {}
-    ways = [each.signals for each in runs]
-    if errors := [transmission_error(way, gain) for way in ways]:
+    motions = [each.signals for each in runs]
+    if errors := [transmission_error(motion, gain) for motion in motions]:
         ranges = [np.ptp(error, axis=-1) for error in errors]
         metrics["transmission_error_peak_to_peak"] = np.max(ranges, axis=0)
-    first = [order_amplitude(way["pinion_angle"], error, 1) for way, error in zip(ways, errors, strict=True)]
+    first = [
+        order_amplitude(motion["pinion_angle"], error, 1)
+        for motion, error in zip(motions, errors, strict=True)
+    ]
     if known := [amplitude for amplitude in first if amplitude is not None]:
         metrics["transmission_error_first_order"] = np.max(known, axis=0)
     metrics |= {name: np.ptp(signals[each], axis=-1) for name, each in RANGES.items() if each in signals}

@@ -39,8 +39,10 @@ def describe_directions(runs: Sequence[Pass]) -> dict[str, float]:
     """Metrics of both directions, each torque counted against the motion; {} without both."""
     if (both := both_directions(runs)) is None:
         return {}
-    *ways, angle = both
-    forward, backward = (each.direction * mean(angle, each.over(angle, "pinion_torque")) for each in ways)
+    *directions, angle = both
+    forward, backward = (
+        each.direction * mean(angle, each.over(angle, "pinion_torque")) for each in directions
+    )
     return {
         "torque_mean_forward": forward,
         "torque_mean_backward": backward,

@@ -50,9 +50,9 @@ def play_figures(signals: Signals) -> dict[str, float]:
             if largest and pressed.size:
                 metrics[f"radial_play_{name}"] = float(abs(place[pressed[0]] - place[0]))
     for axis, names in WAYS.items():
-        ways = [metrics[f"radial_play_{name}"] for name in names if f"radial_play_{name}" in metrics]
-        if len(ways) == 2:
-            metrics[f"radial_play_{axis}"] = max(ways)
+        displacements = [metrics[f"radial_play_{name}"] for name in names if f"radial_play_{name}" in metrics]
+        if len(displacements) == 2:
+            metrics[f"radial_play_{axis}"] = max(displacements)
     return metrics
 
 

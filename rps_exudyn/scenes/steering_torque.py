@@ -17,7 +17,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
-from rps_exudyn.results.quantities import EXTREMES, LOSS_SHARES, SPREADS
+from rps_exudyn.results.quantities import EXTREMES, LOSS_SHARES, VARIATIONS
 from rps_exudyn.scenes.checks.before_run import check_travel
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.metrics import metrics_of_motion
@@ -71,7 +71,7 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
         )
     falls = any(getattr(gear, part).surplus > 0 for part in RUBBING_PARTS)
     if grows and falls and fidelity.solver == "equilibrium":
-        run = run.noting(BRANCHES).unsure_of(SPREADS | EXTREMES | LOSS_SHARES)
+        run = run.noting(BRANCHES).unsure_of(VARIATIONS | EXTREMES | LOSS_SHARES)
     return run
 
 

@@ -42,8 +42,8 @@ def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> S
     predicted = predictions(gear, fidelity)
 
     def metrics(signals: Signals) -> dict[str, float]:
-        seen = describe_stick_slip(signals, gear.test.direction * gear.test.speed)
-        found = {**seen, **predicted, **balance(signals)}
+        of_sticking = describe_stick_slip(signals, gear.test.direction * gear.test.speed)
+        found = {**of_sticking, **predicted, **balance(signals)}
         return found if nothing is None else {name: found[name] for name in found if name != AMPLITUDE}
 
     return run_maneuver(gear, fidelity, set_off(gear), options).described(metrics, gear).noting(nothing)

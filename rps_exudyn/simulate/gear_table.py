@@ -21,7 +21,7 @@ from rps_exudyn.results.outcome import Remark
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.after_run import unsettled_share
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses, of_many
-from rps_exudyn.scenes.checks.rules import OF_BARS, REMARKS, Seen, refused, remarks
+from rps_exudyn.scenes.checks.rules import OF_BARS, REMARKS, RuleInput, refused, remarks
 from rps_exudyn.scenes.error_bar_terms import bar_terms
 from rps_exudyn.scenes.error_bars import error_bars
 from rps_exudyn.scenes.ladder import model_at
@@ -299,16 +299,16 @@ class _GearsAtLevel:
     def of(cls, table: TableAtLevel, chosen: np.ndarray, gears: list[SteeringGear]) -> "_GearsAtLevel":
         """Follow the chosen gears over all maneuvers; those found in each."""
         recorded = table.recorded
-        ways = [FollowedGears.of(shared, table.records, chosen) for shared in table.shared_maneuvers]
-        kept = np.logical_and.reduce([way.surely_ok() for way in ways])
+        followed = [FollowedGears.of(shared, table.records, chosen) for shared in table.shared_maneuvers]
+        kept = np.logical_and.reduce([each.surely_ok() for each in followed])
         some = [gears[i] for i in np.flatnonzero(kept).tolist()]
-        joined = one_after_another([way.whole(kept) for way in ways[:recorded]])
-        beside = ways[recorded].whole(kept) if len(ways) > recorded else {}
-        records = ways[0].records[kept]
+        joined = one_after_another([each.whole(kept) for each in followed[:recorded]])
+        beside = followed[recorded].whole(kept) if len(followed) > recorded else {}
+        records = followed[0].records[kept]
         gain, load = records["mesh"]["flank"]["gain"], records["load"]["force"][:, 0]
         counters = {
-            name: np.sum([way.counts[name] for way in ways[:recorded]], axis=0)[kept]
-            for name in ways[0].counts
+            name: np.sum([each.counts[name] for each in followed[:recorded]], axis=0)[kept]
+            for name in followed[0].counts
         }
         record = SteadyRecord(table.shared_maneuvers[0].gear, joined, beside, gain, np.abs(load))
         return cls(table, chosen[kept], some, record, counters)
@@ -344,8 +344,8 @@ class _GearsAtLevel:
         findings["unsettled_mean"] = unsettled_share(start, signals)
         recorded = signals, values, findings
         terms, measured = bar_terms(scene, shared.fidelity, self.metrics, *recorded, masses)
-        seen = Seen(shared.gear, numbers=measured)
-        holds = np.logical_and.reduce([rule.within(seen, SAFE) for rule in OF_BARS])
+        given = RuleInput(shared.gear, numbers=measured)
+        holds = np.logical_and.reduce([rule.within(given, SAFE) for rule in OF_BARS])
         none = np.zeros(len(self.gears))
         return {name: bars[name] + terms.get(name, none) for name in bars}, holds
 
@@ -359,7 +359,7 @@ class _GearsAtLevel:
             return self.some(holds).described(coarse.some(holds), names)
         summary, test = dict(self.summary), self.table.test
         of_test, signals = test.remarks(self.record), self.record.signals
-        noted = [[*met, *own] for met, own in zip(self._limits_met(), of_test, strict=True)]
+        remarks_of_gears = [[*met, *own] for met, own in zip(self._limits_met(), of_test, strict=True)]
         if test.formulas is not None:
             by_formula = [test.formulas(each) for each in self.gears]
             for name in dict.fromkeys(name for own in by_formula for name in own):
@@ -367,13 +367,18 @@ class _GearsAtLevel:
         wanted = signals if names is None else names
         kept = {name: signals[name] for name in wanted if name in signals}
         ended = np.ones(len(self.gears), dtype=bool)
-        return [(self.table.rows[self.chosen], GearTable(ended, summary, bars, self.counters, noted, kept))]
+        return [
+            (
+                self.table.rows[self.chosen],
+                GearTable(ended, summary, bars, self.counters, remarks_of_gears, kept),
+            )
+        ]
 
     def _limits_met(self) -> list[list[Remark]]:
         """Remarks on each gear by the function that remarks on single runs, where there is a cause."""
         signals = self.record.signals
-        seen = Seen(self.gears[0], signals=signals)
-        within = np.logical_and.reduce(np.broadcast_arrays(*(rule.within(seen) for rule in REMARKS)))
+        given = RuleInput(self.gears[0], signals=signals)
+        within = np.logical_and.reduce(np.broadcast_arrays(*(rule.within(given) for rule in REMARKS)))
         return [
             [] if within[i] else list(remarks(gear, signals_of_some(signals, i)))
             for i, gear in enumerate(self.gears)

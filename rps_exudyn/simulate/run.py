@@ -111,9 +111,9 @@ def simulate(
     if accuracy is not None:
         if level is not None:
             raise InputError("accuracy chooses the level itself; leave out level.")
-        wanted = AccuracyGoal.of(accuracy, metrics, fidelity)
-        model = Fidelity.preset(wanted.presets(scene_named(scene))[-1])
-        climbing = partial(climb, scene, gear, wanted, time_limit)
+        goal = AccuracyGoal.of(accuracy, metrics, fidelity)
+        model = Fidelity.preset(goal.presets(scene_named(scene))[-1])
+        climbing = partial(climb, scene, gear, goal, time_limit)
         return isolated_run(climbing, scene, gear, model, time_limit) if time_limit else climbing()
     if metrics is not None:
         raise InputError("metrics are those that accuracy keeps; give accuracy, or leave out metrics.")

@@ -14,7 +14,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.checks.before_run import largest_angle
-from rps_exudyn.scenes.checks.rules import IN_RECORD, Seen
+from rps_exudyn.scenes.checks.rules import IN_RECORD, RuleInput
 from rps_exudyn.scenes.error_bar_terms import ROUNDING
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_maneuver import CYCLE_DRIFT_LIMIT
@@ -255,13 +255,15 @@ class FollowedGears:
             signals[shared.maneuver.drive.signal],
             self.records["mesh"]["flank"]["axis_offset"][:, None],
         )
-        seen = Seen(shared.gear, signals=signals, axis_offset=offset, valid_to=shared.series.forces.valid_to)
+        given = RuleInput(
+            shared.gear, signals=signals, axis_offset=offset, valid_to=shared.series.forces.valid_to
+        )
         drift = np.abs(force[:, -1] - force[:, 0]) / np.maximum(np.abs(force).max(axis=-1), ROUNDING)
         steps = np.diff(signals["pinion_angle"]) * np.sign(shared.series.speed)
         allowed_drift = SAFE * CYCLE_DRIFT_LIMIT if shared.periods > 1 else STEADY
         checks = (
             self.found,
-            *(rule.within(seen, SAFE) for rule in IN_RECORD),
+            *(rule.within(given, SAFE) for rule in IN_RECORD),
             (drift * shared.periods < allowed_drift) | (not shared.maneuver.closes),
             (steps > 0).all(axis=-1),  # the pinion never turns back
         )

@@ -199,7 +199,7 @@ class Study:
     seed: int
     time_limit: float  # [s]
     keep: Keep
-    wanted: AccuracyGoal | None = None  # to which each case climbs the ladder; None: one run with bars
+    accuracy_goal: AccuracyGoal | None = None  # to which each case climbs the ladder; None: one run with bars
     blocks: bool | None = None  # whether cases are kept in blocks; None: if they are many
     correlation: Mapping[str, float] = field(default_factory=dict)  # "axis, axis" -> that of their scores
 

@@ -76,17 +76,17 @@ class CaseGroup:
             return failed(self.scene, base.steering_gear, base.fidelity, Status.INVALID, why)
         run = partial(simulate, self.scene, setup.steering_gear, setup.fidelity)
         if self.goal is not None:
-            wanted, seconds = self.goal
-            run = partial(climb, self.scene, setup.steering_gear, wanted, TimeLimit(seconds))
+            goal, seconds = self.goal
+            run = partial(climb, self.scene, setup.steering_gear, goal, TimeLimit(seconds))
         return answer_to(Task(run)).result(self.scene, setup.steering_gear, setup.fidelity)
 
     def _batch(self) -> list[Result]:
         wall, cpu = perf_counter(), process_time()
         settings = list(self.settings.values())
         table = {path: [each[path] for each in settings] for path in settings[0]}
-        wanted = self.keep.signals
+        kept = self.keep.signals
         test = scene_named(self.scene).test
-        torque_only = test is not None and wanted is not None and set(wanted) <= {*test.curve}
+        torque_only = test is not None and kept is not None and set(kept) <= {*test.curve}
         keep: Literal["torque", "signals"] = "torque" if torque_only else "signals"
         gear, fidelity = self.base.steering_gear, self.base.fidelity
         found = batch(self.scene, gear, table, fidelity=fidelity, keep=keep, ranges=self.ranges)
