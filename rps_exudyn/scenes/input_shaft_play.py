@@ -39,10 +39,10 @@ def input_shaft_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions
     force[1 : 1 + len(across), 1] = across
     force[len(across) : 2 * len(across), 0] = across
     force[2 * len(across) - 1 :, 2] = along
-    return run_at_rest(gear, chosen, "pinion", OutsideLoads.of_shaft(force), options, shaft_figures)
+    return run_at_rest(gear, chosen, "pinion", OutsideLoads.of_shaft(force), options, shaft_metrics)
 
 
-def shaft_figures(signals: Signals) -> dict[str, float]:
+def shaft_metrics(signals: Signals) -> dict[str, float]:
     """Return how far the input shaft's end moves between the largest forces of both ways, of the radial
     directions the larger; {} of a record that ends before."""
     metrics = {}

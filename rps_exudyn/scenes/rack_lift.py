@@ -28,12 +28,12 @@ def rack_lift(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     formula = {"rack_lift_closed_form": lift_of_torque(gear, gear.test.lift_torque)}
 
     def metrics(signals: Signals) -> dict[str, float]:
-        return lift_figures(signals) | formula
+        return lift_metrics(signals) | formula
 
     return run_at_rest(gear, bending(fidelity), "rack", OutsideLoads.of_torque(torque), options, metrics)
 
 
-def lift_figures(signals: Signals) -> dict[str, float]:
+def lift_metrics(signals: Signals) -> dict[str, float]:
     """Return the lift of the bar's axis above the pitch point under the largest torque each way, the larger
     of both, and that of the rack's end."""
     torque, lift, end = (signals[name] for name in ("pinion_torque", "rack_y", "rack_end_y"))

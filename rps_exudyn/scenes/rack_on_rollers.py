@@ -11,7 +11,7 @@ from dataclasses import replace
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.metrics import metrics_of_motion
 from rps_exudyn.scenes.rack_push import TEST as RACK_PUSH
-from rps_exudyn.scenes.rack_push import push_figures
+from rps_exudyn.scenes.rack_push import push_metrics
 from rps_exudyn.scenes.run_maneuver import run_steady
 from rps_exudyn.scenes.scene import Scene, SteadyRecord
 
@@ -27,7 +27,7 @@ def on_rollers(gear: SteeringGear) -> SteeringGear:
 
 
 def _metrics(record: SteadyRecord) -> dict[str, float]:
-    force = push_figures(record.signals)["push_force_mean"]
+    force = push_metrics(record.signals)["push_force_mean"]
     return {"roller_force_mean": force, **metrics_of_motion(record.signals, record.gear, record.gain)}
 
 

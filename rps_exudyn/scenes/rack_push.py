@@ -17,10 +17,10 @@ from rps_exudyn.scenes.scene_run import Signals
 
 def _metrics(record: SteadyRecord) -> dict[str, float]:
     of_motion = metrics_of_motion(record.signals, record.gear, record.gain)
-    return {**push_figures(record.signals), **of_motion}
+    return {**push_metrics(record.signals), **of_motion}
 
 
-def push_figures(signals: Signals) -> dict[str, float]:
+def push_metrics(signals: Signals) -> dict[str, float]:
     """Return the force along the motion: mean over all displacement, spread in the worse direction."""
     force, place = signals["rack_force"], signals["rack_displacement"]
     work = np.trapezoid(force, place)

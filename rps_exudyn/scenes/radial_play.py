@@ -34,11 +34,11 @@ def radial_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
     force = to_and_fro(gear.test.play_force, options.finer(STEPS))
     still = np.zeros_like(force)
     along = np.concatenate([np.stack([force, still], 1), np.stack([still, force], 1)[1:]])
-    run = run_at_rest(gear, chosen, "pinion", OutsideLoads.of_end_force(along), options, play_figures)
+    run = run_at_rest(gear, chosen, "pinion", OutsideLoads.of_end_force(along), options, play_metrics)
     return run.noting(None if chosen.rack == "flexible" else RIGID)
 
 
-def play_figures(signals: Signals) -> dict[str, float]:
+def play_metrics(signals: Signals) -> dict[str, float]:
     """Return how far the rack's end moves from where it rests under the largest force each way, {} of a
     record that ends before."""
     metrics = {}
