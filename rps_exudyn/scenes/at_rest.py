@@ -1,8 +1,8 @@
 """A gear at rest under loads from outside: equilibria one after the other, nothing sliding.
 
 Loads change so slowly that friction creeps away: the gear finds the place that it would find without
-friction, tapped and turned to and fro as a mechanic does before reading the gauge. Time counts the loads
-only.
+friction. A mechanic taps the gear, and turns it to and fro, before reading the gauge. Time counts the
+loads only.
 """
 
 from collections.abc import Callable

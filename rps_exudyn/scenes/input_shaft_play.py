@@ -1,10 +1,9 @@
 """Input shaft play: forces on the end of the pinion's shaft; how far it gives way.
 
-A mechanic presses the end of the input shaft to and fro across its axis, then along it, and reads a gauge
-there. The scene does so with `test.shaft_force` along Y and across Y, and with `test.shaft_axial_force` along
-the shaft; the pinion is held against rotation, the rack is free to follow. What gives way are the clearances
-and the float, the bearings, the shaft between and beyond them, the housing's seat, and the mesh with the yoke
-behind it.
+A mechanic presses the end of the input shaft to and fro, across its axis and along it, and reads a gauge.
+The scene does so with `test.shaft_force` along Y and across Y, and with `test.shaft_axial_force` along the
+shaft. The pinion is held against rotation, the rack is free to follow. Clearances and float give way, and so
+do bearings, shaft, the housing's seat, and the mesh with the yoke behind it.
 """
 
 import numpy as np
@@ -43,8 +42,8 @@ def input_shaft_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions
 
 
 def shaft_metrics(signals: Signals) -> dict[str, float]:
-    """Return how far the input shaft's end moves between the largest forces of both ways, of the radial
-    directions the larger; {} of a record that ends before."""
+    """Return how far the input shaft's end moves between the largest forces of both directions; the radial
+    play is that of the worse axis. {} of a record that ends before."""
     metrics = {}
     for play, axes in PLAYS.items():
         moved = []

@@ -1,9 +1,8 @@
 """Rack lift: a torque on the pinion, the rack held; how far the teeth lift the rack off the pinion.
 
-A mechanic holds the rack, turns the pinion with a given torque and reads how far the bar moves away from the
-pinion. The teeth push it away by torque / s' tan(alpha_n) / cos(beta_r), s' the rack's travel per radian:
-more than the yoke's spring holds, so that the plunger comes to rest on the yokenut and the lift shows its
-clearance.
+A mechanic holds the rack, turns the pinion with a given torque and reads how far the bar moves away. The
+teeth push it away by torque / s' tan(alpha_n) / cos(beta_r), s' the rack's travel per radian. That is more
+than the yoke's spring holds: the plunger comes to rest on the yokenut, and the lift shows its clearance.
 """
 
 import numpy as np
@@ -34,8 +33,8 @@ def rack_lift(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
 
 
 def lift_metrics(signals: Signals) -> dict[str, float]:
-    """Return the lift of the bar's axis above the pitch point under the largest torque each way, the larger
-    of both, and that of the rack's end."""
+    """Return the lift of the bar's axis above the pitch point under the largest torque each way. The larger
+    of both follows, then the lift of the rack's end."""
     torque, lift, end = (signals[name] for name in ("pinion_torque", "rack_y", "rack_end_y"))
     metrics, largest = {}, float(np.abs(torque).max())
     for sense, name in ((1, "rack_lift_forward"), (-1, "rack_lift_backward")):

@@ -1,9 +1,9 @@
 """Radial play: a force across the rack's end, the pinion held; how far the end gives way.
 
-A mechanic presses the end of the rack beside the pinion to and fro, across the housing, and reads a gauge
-there. The scene does so away from the pinion and towards it (Y), then sideways (Z), with `test.play_force`
-either way. What gives way is the bar, which bends; the mesh, the yoke's spring and seat, the bush; and the
-clearance behind the plunger, once the force lifts the rack off the pinion.
+A mechanic presses the end of the rack beside the pinion to and fro, and reads a gauge there. The scene does
+so away from the pinion and towards it (Y), then sideways (Z), with `test.play_force` either way. What gives
+way is the bar, which bends; the mesh, the yoke's spring and seat, the bush; and the clearance behind the
+plunger, once the force lifts the rack off the pinion.
 """
 
 import numpy as np
@@ -39,8 +39,8 @@ def radial_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
 
 
 def play_metrics(signals: Signals) -> dict[str, float]:
-    """Return how far the rack's end moves from where it rests under the largest force each way, {} of a
-    record that ends before."""
+    """Return how far the largest force each way moves the rack's end from where it rests; {} of a record
+    that ends before."""
     metrics = {}
     for axis, names in WAYS.items():
         force, place = signals[f"end_force_{axis}"], signals[f"rack_end_{axis}"]

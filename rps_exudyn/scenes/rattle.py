@@ -1,9 +1,9 @@
 """Rattle: a road's force along a tie rod shakes the rack's end, the pinion held; the plunger hits the nut.
 
 The force is a sine, or its positive halves, at an angle to the bar away from the pinion. One cycle settles,
-then `test.road_cycles` are recorded; the same again for each of `test.road_phases` phases at which the force
-begins, evenly spread over the cycle, because motions with impacts are chaotic (`analysis.rattle`).
-A growing sine finds the threshold instead: the size of the force at which the plunger first hits.
+then `test.road_cycles` are recorded. Motions with impacts are chaotic (`analysis.impacts`): the same follows
+for each of `test.road_phases` phases at which the force begins, evenly spread over the cycle. A growing sine
+finds the threshold instead: the size of the force at which the plunger first hits.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence

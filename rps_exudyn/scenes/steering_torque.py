@@ -2,10 +2,10 @@
 
 The torque has its peak `test.steer_torque` and the frequency `test.steer_frequency`; the wheel turns as the
 column, the gear's friction and a linear spring at the rack, `test.tyre_stiffness`, let it. That spring
-carries nothing where the test starts. One cycle and a quarter go before the record, which starts at a peak,
-and as many more as it takes until another one changes no metric.
-With `test.steer_shape` ramp the torque grows from none at a constant rate, until it is at that peak after a
-quarter of a cycle: the wheel moves off where it overcomes the friction.
+carries nothing where the test starts. One cycle and a quarter go before the record, which starts at a peak.
+More cycles go before it until another one changes no metric.
+With `test.steer_shape` ramp the torque grows from none at a constant rate, to that peak in a quarter of a
+cycle: the wheel moves off where it overcomes the friction.
 """
 
 import numpy as np

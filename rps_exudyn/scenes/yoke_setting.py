@@ -1,11 +1,11 @@
-"""Yoke setting: tighten the cap to a torque, turn it back by an angle, and measure the rotation torque.
+"""Yoke setting: tighten the yokenut to a torque, turn it back by an angle, and measure the rotation torque.
 
-As a workshop sets a gear: what the cap's thread makes of the torque, the clearance and the preload that the
-angle leaves, then the pinion turned from lock to lock and back, near the centre and beyond.
+The scene does what a workshop does. A mechanic tightens the yokenut, the cap, until it presses the plunger
+against the rack, and turns it back by an angle. That leaves a clearance and a preload. Then the pinion turns
+from lock to lock and back, near the centre and beyond.
 
-The cap is the yokenut: a mechanic tightens it until it presses the plunger against the rack, then turns it
-back by an angle. A torque T on its thread presses with F = T / lever, the lever that of a metric thread
-(VDI 2230), without friction under a head, which a cap does not have:
+A torque T on the thread presses with F = T / lever. The lever is that of a metric thread (VDI 2230), without
+friction under a head, which a cap does not have:
 
     lever = d_2 / 2 tan(lambda + rho'),  tan(lambda) = p / (pi d_2),  tan(rho') = mu / cos(30 deg)
 """

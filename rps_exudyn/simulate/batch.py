@@ -168,11 +168,11 @@ def batch(
     Each row is a gear of its own; one that cannot exist is a row with the status `invalid`, and its message
     states why.
 
-    The gears of a free pinion torque, a load test or a rack push are computed together, several times as fast
-    as one by one: by the same equations at the same instants, with means within 1e-5 and other metrics mostly
-    within 1e-3 of single runs. What is not supported (`gear_table.UNSUPPORTED`) or not found well within the
-    bounds of all checks is simulated one by one; see `in_loop` and `single_run_reason`. So are tables
-    of few gears.
+    The gears of a free pinion torque, a load test or a rack push are computed together. That is several times
+    as fast as one by one, by the same equations at the same instants. Means are within 1e-5, other metrics
+    mostly within 1e-3 of single runs. What is not supported (`gear_table.UNSUPPORTED`) or not found well
+    within the bounds of all checks is simulated one by one; see `in_loop` and `single_run_reason`. So are
+    tables of few gears.
 
     Args:
         scene: one of `scenes.SCENE_NAMES`.

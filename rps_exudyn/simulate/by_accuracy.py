@@ -132,7 +132,7 @@ def _check_metrics(names: Sequence[str], known: Collection[str], what: str) -> N
 
 # --- the climb -------------------------------------------------------------------------------------
 def climb(scene: str, gear: SteeringGear, goal: AccuracyGoal, time_limit: TimeLimit | None = None) -> Result:
-    """Return the first run whose bars are within what is wanted, else the best one with a remark.
+    """Return the first run whose bars are within the goal, else the best one with a remark.
 
     Raises:
         InputError: metrics that the scene does not have, or a gear or test that no preset can run.
@@ -179,7 +179,7 @@ class _Climb:
         self.problem: InputError | None = None
 
     def is_over_by(self, preset: str) -> bool:
-        """Climb by a preset; return whether what is wanted is reached, or no time is left for another."""
+        """Climb by a preset; return whether the goal is reached, or no time is left for another."""
         self.preset, fidelity = preset, Fidelity.preset(preset)
         plan = Plan(self._scene, self._gear, fidelity)
         if refusal := plan.refusal:

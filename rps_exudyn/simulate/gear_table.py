@@ -1,8 +1,8 @@
-"""Many gears of a steady scene at once: the same signals and metrics as single runs, found together.
+"""Many gears of a steady scene at once: the same signals and metrics as single runs, computed together.
 
-A row that is given is one that a single run ends ok; what cannot be judged here, gears without an
-equilibrium, limits of the contact laws, is left to single runs. Error bars come from two
-levels of the ladder, each with its maneuvers.
+Each row that is returned is one that a single run ends ok. What cannot be judged here is left to single
+runs: gears without an equilibrium, limits of the contact laws. Error bars come from two levels of the ladder,
+each with its maneuvers.
 """
 
 from collections.abc import Mapping, Sequence
@@ -33,7 +33,7 @@ from rps_exudyn.solvers.many_gears import RUNOUT, RUNOUT_ANGLE, Table, packed, p
 from rps_exudyn.solvers.record import WHERE_DAMPED
 from rps_exudyn.solvers.temperature_and_wear import is_new
 
-FEWEST = 2  # gears for each that is followed to learn from: with fewer single runs are quicker
+FEWEST = 2  # gears for each that is followed first: with fewer single runs are quicker
 AT_ONCE = 100_000  # instants of gears whose signals are held at once
 LEVEL = 1  # of the ladder
 WEIGHT = "test.load_mass"
@@ -151,7 +151,7 @@ def simulate_table(
 
 @dataclass(frozen=True, eq=False)
 class TableAtLevel:
-    """What the gears of a table have in common in a scene at a level of the ladder, and each one's constants.
+    """What the gears of a table share in a scene at a level of the ladder, and each one's constants.
 
     Attributes:
         scene: that they run.
@@ -179,7 +179,7 @@ class TableAtLevel:
         table: Table,
         ranges: Table | None = None,
     ) -> "TableAtLevel | None":
-        """Learn it; arguments as of `simulate_table`. None if the gear in the middle is not found."""
+        """Compute it; arguments as of `simulate_table`. None if the gear in the middle is not found."""
         scene, asked, fidelity = scene_named(name), fidelity, model_at(level, fidelity)
         assert scene.test is not None
         try:

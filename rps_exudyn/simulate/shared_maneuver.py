@@ -37,7 +37,7 @@ from rps_exudyn.solvers.prescribed_motion import Steady, travel_per_radian
 from rps_exudyn.solvers.record import instant_signals, integrated, repeated
 from rps_exudyn.solvers.settled_start import settled_path
 
-LEAD = 1 / 4  # of a tooth pitch before the record: what the guess at its start was off by is forgotten
+LEAD = 1 / 4  # of a tooth pitch before the record: the error of the guess at its start has decayed
 NEAR_LOCK = 0.99  # of the angle at the lock: teeth for that all gears have
 SINGLE_OUT = (RUNOUT, "pinion.pitch_error")  # a tooth or a direction: the curve repeats with the turn
 STEADY = 2e-3  # of torque and travel: what drifts more over a period is left to a single run
@@ -72,7 +72,7 @@ class SharedManeuver:
         table: Table,
         ranges: Table | None = None,
     ) -> "SharedManeuver | None":
-        """Follow the reference gear, and those from which the others' motion is learned.
+        """Follow the reference gear, and those that show what each parameter does to its motion.
 
         What follows from the ranges alone is found once for all parts of a table.
 
@@ -188,15 +188,15 @@ def _features(gear: SteeringGear, table: Table, ranges: Table) -> tuple[list[tup
 
 
 def _rounded(size: float) -> float:
-    """A size to one digit, so that parts of a study learn from the same gears."""
+    """A size to one digit, so that the parts of a study follow the same gears."""
     return float(f"{size:.0e}")
 
 
 def _singly(
     maneuver: Maneuver, series: GearSeries, record: np.ndarray, angles: np.ndarray
 ) -> tuple[np.ndarray, Start] | None:
-    """Places (k, m) at the mesh, beside what rigid bodies do, of the gear of a series from a settled start,
-    by the path of single runs, and how its force depends on that start; None where it is not found."""
+    """Places (k, m) at the mesh, beside what rigid bodies do, by the path of single runs from a settled
+    start. How the gear's force depends on that start follows. None where the path is not found."""
     travel = travel_per_radian(series.body, float(series.pair.gain))
     drive = Steady(series.body, travel * angles[0], travel * series.speed)
     time = maneuver.time_step * np.arange(len(angles))

@@ -38,8 +38,7 @@ _known: dict[int, tuple[Table, str]] = {}  # of tables by their identity: cases 
 
 
 def _json(table: Table) -> str:
-    """The canonical JSON of a table but for its name, remembered for as long as a few thousand others are
-    asked for."""
+    """The canonical JSON of a table but for its name, kept until a few thousand others are asked for."""
     known = _known.get(id(table))
     if known is None or known[0] is not table:
         if len(_known) >= MOST_KNOWN:

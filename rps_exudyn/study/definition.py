@@ -1,7 +1,7 @@
 """A study: its axes and cases, its definition (a study file), and its description (study.json of its folder).
 
-study.json is plain JSON in SI units; it names every case by its hash, so that the folder can be read without
-the study file and without computing anything.
+study.json is plain JSON in SI units. It names every case by its hash: the folder can be read without the
+study file and without computing anything.
 """
 
 import hashlib
@@ -97,8 +97,8 @@ class Description:
     """A study: what is simulated, what is varied, and every case; in SI units.
 
     `base` holds the parameters that differ from the defaults in all cases, by their paths. `cases` are in the
-    order of the design (a grid's last axis changes fastest) and may name the same hash twice, where a
-    sampled design visits a point again.
+    order of the design: a grid's last axis changes fastest. They name a hash twice where a sampled design
+    visits a point again.
     """
 
     name: str

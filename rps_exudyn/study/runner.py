@@ -1,8 +1,9 @@
 """Running a study: each missing case is simulated and becomes a record in its folder, and a line of the log.
 
 Stopped at any instant and started again, it does what is missing. A case is missing if its file does not
-exist or cannot be read, if its process crashed (the machine may have been the cause), or if it exceeded a
-time limit shorter than the present one. Other failures are properties of the case and are kept.
+exist or cannot be read, or if its process crashed: the machine may have been the cause. It is missing, too,
+if it exceeded a time limit shorter than the present one. Other failures are properties of the case and are
+kept.
 """
 
 import shlex

@@ -1,6 +1,6 @@
 """Cases handed to an executor: in groups where many gears go through `batch` at once, else singly.
 
-A group is sized by what its predecessors took, so that it ends in some seconds and the last ones are small.
+A group is sized by what its predecessors took: it ends in some seconds, and the last ones are small.
 One that does not answer, because its process died or its time was over, is done again case by case: then each
 has a time limit of its own, and what is wrong with one of them harms no other.
 
@@ -27,7 +27,7 @@ FEWEST = 64  # cases of a design, from which groups pay
 QUANTILES = 65  # of a parameter's values, which describe how it varies
 LARGEST = 1024  # cases of a group
 SMALLEST, SHARES = 8, 4  # least cases of a group; and of what is left, for each worker, one share is the most
-SMALLEST_TOGETHER, SHARES_TOGETHER = 256, 2  # each group of gears begins by following some to learn from
+SMALLEST_TOGETHER, SHARES_TOGETHER = 256, 2  # each group of gears begins by following a few
 OF_LIMIT = 4  # groups that fit into one case's time limit: a group has no more time than a case
 
 
@@ -98,7 +98,7 @@ class TaskQueue(Iterator[Task]):
         self._study, self._description = study, description
         self._given: dict[Task, list[Case]] = {}
         self._again: deque[Case] = deque()  # one by one
-        self._apart: set[str] = set()  # hashes of cases that are simulated without learning from others
+        self._apart: set[str] = set()  # hashes of cases that are simulated without others
         self._left = deque(missing)
         self.plan = group_plan_of(study, description)
         together = self.plan.ranges is not None
@@ -137,7 +137,7 @@ class TaskQueue(Iterator[Task]):
     def records(self, task: Task, answer: Answer) -> list[tuple[Case, CaseRecord]]:
         """Return each case of a task with its record; a group without any is handed over again, singly.
 
-        A single case that failed by itself while it learned from others is simulated without them.
+        A single case that failed by itself, its motion predicted from others, is simulated without them.
         """
         cases = self._given.pop(task)
         records: list[CaseRecord] | None = answer.value

@@ -461,7 +461,7 @@ VIBRATES = Rule(
     lambda given: GROWN,
     status=Status.OK,
 )
-"""Eigenvalues along the path: no pair of levels sees a vibration that both damp."""
+"""Eigenvalues along the path: no pair of levels shows a vibration that both damp."""
 
 
 # --- Remarks ---------------------------------------------------------------------------------------

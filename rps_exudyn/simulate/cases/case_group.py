@@ -1,7 +1,7 @@
 """Cases of one design as one task: simulated one by one, or computed together where ranges are given.
 
-Results of gears that were computed together are those of single runs within the finding "together". Which way
-a case goes, and how it ends, depends on the case and the ranges, not on the other cases of its task.
+Results of gears that were computed together are those of single runs within the finding "together". How a
+case is done, and how it ends, depends on the case and the ranges, not on other cases.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
