@@ -20,7 +20,7 @@ from benchmarks.study_scaling import tolerance_study
 from benchmarks.topic import Columns, Topic, digits, rows_table, save_data
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.batch import Batch, batch
-from rps_exudyn.simulate.family import SINGLE_OUT
+from rps_exudyn.simulate.shared_maneuver import SINGLE_OUT
 from rps_exudyn.solvers.many_gears import RUNOUT_ANGLE
 from rps_exudyn.study.definition import settings_of
 from rps_exudyn.study.runner import StudyWork
@@ -29,7 +29,7 @@ from verification.law_area import by_law
 
 DATA = "many_gears.json"
 REPEATS = 2
-SPREADS = "_peak_to_peak", "_range", "_variation"  # metrics that the largest and least values give
+VARIATIONS = "_peak_to_peak", "_range", "_variation"  # metrics that the largest and least values give
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ def errors(kind: Kind, found: Batch, alone: Batch, singles: int) -> dict[str, fl
     of_spreads = [
         np.abs(found.summary[name][:singles] / alone.summary[name] - 1)[both]
         for name in found.summary.keys() & alone.summary.keys()
-        if name.endswith(SPREADS)
+        if name.endswith(VARIATIONS)
     ]
     return {"mean_largest": float(np.nanmax(of_means)), "spread_largest": float(np.nanmax(of_spreads))}
 

@@ -12,7 +12,7 @@ equilibria         equilibria under force laws of no fidelity
 law_area           the contact law "area", which no user chooses; `area_contact`, `area_pattern`
 law_elements       law "teeth" with the compliance of finite elements; `tooth_elements`
 sampler            random gears and plans over every declared parameter; `ranges`, `stated_ranges`
-plan_reference     the right figures of any plan, known before it is run; `seat_cells`, `refined_steps`
+plan_reference     the right metrics of any plan, known before it is run; `seat_cells`, `refined_steps`
 stick_slip         stick-slip of gear and column, reduced to one inertia, by events and by limits
 stability          whether a plan's number is right; bisected limits; `stable_step`
 shaping            the pinion as it is cut; `flank_deviation`

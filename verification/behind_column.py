@@ -1,12 +1,12 @@
 """The gear behind its steering column, integrated by a method of its own: references for plans of the wheel.
 
-    right = figures(plan, 1)         # 2: in steps half as long
+    right = metrics_of_wheel(plan, 1)         # 2: in steps half as long
 
 Both stages of Alexander's singly diagonally implicit Runge-Kutta method (SIAM J. Numer. Anal. 14 (1977),
 1006), of second order and L-stable, are solved by Newton's method; a step that it does not solve is halved.
-The wheel is prescribed; start, balance and figures are written anew: of what the package does, the forces of
+The wheel is prescribed; start, balance and metrics are written anew: of what the package does, the forces of
 gear and column are taken, integrated finely and with a friction zone of a thousandth of the speed. Two
-lengths of steps say how far the figures can be trusted.
+lengths of steps say how far the metrics can be trusted.
 """
 
 from collections.abc import Callable
@@ -20,7 +20,7 @@ from rps_exudyn.forces.friction import PLACES, TIME
 from rps_exudyn.forces.pinion_support import with_float
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.law_by_scene import with_law
+from rps_exudyn.scenes.contact_law import resolve_contact_law
 from rps_exudyn.scenes.stick_slip import set_off
 from rps_exudyn.solvers.balance import Balance
 from rps_exudyn.solvers.equilibrium import equilibrium_path
@@ -40,7 +40,7 @@ CLOSE = 1e-4  # residual left [N], moments over 10 mm: a tenth of the equilibria
 ITERATIONS, SLOW = 12, 0.3  # of Newton's method, and the share left above which it takes a new tangent
 HALVINGS = 14
 FINER = (1, 2, 4)  # times that steps are shorter, until two in a row ...
-ALIKE = 0.01  # ... differ by no more of the figures
+ALIKE = 0.01  # ... differ by no more of the metrics
 LENGTHS = np.array([0.01, 1, 1, 1, 0.01, 0.01, 0.01, 1])
 
 
@@ -185,17 +185,17 @@ class Behind:
         self.go(end, halvings - 1)
 
 
-# --- figures -----------------------------------------------------------------------------------------
+# --- metrics -----------------------------------------------------------------------------------------
 @dataclass(frozen=True)
-class WheelFigures:
-    """What a plan of the wheel must show: the scene's figure, and the largest torque at the wheel [N m]."""
+class WheelMetrics:
+    """What a plan of the wheel must show: its main metric, and the largest torque at the wheel [N m]."""
 
-    figure: float  # work of a cycle [J], or half the range of the torque over the later half [N m]
+    main_metric: float  # work of a cycle [J], or half the range of the torque over the later half [N m]
     peak: float
 
 
-def figures(plan: ScenePlan, finer: int) -> WheelFigures:
-    """Return the figures of a plan of `steering-feel` or `stick-slip`, in steps divided by a number.
+def metrics_of_wheel(plan: ScenePlan, finer: int) -> WheelMetrics:
+    """Return the metrics of a plan of `steering-feel` or `stick-slip`, in steps divided by a number.
 
     Raises:
         NotFoundError: it has no start, or steps that nothing solves.
@@ -204,14 +204,14 @@ def figures(plan: ScenePlan, finer: int) -> WheelFigures:
     if plan.scene == "stick-slip":
         time, torque = _set_off(plan, finer)
         later = torque[time >= time[-1] / 2]
-        return WheelFigures(float(np.ptp(later)) / 2, float(np.abs(torque).max()))
+        return WheelMetrics(float(np.ptp(later)) / 2, float(np.abs(torque).max()))
     angle, torque = _swung(plan, finer)
     work = float(np.sum((torque[1:] + torque[:-1]) / 2 * np.diff(angle)))
-    return WheelFigures(work, float(np.abs(torque).max()))
+    return WheelMetrics(work, float(np.abs(torque).max()))
 
 
-def settled_figures(plan: ScenePlan, seconds: float) -> tuple[WheelFigures, int]:
-    """Return the first figures with which those in shorter steps agree, and how much shorter these steps are
+def settled_metrics(plan: ScenePlan, seconds: float) -> tuple[WheelMetrics, int]:
+    """Return the first metrics with which those in shorter steps agree, and how much shorter these steps are
     than the longest; each may take so much CPU time [s].
 
     Raises:
@@ -221,22 +221,25 @@ def settled_figures(plan: ScenePlan, seconds: float) -> tuple[WheelFigures, int]
     if with_float(plan.gear, plan.fidelity).pinion == "supported":
         raise NotFoundError("the pinion is supported")
     law = scene_named(plan.scene).law
-    plan = replace(plan, gear=with_law(plan.gear, plan.fidelity, law))
+    plan = replace(plan, gear=resolve_contact_law(plan.gear, plan.fidelity, law))
     with cpu_time_limit(seconds):
-        before = figures(plan, FINER[0])
+        before = metrics_of_wheel(plan, FINER[0])
     for finer in FINER[1:]:
         with cpu_time_limit(seconds):
-            here = figures(plan, finer)
-        moved = abs(here.figure - before.figure) / size_of(plan, here), abs(here.peak / before.peak - 1)
+            here = metrics_of_wheel(plan, finer)
+        moved = (
+            abs(here.main_metric - before.main_metric) / size_of(plan, here),
+            abs(here.peak / before.peak - 1),
+        )
         if max(moved) <= ALIKE:
             return here, finer
         before = here
     raise NotFoundError("two lengths of its steps differ")
 
 
-def size_of(plan: ScenePlan, right: WheelFigures) -> float:
+def size_of(plan: ScenePlan, right: WheelMetrics) -> float:
     """Return what an error is counted by: the work of a cycle itself, or the peak of stick-slip's torque."""
-    return abs(right.figure) if plan.scene == "steering-feel" else right.peak
+    return abs(right.main_metric) if plan.scene == "steering-feel" else right.peak
 
 
 def _set_off(plan: ScenePlan, finer: int) -> tuple[np.ndarray, np.ndarray]:

@@ -1,7 +1,7 @@
-"""The right figures of a plan, known before the plan is run, without what the plan is judged by.
+"""The right metrics of a plan, known before the plan is run, without what the plan is judged by.
 
     right = expected(plan)
-    right.figure, right.ripple     the number that must be right, and the spread of the signal
+    right.main_metric, right.ripple     the number that must be right, and the spread of the signal
     right.cause                    why there are none
     finer_metrics(plan)            every metric of the scene by finer runs, with its doubt
     curve(plan)                    the scene's signal over time, of slow motion
@@ -26,9 +26,9 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.quantities import LOST_MOTIONS, SPREADS
+from rps_exudyn.results.quantities import LOST_MOTIONS, VARIATIONS
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.law_by_scene import with_law
+from rps_exudyn.scenes.contact_law import resolve_contact_law
 from rps_exudyn.scenes.run_maneuver import drift_beside_travel
 from rps_exudyn.scenes.scene import WITHOUT_BARS
 from rps_exudyn.scenes.yoke_impact import shaken
@@ -73,40 +73,40 @@ INSTANTS, GROWN = 24, 0.5  # at which slow motion is linearised; powers of e by 
 
 @dataclass(frozen=True)
 class Expected:
-    """The right figures of a plan.
+    """The right metrics of a plan.
 
     Attributes:
-        figure: the scene's number: torque [N m], force [N], or work of the last cycle [J].
+        main_metric: the scene's number: torque [N m], force [N], or work of the last cycle [J].
         ripple: largest less smallest value of the signal over a course, the larger of both; nan where the
             scene has none.
-        figure_doubt, ripple_doubt: by how much half the steps change them.
+        main_metric_doubt, ripple_doubt: by how much half the steps change them.
         cause: why there are none; "" if there are.
         method: "equilibria" or "Runge-Kutta".
     """
 
-    figure: float = nan
+    main_metric: float = nan
     ripple: float = nan
     cause: str = ""
     method: str = ""
-    figure_doubt: float = 0.0
+    main_metric_doubt: float = 0.0
     ripple_doubt: float = 0.0
 
     @classmethod
     def of(cls, found: Confirmed, method: str) -> "Expected":
         """Return what a method found."""
         return cls(
-            found.figure,
+            found.main_metric,
             found.ripple,
             method=method,
-            figure_doubt=found.figure_doubt,
+            main_metric_doubt=found.main_metric_doubt,
             ripple_doubt=found.ripple_doubt,
         )
 
 
 def expected(plan: ScenePlan) -> Expected:
-    """Return the right figures of a plan of any scene, by the contact law that the scene needs."""
+    """Return the right metrics of a plan of any scene, by the contact law that the scene needs."""
     law = scene_named(plan.scene).law
-    plan = replace(plan, gear=with_law(plan.gear, plan.fidelity, law))
+    plan = replace(plan, gear=resolve_contact_law(plan.gear, plan.fidelity, law))
     try:
         if plan.scene == "yoke-impact":
             return _shaken(replace(plan, fidelity=plan.fidelity.with_bending()))
@@ -140,7 +140,7 @@ def finer_metrics(plan: ScenePlan) -> dict[str, tuple[float, float]]:
         found, cause = _by_solver(plan, solver)
         causes.append(cause)
         if still and solver == "generalized-alpha":
-            found = {name: each for name, each in found.items() if scene.steady or name not in SPREADS}
+            found = {name: each for name, each in found.items() if scene.steady or name not in VARIATIONS}
         right = found | right
     if not right:
         raise NotFoundError("; ".join(causes))
@@ -208,14 +208,18 @@ def _turned(plan: ScenePlan) -> Expected:
     test = plan.gear.test
     load = test.direction * GRAVITY * test.load_mass if plan.scene == "load-test" else 0.0
     forces = reference_forces(replace(plan, fidelity=_with_narrow_zone(plan.fidelity)), load)
-    courses = passes_of(plan)[: None if plan.scene == "rack-push" else 1]  # whose mean is the figure
+    courses = passes_of(plan)[: None if plan.scene == "rack-push" else 1]  # whose mean is the main metric
     found = [_along(plan, forces, course) for course in courses]
     senses = [course.sense if plan.scene == "rack-push" else 1 for course in courses]
-    figure = float(np.mean([each.figure * sense for each, sense in zip(found, senses, strict=True)]))
+    mean_of_all = float(
+        np.mean([each.main_metric * sense for each, sense in zip(found, senses, strict=True)])
+    )
     largest = max(found, key=lambda each: each.ripple)
-    mean = replace(largest, figure=figure, figure_doubt=max(each.figure_doubt for each in found))
+    mean = replace(
+        largest, main_metric=mean_of_all, main_metric_doubt=max(each.main_metric_doubt for each in found)
+    )
     if plan.scene == "load-test":
-        return replace(mean, figure=figure * test.direction, ripple=nan)
+        return replace(mean, main_metric=mean_of_all * test.direction, ripple=nan)
     return mean
 
 
@@ -236,7 +240,7 @@ def _along(plan: ScenePlan, forces: GearForces, course: Pass) -> Expected:
                 time, places, rates = explicit(begun, step, steps, parts)
                 kept = time >= run_in - step / 2
                 record = shifted.recorded(time[kept], places[kept], rates[kept])
-                return _figures(plan, drive.place(time[kept] - run_in), record.drive)
+                return _mean_and_range(plan, drive.place(time[kept] - run_in), record.drive)
 
             return Expected.of(confirmed(moved), "Runge-Kutta")
         _check_steady(motion, followed(gear, forces, course, pitches, 1)[1], duration)
@@ -244,12 +248,12 @@ def _along(plan: ScenePlan, forces: GearForces, course: Pass) -> Expected:
     def rested(parts: int) -> tuple[float, float]:
         along, path = followed(gear, forces, course, pitches, parts)
         force = -drive.sign * path.forces[-along.size :, drive.coordinate]
-        return _figures(plan, drive.place(along), force)
+        return _mean_and_range(plan, drive.place(along), force)
 
     return Expected.of(confirmed(rested), "equilibria")
 
 
-def _figures(plan: ScenePlan, place: np.ndarray, force: np.ndarray) -> tuple[float, float]:
+def _mean_and_range(plan: ScenePlan, place: np.ndarray, force: np.ndarray) -> tuple[float, float]:
     """Mean and spread of a force over a course; the mean of a load test is that over whole tooth pitches from
     where it begins, if there is one."""
     along, pitch = np.abs(place - place[0]), 2 * np.pi / plan.gear.pinion.teeth

@@ -25,10 +25,10 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.at_rest import LOOSE
+from rps_exudyn.scenes.at_rest import FREE_RACK_MODELS
 from rps_exudyn.scenes.checks.before_run import check_travel, largest_angle
 from rps_exudyn.scenes.checks.rules import LEAST_STATIONS
-from rps_exudyn.scenes.law_by_scene import with_law
+from rps_exudyn.scenes.contact_law import resolve_contact_law
 from rps_exudyn.scenes.maneuver import maneuvers_of_test, swing_maneuver
 from rps_exudyn.scenes.steering_torque import torque_maneuver
 from rps_exudyn.scenes.stick_slip import set_off
@@ -177,9 +177,9 @@ def random_plan(rng: np.random.Generator) -> ScenePlan:
     if scene_named(scene).needs_inertia:
         fixed = {"solver": "generalized-alpha"}
     fidelity = random_fidelity(rng, fixed)
-    while scene_named(scene).at_rest and fidelity.rack not in LOOSE:
+    while scene_named(scene).at_rest and fidelity.rack not in FREE_RACK_MODELS:
         fidelity = random_fidelity(rng, fixed)
-    needed = with_law(gear, fidelity, scene_named(scene).law)
+    needed = resolve_contact_law(gear, fidelity, scene_named(scene).law)
     stations = max(fidelity.strip_stations, LEAST_STATIONS[needed.mesh.contact_law])
     fidelity = fidelity.replace({"strip_stations": stations})
     return ScenePlan(scene, gear, affordable(gear, scene, fidelity))

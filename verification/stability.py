@@ -2,7 +2,7 @@
 
 plan = ScenePlan("free-pinion-torque", gear, fidelity)
 result = unchecked(plan)                            # ok if the solver reached its end
-cell_of(plan, result, reference(plan, plan.figure(result)))   # right, inaccurate, wrong, failed
+cell_of(plan, result, reference(plan, plan.main_metric(result)))   # right, inaccurate, wrong, failed
 limit = bisected(lambda h: cell(h) is Cell.RIGHT, 1e-4, 1e-2)
 """
 
@@ -28,7 +28,7 @@ from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.simulate.cases.time_limit import dropped_rings_again
 from rps_exudyn.simulate.run_plan import run_unchecked
 
-INACCURATE, WRONG = 0.01, 0.05  # error of the figure
+INACCURATE, WRONG = 0.01, 0.05  # error of the main metric
 RESIDUAL_BOUND = 0.05  # of the work
 STILL = {"solver": "equilibrium", "step_angle": np.deg2rad(0.25), "bush": "condensed"}
 SLOW = {"solver": "generalized-alpha", "step_angle": np.deg2rad(0.2)}
@@ -66,9 +66,9 @@ class ScenePlan:
         """The same plan in steps of this pinion angle [deg]."""
         return ScenePlan(self.scene, self.gear, self.fidelity.replace({"step_angle": np.deg2rad(degrees)}))
 
-    def figure(self, result: Result) -> float:
+    def main_metric(self, result: Result) -> float:
         """The number that must be right; nan if there is none."""
-        return float(result.summary.get(scene_named(self.scene).figure, float("nan")))
+        return float(result.summary.get(scene_named(self.scene).main_metric, float("nan")))
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,7 @@ def cpu_time_limit(seconds: float) -> Iterator[None]:
 
 
 def reference(plan: ScenePlan, methods: Sequence[Choices] = REFERENCES) -> float:
-    """The figure of the same maneuver in small steps: that of the first method with which a later one agrees
+    """The main metric of a maneuver in small steps: that of the first method with which a later one agrees
     to `INACCURATE`, or of the first that is ok where none do; nan if none is.
 
     One of the plan's own kind is asked first, dynamics or equilibria, which differ where inertia matters.
@@ -151,11 +151,11 @@ def reference(plan: ScenePlan, methods: Sequence[Choices] = REFERENCES) -> float
             break
         if result.status is not Status.OK:
             continue
-        figure = plan.figure(result)
+        main_metric = plan.main_metric(result)
         for before in found:
-            if abs(error_of(figure, before)) <= INACCURATE:
+            if abs(error_of(main_metric, before)) <= INACCURATE:
                 return before
-        found.append(figure)
+        found.append(main_metric)
     return found[0] if found else float("nan")
 
 
@@ -183,7 +183,7 @@ def cell_of(plan: ScenePlan, result: Result, true: float) -> Cell:
     """Return what a map shows of an unchecked run."""
     if result.status is not Status.OK:
         return Cell.FAILED
-    error = abs(error_of(plan.figure(result), true))
+    error = abs(error_of(plan.main_metric(result), true))
     residual = abs(result.summary.get("energy_residual", 0.0))
     if not (error <= WRONG and residual <= RESIDUAL_BOUND):
         return Cell.WRONG

@@ -52,7 +52,7 @@ def outcome_of(number: int, done: Callable[[dict[str, Any]], None] = lambda foun
     """What came of a test by each accuracy: preset and level, whether reached, cost [s], error and its doubt
     over the metric's size [%]."""
     plan, begun, found = plan_of(number), process_time(), dict[str, Any]()
-    figure, results = scene_named(plan.scene).figure, {}
+    main_metric, results = scene_named(plan.scene).main_metric, {}
     for wanted in WANTED:
         try:
             result = climb(plan.scene, plan.gear, AccuracyGoal.of(f"{wanted:g}%"), TimeLimit(CLIMB_LIMIT))
@@ -63,16 +63,16 @@ def outcome_of(number: int, done: Callable[[dict[str, Any]], None] = lambda foun
         found |= {f"by_{wanted:g}": f"{result.fidelity['based_on']} {result.findings.get('level', '')}"}
         found |= {f"reached_{wanted:g}": int(reached), f"cost_{wanted:g}": result.cpu_s}
         done(found)
-        if reached and figure in result.summary:
+        if reached and main_metric in result.summary:
             results[wanted] = result
     tested = replace(plan, gear=tested_gear(plan.gear))
-    right = best_reference(tested, figure) if results else None
+    right = best_reference(tested, main_metric) if results else None
     if right is None:
         return found
     how, value, doubt = right
     for wanted, result in results.items():
-        size = size_in(result, figure)
-        found |= {f"error_{wanted:g}": 100 * abs(result.summary[figure] - value) / size}
+        size = size_in(result, main_metric)
+        found |= {f"error_{wanted:g}": 100 * abs(result.summary[main_metric] - value) / size}
         found |= {f"doubt_{wanted:g}": 100 * doubt / size}
     return found | {"reference": how}
 

@@ -48,10 +48,10 @@ def run(folder: Path, scenes: Sequence[str] = SCENE_NAMES, levels: Sequence[int]
 
 def points_of(scene: str, levels: Sequence[int]) -> list[dict[str, Any]]:
     """Return all points of a scene whose reference is known."""
-    gear, figure = SteeringGear(), scene_named(scene).figure
+    gear, main_metric = SteeringGear(), scene_named(scene).main_metric
     model = Fidelity.preset("flank" if scene_named(scene).needs_inertia else "quasi-static")
     try:
-        right = best_reference(ScenePlan(scene, gear, model), figure)
+        right = best_reference(ScenePlan(scene, gear, model), main_metric)
     except rps.InputError:  # a scene that needs more than the default gear
         return []
     if right is None:
@@ -63,10 +63,10 @@ def points_of(scene: str, levels: Sequence[int]) -> list[dict[str, Any]]:
             seconds, result = measured(scene, gear, preset, level)
             if result is None:
                 break
-            percent = 100 / size_in(result, figure)
+            percent = 100 / size_in(result, main_metric)
             point = {"scene": scene, "preset": preset, "level": level, "seconds": seconds}
-            point |= {"error": percent * abs(result.summary[figure] - value), "doubt": percent * doubt}
-            point |= {"bar": percent * result.errors[figure], "by": how}
+            point |= {"error": percent * abs(result.summary[main_metric] - value), "doubt": percent * doubt}
+            point |= {"bar": percent * result.errors[main_metric], "by": how}
             print(point, flush=True)
             points.append(point)
             if seconds > MOST_SECONDS:
@@ -83,7 +83,7 @@ def measured(
         seconds, result = least_time(work, 1)
     except rps.InputError:  # a model that the scene does not have
         return nan, None
-    if result.status is not Status.OK or scene_named(scene).figure not in result.errors:
+    if result.status is not Status.OK or scene_named(scene).main_metric not in result.errors:
         return seconds, None
     return (least_time(work, REPEATS)[0] if seconds < SLOW else seconds), result
 

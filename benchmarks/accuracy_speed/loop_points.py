@@ -15,7 +15,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.simulate.batch import batch
-from rps_exudyn.simulate.family import Family
+from rps_exudyn.simulate.shared_maneuver import SharedManeuver
 from verification.runs import revolutions
 
 FAMILY = "loop over gears, line"
@@ -36,7 +36,7 @@ def loop_points(scene: str, steps: Sequence[float] = STEPS, gears: int = GEARS) 
 
 def loop_run(scene: str, gear: SteeringGear, fidelity: Fidelity, gears: int) -> SceneRun:
     """Return the run of a gear that is one of many, its cost theirs over their number."""
-    Family._learned.__func__.cache_clear()  # type: ignore[attr-defined]
+    SharedManeuver._followed.__func__.cache_clear()  # type: ignore[attr-defined]
     table = gears_around(gear, gears)
     start = process_time()
     found = batch(scene, gear, table, fidelity=fidelity, keep="torque")

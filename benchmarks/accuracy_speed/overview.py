@@ -63,7 +63,7 @@ def half_width(inputs: str, runs: int) -> float:
     """Half width of the band over the mean torque's median."""
     gear = SteeringGear()
     drawn = uncertain_inputs(gear, inputs, {})
-    mean = quick_band(gear, Fidelity.preset("quasi-static"), drawn, runs).figures["torque_mean"]
+    mean = quick_band(gear, Fidelity.preset("quasi-static"), drawn, runs).metrics["torque_mean"]
     return mean.half_width / mean.median
 
 

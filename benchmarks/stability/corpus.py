@@ -31,8 +31,8 @@ def row_of(plan: ScenePlan) -> tuple[str, str, str, str, str]:
     bare, result = _without_checks(plan), rps.run(plan.scene, plan.gear, fidelity=plan.fidelity)
     bare_status = bare.status.value if bare else "crashed"
     true = _reference(plan) if Status.OK in (bare_status, result.status) else float("nan")
-    error = error_of(plan.figure(result), true) if result.status is Status.OK else float("nan")
-    without = error_of(plan.figure(bare), true) if bare else float("nan")
+    error = error_of(plan.main_metric(result), true) if result.status is Status.OK else float("nan")
+    without = error_of(plan.main_metric(bare), true) if bare else float("nan")
     return bare_status, f"{without:.3g}", result.status.value, f"{error:.3g}", result.message
 
 

@@ -22,7 +22,7 @@ from benchmarks.stability.references import references
 from benchmarks.topic import Topic, load_rows, markdown
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.quantities import EXTREMES, LOSS_SHARES, SPREADS
+from rps_exudyn.results.quantities import EXTREMES, LOSS_SHARES, VARIATIONS
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS
 from rps_exudyn.simulate.run_plan import run_unchecked
@@ -35,7 +35,7 @@ PLANS = 500
 TIME_LIMIT = 60.0  # [s] of CPU time of one plan with its references
 DATA = "coverage.csv"
 COLUMNS = "number", "plan", "scene", "friction", "model", "status", "seconds", "message", "metrics"
-KINDS = {"shares of losses": LOSS_SHARES, "extremes and ranges": EXTREMES | SPREADS}
+KINDS = {"shares of losses": LOSS_SHARES, "extremes and ranges": EXTREMES | VARIATIONS}
 ROUNDING = 1e-9  # of a metric: references and runs round otherwise
 
 
@@ -92,12 +92,12 @@ class Judged:
         self.name, _, numbers = text.partition("=")
         self.value, self.bar, self.right, self.doubt = map(float, numbers.split("/"))
         self.off = max(abs(self.value - self.right) - self.doubt - ROUNDING * abs(self.right), 0.0)
-        self.is_figure = self.name == scene_named(self.scene).figure
+        self.is_main_metric = self.name == scene_named(self.scene).main_metric
 
     @property
     def kind(self) -> str:
         """What the metric is."""
-        if self.is_figure:
+        if self.is_main_metric:
             return "figure of the scene"
         return next((kind for kind, names in KINDS.items() if self.name in names), "means, works, motions")
 

@@ -123,7 +123,7 @@ def _errors(plan: ScenePlan, true: float, still: Result) -> tuple[float, float]:
     signal = scene_named(plan.scene).signal
     joined = np.interp(still["pinion_angle"], result["pinion_angle"], result[signal])
     curve = float(np.sqrt(np.mean((joined - still[signal]) ** 2)) / abs(true))
-    return abs(error_of(plan.figure(result), true)), curve
+    return abs(error_of(plan.main_metric(result), true)), curve
 
 
 def _largest(holds: Callable[[float], bool]) -> float:

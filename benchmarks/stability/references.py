@@ -12,7 +12,7 @@ import numpy as np
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.sizes import size_of, sizes
-from verification.behind_column import settled_figures
+from verification.behind_column import settled_metrics
 from verification.plan_reference import expected, finer_metrics
 from verification.refined_steps import NotFoundError
 from verification.stability import ScenePlan, cpu_time_limit
@@ -53,15 +53,15 @@ def size_in(result: Result, name: str) -> float:
 
 
 def by_equations(plan: ScenePlan, printed: Collection[str]) -> tuple[str, Values]:
-    """Return the scene's figure and ripple by other methods than the package's."""
+    """Return the scene's main metric and ripple by other methods than the package's."""
     try:
         with cpu_time_limit(REFERENCE_LIMIT):
             right = expected(plan)
     except TimeoutError as error:
         return str(error), {}
-    if not isfinite(right.figure):
+    if not isfinite(right.main_metric):
         return right.cause or right.method, {}
-    values = {scene_named(plan.scene).figure: (right.figure, right.figure_doubt)}
+    values = {scene_named(plan.scene).main_metric: (right.main_metric, right.main_metric_doubt)}
     still = plan.fidelity.solver == "equilibrium" and right.method == "equilibria"
     if still and isfinite(right.ripple):  # vibration adds to that of dynamics, by what the start excites
         values |= {name: (right.ripple, right.ripple_doubt) for name in RIPPLES if name in printed}
@@ -69,12 +69,12 @@ def by_equations(plan: ScenePlan, printed: Collection[str]) -> tuple[str, Values
 
 
 def behind_column(plan: ScenePlan) -> tuple[str, Values]:
-    """Return the scene's figure behind a column, integrated by a method of its own."""
+    """Return the scene's main metric behind a column, integrated by a method of its own."""
     try:
-        right, finer = settled_figures(plan, REFERENCE_LIMIT / 2)
+        right, finer = settled_metrics(plan, REFERENCE_LIMIT / 2)
     except (NotFoundError, TimeoutError, np.linalg.LinAlgError) as error:
         return str(error), {}
-    values = {scene_named(plan.scene).figure: (right.figure, 0.0)}
+    values = {scene_named(plan.scene).main_metric: (right.main_metric, 0.0)}
     if plan.scene == "stick-slip":
         values["breakaway_torque"] = right.peak, 0.0
     return f"implicit Runge-Kutta, {finer}", values

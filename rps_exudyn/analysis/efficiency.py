@@ -131,9 +131,9 @@ def measured_load_test(signals: Signals, load: Any, gain: Any, free_torque: Any,
     """
     if (both := both_directions(passes(signals))) is None:
         raise ValueError("a load test needs a record of raising and of lowering at common pinion angles")
-    *ways, common = both
+    *directions, common = both
     angle = whole_periods(common, pitch)
-    raising, lowering = (mean(angle, each.over(angle, "pinion_torque")) for each in ways)
+    raising, lowering = (mean(angle, each.over(angle, "pinion_torque")) for each in directions)
     return LoadTest(load, load * gain, raising, lowering, free_torque)
 
 
@@ -151,7 +151,7 @@ def free_torque_of(signals: Signals, pitch: float) -> float:
 
 
 def describe_load_test(test: LoadTest) -> dict[str, float]:
-    """The summary's figures, by their names there; no efficiencies without a load.
+    """Metrics, by their names there; no efficiencies without a load.
 
     Of many gears, nan is a net efficiency that one lacks.
     """

@@ -142,7 +142,7 @@ def sticking_speed(model: Oscillator, fastest: float = 100.0) -> float:
 
 
 def describe_stick_slip(signals: Signals, speed: float) -> dict[str, float]:
-    """The summary's figures of a gear behind a wheel that turns at a speed [rad/s] from rest on.
+    """Metrics of a gear behind a wheel that turns at a speed [rad/s] from rest on.
 
     Amplitudes and frequency are those of the record's later half, the frequency where the gear sticks there;
     the breakaway is that of its beginning.
@@ -155,7 +155,7 @@ def describe_stick_slip(signals: Signals, speed: float) -> dict[str, float]:
     still = np.trapezoid((turning[later] < STUCK * abs(speed)).astype(float), time[later])
     running = float(np.mean(np.sign(speed) * torque[later]))
     peak = float((np.sign(speed) * torque).max())
-    figures = {
+    metrics = {
         "stick_slip_amplitude": float(np.ptp(twist[later])) / 2,
         "stick_slip_torque": float(np.ptp(torque[later])) / 2,
         "stick_share": float(still / np.ptp(time[later])),
@@ -164,8 +164,8 @@ def describe_stick_slip(signals: Signals, speed: float) -> dict[str, float]:
     }
     starts = _rising(turning[later] - np.mean(turning[later]))
     if still > 0 and starts.size > 1:  # vibration without sticking has no frequency that steps agree on
-        figures["stick_slip_frequency"] = (starts.size - 1) / float(np.ptp(time[later][starts]))
-    return figures
+        metrics["stick_slip_frequency"] = (starts.size - 1) / float(np.ptp(time[later][starts]))
+    return metrics
 
 
 def _rising(values: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Figures of reversals of the pinion: the loop of torque over angle, lost motion, sticking.
+"""Metrics of reversals of the pinion: the loop of torque over angle, lost motion, sticking.
 
 After a reversal the friction forces turn about only when their contacts have slipped; until then the gear
 yields elastically. The *running torque* of a pass is the median of its torque.
@@ -18,22 +18,22 @@ MIDDLE = 0.5  # fraction of the common angles, about their middle, over which lo
 
 
 def describe_reversal(signals: Signals, gain: float = 0.0) -> dict[str, float]:
-    """The summary's figures of reversals; {} without any, the area only if the record returns to an angle,
+    """Metrics of reversals; {} without any, the area only if the record returns to an angle,
     the angle of lost motion only with the rack's travel per radian `gain` [m]."""
     runs = passes(signals)
     if len(runs) < 2:
         return {}
     reversals = [reversal(before, after) for before, after in pairwise(runs)]
-    figures = {"torque_jump": max(jump for jump, _ in reversals)}
+    metrics = {"torque_jump": max(jump for jump, _ in reversals)}
     if turned := [angle for _, angle in reversals if angle is not None]:
-        figures["reversal_angle"] = max(turned)
+        metrics["reversal_angle"] = max(turned)
     if (area := loop_area(signals)) is not None:
-        figures["hysteresis_area"] = area
+        metrics["hysteresis_area"] = area
     if (lost := lost_motion(signals)) is not None:
-        figures["lost_motion"] = lost
+        metrics["lost_motion"] = lost
         if gain:
-            figures["lost_motion_angle"] = lost / gain
-    return figures
+            metrics["lost_motion_angle"] = lost / gain
+    return metrics
 
 
 def loop_area(signals: Signals) -> float | None:
@@ -81,12 +81,12 @@ def lost_motion(signals: Signals) -> float | None:
     """
     if (both := both_directions(passes(signals))) is None:
         return None
-    *ways, angle = both
+    *directions, angle = both
     centre, reach = (angle[0] + angle[-1]) / 2, MIDDLE * (angle[-1] - angle[0]) / 2
     middle = angle[np.abs(angle - centre) <= reach]
     if middle.size < 2:
         return None
-    forward, backward = (each.over(middle, "rack_displacement") for each in ways)
+    forward, backward = (each.over(middle, "rack_displacement") for each in directions)
     return mean(middle, backward - forward)
 
 

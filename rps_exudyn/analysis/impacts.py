@@ -42,19 +42,19 @@ def find_impacts(time: np.ndarray, force: np.ndarray, displacement: np.ndarray) 
 
 
 def describe_impacts(signals: Signals) -> dict[str, float]:
-    """The summary's figures: number, fraction of time in contact, largest impact; {} without the signals."""
+    """Metrics: number, fraction of time in contact, largest impact; {} without the signals."""
     if not {"yokenut_force", "plunger_displacement"} <= set(signals) or len(signals["time"]) < 2:
         return {}
     time, force = signals["time"], signals["yokenut_force"]
     found = find_impacts(time, force, signals["plunger_displacement"])
     whole = float(time[-1] - time[0])
-    figures = {
+    metrics = {
         "impacts": float(len(found)),
         "impact_contact_share": float(np.trapezoid((force > 0).astype(float), time)) / whole,
         "impact_force_rms": float(np.sqrt(np.trapezoid(force**2, time) / whole)),
     }
     largest = ("peak_force", "impulse", "duration", "speed") if found else ()
-    return figures | {f"impact_{name}": max(getattr(impact, name) for impact in found) for name in largest}
+    return metrics | {f"impact_{name}": max(getattr(impact, name) for impact in found) for name in largest}
 
 
 # --- Rattle: impacts in each cycle of the force of a road
@@ -77,7 +77,7 @@ def split_at_repeats(signals: Signals) -> list[Signals]:
 def describe_rattle(
     signals: Signals, period: float, plunger_mass: float, band: tuple[float, float]
 ) -> dict[str, float]:
-    """The summary's figures of a record of whole cycles of a force, `period` long [s]; {} without a yokenut.
+    """Metrics of a record of whole cycles of a force, `period` long [s]; {} without a yokenut.
 
     The record may consist of several runs, one for each phase at which the force begins. `band` are the ends
     of that of the rack's acceleration [Hz].

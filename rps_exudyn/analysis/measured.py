@@ -33,7 +33,7 @@ class AgainstMeasured:
     angle_range: tuple[float, float]  # of the file [rad]
     simulated_range: tuple[float, float]  # of the simulation, that stands for it [rad]
     torque: SignalPair  # first measured, second simulated
-    measured: dict[str, float]  # figures of `describe_torque` over these angles
+    measured: dict[str, float]  # metrics of `describe_torque` over these angles
     simulated: dict[str, float]
 
     @property
@@ -49,7 +49,7 @@ class AgainstMeasured:
 
     @property
     def rows(self) -> list[tuple[str, str, str]]:
-        """Name, measured and simulated value of each figure that both have, with their units."""
+        """Name, measured and simulated value of each metric that both have, with their units."""
         return [
             (name, SUMMARY[name].show(value), SUMMARY[name].show(self.simulated[name]))
             for name, value in self.measured.items()

@@ -191,13 +191,13 @@ def _pass(signals: Signals, first: int, last: int) -> Pass:
 
 # --- Signals of many gears over the same instants: values of shape (gears, n) beside those of one gear, (n,)
 #
-# Figures of one gear are numbers; of many they are arrays of shape (gears,), by the same functions. Values by
+# Metrics of one gear are numbers; of many they are arrays of shape (gears,), by the same functions. Values by
 # `np.take` lie side by side in memory: their sums are rounded alike for one gear and for many.
 
 
-def plain(figures: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the figures of one gear as plain numbers, and the arrays of many."""
-    return {name: float(value) if np.ndim(value) == 0 else value for name, value in figures.items()}
+def plain(metrics: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the metrics of one gear as plain numbers, and the arrays of many."""
+    return {name: float(value) if np.ndim(value) == 0 else value for name, value in metrics.items()}
 
 
 def over_instants(at: np.ndarray, instants: np.ndarray, values: np.ndarray) -> np.ndarray:

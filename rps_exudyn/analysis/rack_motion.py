@@ -25,25 +25,28 @@ def transmission_error(signals: Signals, gain: float | np.ndarray) -> np.ndarray
 
 
 def describe_rack(signals: Signals, runs: Sequence[Pass], gain: float | np.ndarray) -> dict[str, float]:
-    """The summary's figures of the motions of a record with these passes; `gain` is rack travel per radian
+    """Metrics of the motions of a record with these passes; `gain` is rack travel per radian
     [m].
 
     The transmission error is the larger of those in the two directions: the difference between directions is
     lost motion, see `hysteresis`.
     """
-    figures = {}
-    ways = [each.signals for each in runs]
-    if errors := [transmission_error(way, gain) for way in ways]:
+    metrics = {}
+    motions = [each.signals for each in runs]
+    if errors := [transmission_error(motion, gain) for motion in motions]:
         ranges = [np.ptp(error, axis=-1) for error in errors]
-        figures["transmission_error_peak_to_peak"] = np.max(ranges, axis=0)
-    first = [order_amplitude(way["pinion_angle"], error, 1) for way, error in zip(ways, errors, strict=True)]
+        metrics["transmission_error_peak_to_peak"] = np.max(ranges, axis=0)
+    first = [
+        order_amplitude(motion["pinion_angle"], error, 1)
+        for motion, error in zip(motions, errors, strict=True)
+    ]
     if known := [amplitude for amplitude in first if amplitude is not None]:
-        figures["transmission_error_first_order"] = np.max(known, axis=0)
-    figures |= {name: np.ptp(signals[each], axis=-1) for name, each in RANGES.items() if each in signals}
+        metrics["transmission_error_first_order"] = np.max(known, axis=0)
+    metrics |= {name: np.ptp(signals[each], axis=-1) for name, each in RANGES.items() if each in signals}
     if "seat_force" in signals:
-        figures["yoke_force_min"] = signals["seat_force"].min(axis=-1)
-        figures["yoke_force_max"] = signals["seat_force"].max(axis=-1)
-    return figures
+        metrics["yoke_force_min"] = signals["seat_force"].min(axis=-1)
+        metrics["yoke_force_max"] = signals["seat_force"].max(axis=-1)
+    return metrics
 
 
 # --- Where the rack was at each instant of a record: its reference point and its rotation

@@ -20,27 +20,29 @@ def mean(angle: np.ndarray, values: np.ndarray) -> Any:
 
 
 def describe_torque(angle: np.ndarray, torque: np.ndarray, teeth: int) -> dict[str, float]:
-    """The summary's torque figures from angle [rad], shape (n,), and torque [N m], shape (..., n).
+    """Metrics of the torque from angle [rad], shape (n,), and torque [N m], shape (..., n).
 
     Orders are left out where the record is too short for them, or has too few instants in a period.
     """
-    figures = {"torque_mean": mean(angle, torque), "torque_peak_to_peak": np.ptp(torque, axis=-1)}
+    metrics = {"torque_mean": mean(angle, torque), "torque_peak_to_peak": np.ptp(torque, axis=-1)}
     per_pitch = 2 * np.pi / teeth / np.abs(np.diff(angle)).max() * (1 + 1e-9)
     if per_pitch >= LEAST_PER_PERIOD:
-        figures["torque_tooth_order"] = order_amplitude(angle, torque, teeth)
-    figures["torque_first_order"] = order_amplitude(angle, torque, 1)
-    return {name: value for name, value in figures.items() if value is not None}
+        metrics["torque_tooth_order"] = order_amplitude(angle, torque, teeth)
+    metrics["torque_first_order"] = order_amplitude(angle, torque, 1)
+    return {name: value for name, value in metrics.items() if value is not None}
 
 
 # --- Torque towards +X compared with torque towards -X at the same pinion angles
 
 
 def describe_directions(runs: Sequence[Pass]) -> dict[str, float]:
-    """The summary's figures of both directions, each torque counted against the motion; {} without both."""
+    """Metrics of both directions, each torque counted against the motion; {} without both."""
     if (both := both_directions(runs)) is None:
         return {}
-    *ways, angle = both
-    forward, backward = (each.direction * mean(angle, each.over(angle, "pinion_torque")) for each in ways)
+    *directions, angle = both
+    forward, backward = (
+        each.direction * mean(angle, each.over(angle, "pinion_torque")) for each in directions
+    )
     return {
         "torque_mean_forward": forward,
         "torque_mean_backward": backward,
@@ -57,17 +59,17 @@ WINDOW = np.deg2rad(100)  # either side of the centre, where none is given
 
 
 def describe_on_centre(runs: Sequence[Pass], teeth: int, window: float = WINDOW) -> dict[str, float]:
-    """The summary's figures within the window either side of the centre [rad] and outside, where the record
+    """Metrics within the window either side of the centre [rad] and outside, where the record
     covers a pitch of the pinion's teeth there."""
-    pitch, figures = 2 * np.pi / teeth, dict[str, Any]()
+    pitch, metrics = 2 * np.pi / teeth, dict[str, Any]()
     for name, ranges in (("on", [(-window, window)]), ("off", [(-np.inf, -window), (window, np.inf)])):
         if pieces := [part for each in runs for ends in ranges for part in parts(each, *ends, least=pitch)]:
-            figures |= {
+            metrics |= {
                 f"torque_{name}_centre": np.mean([mean(*piece) for piece in pieces], axis=0),
                 f"torque_{name}_centre_max": np.max([torque.max(axis=-1) for _, torque in pieces], axis=0),
                 f"torque_{name}_centre_variation": np.max([np.ptp(piece[1], axis=-1) for piece in pieces], 0),
             }
-    return figures
+    return metrics
 
 
 def parts(turned: Pass, low: float, high: float, least: float) -> list[tuple[np.ndarray, np.ndarray]]:

@@ -30,7 +30,7 @@ def file_image(fill: Callable[[h5py.File], None]) -> bytes:
         return bytes(file.id.get_file_image())
 
 
-def put(
+def write_dataset(
     group: h5py.Group,
     name: str,
     values: Any,

@@ -80,7 +80,7 @@ def _object_file(entry: Entry) -> bytes:
         content = file.read_bytes() if file else b""
         if hashlib.sha256(content[:-MARK]).digest() == content[-MARK:]:
             return content[:-MARK]
-    reason = misfit(entry)
+    reason = reason_not_usable(entry)
     if reason:
         from rps_exudyn.base import kernel_compiler
 
@@ -175,7 +175,7 @@ def marks() -> dict[str, str]:
     return dict(line.removeprefix(MARKED).split() for line in lines)
 
 
-def misfit(entry: Entry) -> str:
+def reason_not_usable(entry: Entry) -> str:
     """Return why the shipped code of an entry does not serve here; "" if it does."""
     from llvmlite import binding
 

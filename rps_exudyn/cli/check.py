@@ -32,9 +32,9 @@ def check(
         out: Sheet as a page (.html), or as data (.json), from which `report` makes the page.
     """
     shown.check()
+    from rps_exudyn.assessment.requirements.judging import judge
     from rps_exudyn.assessment.requirements.limits import read_limits
     from rps_exudyn.assessment.requirements.requirement_page import requirement_page
-    from rps_exudyn.assessment.requirements.sheet import judge
     from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
     from rps_exudyn.pages.report.sheet_file import write_sheet
     from rps_exudyn.simulate.cases.run_cases import checked_jobs

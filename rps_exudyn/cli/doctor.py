@@ -63,7 +63,7 @@ def _code() -> Iterator[tuple[str, str, bool]]:
     from rps_exudyn.base import kernel_code
     from rps_exudyn.solvers.gear_model import gear_law
 
-    reason = kernel_code.misfit(gear_law)
+    reason = kernel_code.reason_not_usable(gear_law)
     yield "force laws", f"compiled here by numba: {reason}" if reason else "as shipped with the package", True
     folder, files = kernel_code.object_folder(), kernel_code.object_files()
     if folder:

@@ -70,7 +70,7 @@ def printing(quiet: bool) -> Iterator[None]:
 _quiet: list[bool] = []
 
 
-def put(text: str = "", style: str = "", indent: int = 0) -> None:
+def print_line(text: str = "", style: str = "", indent: int = 0) -> None:
     """Print a line, "bold" or "dim" in a terminal and broken there between words; what follows a break is
     indented by so many letters."""
     if sys.stdout.isatty():
@@ -82,7 +82,7 @@ def put(text: str = "", style: str = "", indent: int = 0) -> None:
     print(text)
 
 
-def put_table(heads: Sequence[str], rows: Iterable[Sequence[str]], dim: Collection[int] = ()) -> None:
+def print_table(heads: Sequence[str], rows: Iterable[Sequence[str]], dim: Collection[int] = ()) -> None:
     """Print rows of cells below their heads, without lines between them; long cells are broken. A terminal
     greys the rows at the places `dim`."""
     rows = list(rows)
@@ -176,9 +176,9 @@ def present(
                 _print_text(sheet.text)
             elif not json:
                 title, *lines = sheet.lines()
-                put(title, "bold", indent=INDENT)
+                print_line(title, "bold", indent=INDENT)
                 for line, row in zip(lines, sheet.rows, strict=True):
-                    put(line, "dim" if row.is_vague else "", indent=INDENT + sheet.width + GAP)
+                    print_line(line, "dim" if row.is_vague else "", indent=INDENT + sheet.width + GAP)
             sys.stdout.flush()
         finally:
             finish()
@@ -187,10 +187,10 @@ def present(
             print_json({**sheet.data(), **kept})
         elif every:
             for file in names:
-                put(f"written: {file}")
+                print_line(f"written: {file}")
         else:
             written = ", ".join(map(str, names))
-            put(f"{f'written: {written}' if names else 'nothing written'}  (--all: {sheet.more})")
+            print_line(f"{f'written: {written}' if names else 'nothing written'}  (--all: {sheet.more})")
 
 
 def _print_text(blocks: "Iterable[Block]") -> None:
@@ -199,12 +199,12 @@ def _print_text(blocks: "Iterable[Block]") -> None:
     for block in blocks:
         if isinstance(block, Grid):
             if block.caption:
-                put(block.caption)
-            put_table(block.columns, [[str(cell) for cell in row] for row in block.rows], block.vague)
+                print_line(block.caption)
+            print_table(block.columns, [[str(cell) for cell in row] for row in block.rows], block.vague)
         elif isinstance(block, Line):
-            put(block.text, "bold" if block.is_bold else "", block.indent)
+            print_line(block.text, "bold" if block.is_bold else "", block.indent)
         elif isinstance(block, Text):
-            put(block.text)
+            print_line(block.text)
 
 
 @contextmanager

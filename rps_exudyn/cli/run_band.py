@@ -29,7 +29,7 @@ from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.results.rounding import shown_with_bar
 from rps_exudyn.results.sheet import Block, Grid, Line, Section, Text
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.law_by_scene import with_law
+from rps_exudyn.scenes.contact_law import resolve_contact_law
 from rps_exudyn.simulate.cases.run_cases import checked_jobs
 
 QUICK_OTHERWISE = 64  # runs of a scene without a quick band
@@ -72,7 +72,7 @@ class BandRun:
 
             band = made(on_progress=report, jobs=processes, time_limit=self.time_limit)
         law = band.nominal.gear.mesh.law
-        single = with_law(gear, setup.fidelity, scene_named(self.scene).law).mesh.law
+        single = resolve_contact_law(gear, setup.fidelity, scene_named(self.scene).law).mesh.law
         if law != single:
             note(
                 f"the band uses the contact law {law}, as every series of gears; a single run uses {single}."
@@ -128,18 +128,18 @@ def _text(band: Band) -> Iterator[Block]:
         yield Text("Interrupted: the band contains the samples finished before.")
     for cause, number in band.drawn.failures.items():
         yield Text(f"{number} x {cause}")
-    yield Grid(_HEAD, list(_figure_rows(band)))
+    yield Grid(_HEAD, list(_metric_rows(band)))
     yield Text(
         "At medians: the run at median inputs, ± its numerical error. Errors: standard errors of the "
         "quantiles; numerical: by how far they move if all samples are wrong by their error bars."
     )
-    name = scene_named(band.nominal.scene).figure
+    name = scene_named(band.nominal.scene).main_metric
     if (shares := band.contributions.get(name)) is not None:
         largest = list(shares.fractions.items())[:SHOWN]
         text = ", ".join(f"{path} {100 * share:.0f} %" for path, share in largest)
         yield Text(f"Contributions to {name}: {text}; acting together {100 * shares.together:.0f} %.")
-    if failed and name in band.figures:
-        low, high = band.figures[name].lowest[0], band.figures[name].highest[-1]
+    if failed and name in band.metrics:
+        low, high = band.metrics[name].lowest[0], band.metrics[name].highest[-1]
         ends = f"{_end(name, low)} to {_end(name, high)}"
         yield Text(f"With the failed samples at either end, 5 to 95 % of {name}: {ends}.")
     yield Text(_beside(band, name))
@@ -151,8 +151,8 @@ _HEAD = (
 )
 
 
-def _figure_rows(band: Band) -> Iterable[tuple[str, ...]]:
-    for name, found in band.figures.items():
+def _metric_rows(band: Band) -> Iterable[tuple[str, ...]]:
+    for name, found in band.metrics.items():
         show = SUMMARY[name].show
         of_level = band.drawn.numerical.get(name)
         errors = [show(float(found.errors[at])) for at in (0, -1)]
@@ -170,7 +170,7 @@ def _end(name: str, value: float) -> str:
 
 def _beside(band: Band, name: str) -> str:
     """What the band does not contain: errors of the solution and of the contact law."""
-    half = band.figures[name].half_width if name in band.figures else float("nan")
+    half = band.metrics[name].half_width if name in band.metrics else float("nan")
     parts = [f"half the band of 90 % of {name} is {SUMMARY[name].show(half)}"]
     if name in band.drawn.numerical:
         parts.append(f"the numerical error of a gear is {_end(name, band.drawn.numerical[name].of_sample)}")

@@ -113,12 +113,12 @@ def _kept(work: "StudyWork") -> str:
 def _list_cases(work: "StudyWork", jobs: int, json: bool) -> None:
     from rps_exudyn.results.sheet import Sheet, Text
     from rps_exudyn.study.case_progress import estimate
-    from rps_exudyn.study.handover import dispatch_of
     from rps_exudyn.study.table import show_value
+    from rps_exudyn.study.task_queue import group_plan_of
 
     seconds, source = estimate(work.study, work.missing, work.measured(), jobs)
     with shown_progress():
-        dispatch = dispatch_of(work.study, work.description)
+        plan = group_plan_of(work.study, work.description)
     missing = {case.hash for case in work.missing}
     cases = work.description.cases
 
@@ -131,15 +131,15 @@ def _list_cases(work: "StudyWork", jobs: int, json: bool) -> None:
             f"{len(cases)} cases, {len(missing)} of them to be done: about {duration(seconds)} "
             f"with {jobs} {'process' if jobs == 1 else 'processes'} ({source})"
         )
-        if dispatch.ranges is not None:
+        if plan.ranges is not None:
             yield Text("  most of them computed together, several times as fast")
-        elif dispatch.single_run_reason:
-            yield Text(_NOT_TOGETHER.format(dispatch.single_run_reason))
+        elif plan.single_run_reason:
+            yield Text(_NOT_TOGETHER.format(plan.single_run_reason))
 
     def data() -> dict[str, Any]:
         rows = [{"hash": case.hash, "values": case.values, "missing": case.hash in missing} for case in cases]
         counts = {"cases": rows, "missing": len(missing), "jobs": jobs, "seconds": seconds}
-        return counts | {"in_loop": dispatch.ranges is not None, "not_in_loop": dispatch.single_run_reason}
+        return counts | {"in_loop": plan.ranges is not None, "not_in_loop": plan.single_run_reason}
 
     present(Sheet(text=text(), data=data), json=json)
 
@@ -167,13 +167,13 @@ def _present_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:
         rows = list(range_rows(CaseTable.of(work.store)))[:SHOWN_RANGES]
         width = max((len(row.value) for row in rows), default=0)
         yield from (Line(f"  {row.value:{width}}  {row.words}", indent=width + 4) for row in rows)
-        yield from group_lines(tally.said)
+        yield from group_lines(tally.causes)
         yield Text(f"one page of it: rps-exudyn report {folder}")
 
     def data() -> dict[str, Any]:
         said = [
             {"status": group.status.value, "cases": len(group.cases), "message": group.example}
-            for group in tally.said
+            for group in tally.causes
         ]
         return {
             "folder": str(folder),

@@ -203,7 +203,7 @@ def add_forces(
         if memory is not None:
             memory[1, TIME] = t
         rates = np.array(v)  # Exudyn uses its arrays again
-        total = secant.noted(t, rates, force_of(np.asarray(q), rates))
+        total = secant.recorded(t, rates, force_of(np.asarray(q), rates))
         return total if applied is None else total + applied(t)
 
     def jacobian(

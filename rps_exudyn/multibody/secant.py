@@ -23,7 +23,7 @@ class Secant:
         self.rates: list[np.ndarray] = []
         self.forces: list[np.ndarray] = []
 
-    def noted(self, time: float, rates: np.ndarray, forces: np.ndarray) -> np.ndarray:
+    def recorded(self, time: float, rates: np.ndarray, forces: np.ndarray) -> np.ndarray:
         """Keep the forces (n,) at rates (n,) in the step that ends at a time [s]; return them."""
         if time != self.time:
             self.time, self.tangents = time, 0

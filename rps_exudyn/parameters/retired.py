@@ -3,13 +3,17 @@
 They are not run again.
 """
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from functools import wraps
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import ValidationInfo, ValidatorFunctionWrapHandler
 
 if TYPE_CHECKING:
     from rps_exudyn.parameters.gear import SteeringGear
+
+Fields = TypeVar("Fields")
 
 CHOICES: dict[str, dict[str, str]] = {
     "fidelity.mesh": {
@@ -71,6 +75,29 @@ def parameter_instead(path: str) -> str | None:
 
 def _ends_in(known: str, path: str) -> bool:
     return f".{known}".endswith(f".{path}")
+
+
+# --- former names in Python
+
+
+def with_former_names(**former: str) -> Callable[[type[Fields]], type[Fields]]:
+    """Return a decorator of a dataclass whose fields have former names too, former -> present."""
+
+    def decorate(kind: type[Fields]) -> type[Fields]:
+        begin = kind.__init__
+
+        @wraps(begin)
+        def accept(self: Fields, *values: Any, **named: Any) -> None:
+            for old in former.keys() & named.keys():
+                named[former[old]] = named.pop(old)
+            begin(self, *values, **named)
+
+        for old, new in former.items():
+            setattr(kind, old, property(attrgetter(new)))
+        kind.__init__ = accept  # type: ignore[assignment]
+        return kind
+
+    return decorate
 
 
 # --- what stored results mean

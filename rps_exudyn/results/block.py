@@ -17,7 +17,7 @@ import h5py
 import numpy as np
 
 from rps_exudyn.base.files import printable, read_json_tables, with_checksum
-from rps_exudyn.base.hdf5 import file_image, named_damage, opened, put
+from rps_exudyn.base.hdf5 import file_image, named_damage, opened, write_dataset
 from rps_exudyn.results.outcome import Status, codes_of
 from rps_exudyn.results.quantities import COLUMNS, GROUPS, SUMMARY, Quantity
 from rps_exudyn.results.result import TABLES, TEXTS, Result, attributes_of, result_of
@@ -77,7 +77,7 @@ class CaseRecord:
         return codes_of(self.attributes["message"], self.attributes.get("codes"))
 
     @property
-    def found_together(self) -> bool:
+    def in_loop(self) -> bool:
         """Whether the gear was computed together with others."""
         return "together" in read_json_tables(self.attributes["findings"], "findings")
 
@@ -150,10 +150,10 @@ def _put(file: h5py.File, name: str, values: np.ndarray, quantity: Quantity | No
     filters = FILTERS | {"chunks": values.shape} if values.size else {}
     attributes = quantity.attributes if quantity else {}
     if name in ("case", "sample"):
-        put(file, name, values, attributes, **filters).make_scale(name)
+        write_dataset(file, name, values, attributes, **filters).make_scale(name)
     else:
         scales = [file[scale] for scale in ("case", "sample")[: values.ndim]]
-        put(file, name, values, attributes, scales, **filters)
+        write_dataset(file, name, values, attributes, scales, **filters)
 
 
 def _put_table(file: h5py.File, group: str, rows: Sequence[Mapping[str, float]]) -> None:

@@ -123,7 +123,7 @@ _NOT_FROM_STEPS = {
 
 
 RACK_RANGES = "rack_lift_range", "rack_roll_range", "rack_yaw_range"
-SPREADS = frozenset(
+VARIATIONS = frozenset(
     name
     for name in _SUMMARY
     if name.endswith(("_peak_to_peak", "_range", "_variation")) or name == "torque_tooth_order"

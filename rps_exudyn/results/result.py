@@ -19,7 +19,7 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError, check_kind
 from rps_exudyn.base.files import printable, read_json_tables, replacing, with_checksum
-from rps_exudyn.base.hdf5 import file_image, opened, put
+from rps_exudyn.base.hdf5 import file_image, opened, write_dataset
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import of_this_version
 from rps_exudyn.parameters.gear import SteeringGear
@@ -65,7 +65,7 @@ class MeasuredTorque:
         group = file.create_group(MEASURED_GROUP)
         group.attrs["name"] = self.name
         for name in MEASURED_SIGNALS:
-            put(group, name, np.asarray(self.signals[name], dtype=float), SIGNALS[name].attributes)
+            write_dataset(group, name, np.asarray(self.signals[name], dtype=float), SIGNALS[name].attributes)
 
     @classmethod
     def read(cls, file: h5py.File) -> "MeasuredTorque | None":
@@ -289,7 +289,7 @@ def _write(result: Result, file: h5py.File) -> None:
     for group in GROUPS:
         file.create_group(group)
     for name, values in result.signals.items():
-        put(file["signals"], name, np.asarray(values, dtype=float), SIGNALS[name].attributes)
+        write_dataset(file["signals"], name, np.asarray(values, dtype=float), SIGNALS[name].attributes)
     if result.signals:
         time = file["signals/time"]
         time.make_scale("time")
@@ -298,7 +298,7 @@ def _write(result: Result, file: h5py.File) -> None:
     for group in TABLES:
         for name, value in getattr(result, group).items():
             number = value if group == "counters" else float(value)
-            put(file[group], name, number, GROUPS[group][name].attributes)
+            write_dataset(file[group], name, number, GROUPS[group][name].attributes)
     for name in result.errors.keys() & result.summary.keys():
         file["summary"][name].attrs["error"] = float(result.errors[name])
     if result.measured is not None:

@@ -38,8 +38,8 @@ _OWN: "dict[str, Scene]" = {}  # scenes of this process
 def add_scene(scene: "Scene") -> None:
     """Register an own scene in this process by its name; one added before by that name is replaced.
 
-    Study files, the command line, and processes that are started for a study or a time limit have the scenes
-    of the package only.
+    Study files and the command line have the scenes of the package only, and so have processes that are
+    started for a study or a time limit.
 
     Raises:
         InputError: a scene of the package has that name.

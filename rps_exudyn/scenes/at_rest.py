@@ -1,8 +1,8 @@
 """A gear at rest under loads from outside: equilibria one after the other, nothing sliding.
 
 Loads change so slowly that friction creeps away: the gear finds the place that it would find without
-friction, tapped and turned to and fro as a mechanic does before reading the gauge. Time counts the loads
-only.
+friction. A mechanic taps the gear, and turns it to and fro, before reading the gauge. Time counts the
+loads only.
 """
 
 from collections.abc import Callable
@@ -35,7 +35,7 @@ from rps_exudyn.solvers.record import Record, record_of_path, signals_of, work_a
 PAUSE = 1e7  # from load to load [s]: friction of a rack that moves by 0.1 mm meanwhile is 1e-5 of sliding
 LEAST_MODES = 20  # per plane of a bar that bends: its end yields by 0.3 % less with 8
 LEAST_STATIONS = {"area": 4, "line": 4, "teeth": 8}  # on a line of contact: two leave motions up to 28 % off
-LOOSE = ("by-scene", "free", "flexible")  # models of a rack that yields across its guides
+FREE_RACK_MODELS = ("by-scene", "free", "flexible")  # models of a rack that yields across its guides
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +103,7 @@ def bending(fidelity: Fidelity) -> Fidelity:
     Raises:
         InputError: a model in which the rack has no freedom in its guides.
     """
-    if fidelity.solver == "closed-form" or fidelity.rack not in LOOSE:
+    if fidelity.solver == "closed-form" or fidelity.rack not in FREE_RACK_MODELS:
         raise InputError(
             f"fidelity.solver is {fidelity.solver} and fidelity.rack is {fidelity.rack}; this scene needs "
             f"equilibria of a free or flexible rack."
@@ -127,7 +127,7 @@ def run_at_rest(
     start = gear.test.start_angle
     check_travel(gear, (start,), "test.start_angle")
     drive = Steady(body, travel_per_radian(body, float(GearPair.of(gear).gain)) * start, 0.0)
-    run = _equilibria(_tapped(gear), fidelity, drive, loads, options)
+    run = _equilibria(_without_friction_memory(gear), fidelity, drive, loads, options)
     return run.described(lambda signals: {**metrics(signals), **balance(signals)}, gear)
 
 
@@ -137,8 +137,8 @@ def _equilibria(
     """Find the equilibria under the loads by stations enough to show small motions."""
     if gear.rack.modes:
         gear = gear.replace({"rack.modes": max(gear.rack.modes, min(options.finer(LEAST_MODES), MOST_MODES))})
-    asked = fidelity.strip_stations
-    stations = max(asked, min(options.finer(LEAST_STATIONS[gear.mesh.contact_law]), MOST_STATIONS))
+    requested = fidelity.strip_stations
+    stations = max(requested, min(options.finer(LEAST_STATIONS[gear.mesh.contact_law]), MOST_STATIONS))
     fidelity = fidelity.replace({"strip_stations": stations})
     place, start, interrupted = RackBar.of(gear).x_min, process_time(), False
     forces = gear_forces(gear, fidelity)
@@ -156,7 +156,7 @@ def _equilibria(
         message = f"the gear has no stiffness against a force: {error}"
         return SceneRun(Outcome(Status.NO_CONVERGENCE, message, (Code.NO_RESISTANCE,)))
     outcome = _outcome(path, loads, process_time() - start, interrupted)
-    if stations > asked:
+    if stations > requested:
         outcome = replace(outcome, findings={**outcome.findings, "strip_stations": stations})
     if len(path.time) < 2:
         return SceneRun(outcome)
@@ -211,7 +211,7 @@ def _shaft_signals(
     return signals | {"work_load": work_along(applied, ends), SHAFT_ENERGY: energy}
 
 
-def _tapped(gear: SteeringGear) -> SteeringGear:
+def _without_friction_memory(gear: SteeringGear) -> SteeringGear:
     """Return the gear without memory of friction: bristles and the shaft's axial friction would hold what
     tapping lets go."""
     laws: dict[str, object] = {f"{part}.friction_law": PLAIN_LAW for part in RUBBING_PARTS}

@@ -77,8 +77,8 @@ def error_bars(
 
 
 def difference(fine: Signals, coarse: Signals) -> dict[str, np.ndarray]:
-    """Return fine minus coarse signals at the instants of the fine record, (..., t), on straight lines
-    between those of the coarse one; {} of records that do not cover the same time."""
+    """Return fine minus coarse signals at the instants of the fine record, (..., t). The coarse ones are
+    interpolated on straight lines; {} of records that do not cover the same time."""
     pieces = [list(pieces_of(each["time"])) for each in (fine, coarse)]
     if len(pieces[0]) != len(pieces[1]):
         return {}

@@ -7,7 +7,7 @@ from functools import partial
 
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
-from rps_exudyn.scenes.metrics import figures_of_turning
+from rps_exudyn.scenes.metrics import metrics_of_turning
 from rps_exudyn.scenes.run_maneuver import run_steady
 from rps_exudyn.scenes.scene import Scene, SteadyTest
 from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state
@@ -21,7 +21,7 @@ def _by_formula(gear: SteeringGear) -> dict[str, float]:
 
 TEST = SteadyTest(
     maneuvers=lambda gear, step_angle, least: (maneuvers_of_test(gear, "pinion", step_angle, least), None),
-    metrics=lambda record: figures_of_turning(record.signals, record.gear, record.gain),
+    metrics=lambda record: metrics_of_turning(record.signals, record.gear, record.gain),
     curve=("time", "pinion_angle", "pinion_torque"),
     formulas=_by_formula,
 )
@@ -31,7 +31,7 @@ SCENE = Scene(
     title="Free pinion torque",
     run=partial(run_steady, TEST),
     signal="pinion_torque",
-    figure="torque_mean",
+    main_metric="torque_mean",
     chart="torque",
     steady=True,
     test=TEST,

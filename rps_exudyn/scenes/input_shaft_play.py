@@ -1,10 +1,9 @@
 """Input shaft play: forces on the end of the pinion's shaft; how far it gives way.
 
-A mechanic presses the end of the input shaft to and fro across its axis, then along it, and reads a gauge
-there. The scene does so with `test.shaft_force` along Y and across Y, and with `test.shaft_axial_force` along
-the shaft; the pinion is held against rotation, the rack is free to follow. What gives way are the clearances
-and the float, the bearings, the shaft between and beyond them, the housing's seat, and the mesh with the yoke
-behind it.
+A mechanic presses the end of the input shaft to and fro, across its axis and along it, and reads a gauge.
+The scene does so with `test.shaft_force` along Y and across Y, and with `test.shaft_axial_force` along the
+shaft. The pinion is held against rotation, the rack is free to follow. Clearances and float give way, and so
+do bearings, shaft, the housing's seat, and the mesh with the yoke behind it.
 """
 
 import numpy as np
@@ -39,13 +38,13 @@ def input_shaft_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions
     force[1 : 1 + len(across), 1] = across
     force[len(across) : 2 * len(across), 0] = across
     force[2 * len(across) - 1 :, 2] = along
-    return run_at_rest(gear, chosen, "pinion", OutsideLoads.of_shaft(force), options, shaft_figures)
+    return run_at_rest(gear, chosen, "pinion", OutsideLoads.of_shaft(force), options, shaft_metrics)
 
 
-def shaft_figures(signals: Signals) -> dict[str, float]:
-    """Return how far the input shaft's end moves between the largest forces of both ways, of the radial
-    directions the larger; {} of a record that ends before."""
-    figures = {}
+def shaft_metrics(signals: Signals) -> dict[str, float]:
+    """Return how far the input shaft's end moves between the largest forces of both directions; the radial
+    play is that of the worse axis. {} of a record that ends before."""
+    metrics = {}
     for play, axes in PLAYS.items():
         moved = []
         for axis in axes:
@@ -53,8 +52,8 @@ def shaft_figures(signals: Signals) -> dict[str, float]:
             if force.max() > 0 > force.min():
                 moved.append(float(place[force.argmax()] - place[force.argmin()]))
         if len(moved) == len(axes):
-            figures[f"input_shaft_play_{play}"] = max(moved)
-    return figures
+            metrics[f"input_shaft_play_{play}"] = max(moved)
+    return metrics
 
 
 SCENE = Scene(
@@ -62,7 +61,7 @@ SCENE = Scene(
     title="Input shaft play: forces on the end of the pinion's shaft",
     run=input_shaft_play,
     signal="shaft_end_y",
-    figure="input_shaft_play_radial",
+    main_metric="input_shaft_play_radial",
     chart="shaft_play",
     at_rest=True,
     revolutions=None,

@@ -2,10 +2,10 @@
 
     model, gear, options = model_at(2, fidelity), gear_at(2, gear), options.at(2)
 
-A level has half the steps, the friction zone and the tolerance of the level below, twice its stations on a
-line of contact, its modes of the rack and its cycles before the record, and spheres that are closer by the
-root of 2. Level 1 has what a model asks for. `Maneuver.halved` divides the steps, so that a level has all
-instants of the levels below.
+A level halves the steps, the friction zone and the tolerance of the level below. It doubles the stations on
+a line of contact, the modes of the rack and the cycles before the record. Its spheres are closer by the root
+of 2. Level 1 has what a model asks for. `Maneuver.halved` divides the steps, so that a level has all instants
+of the levels below.
 """
 
 from math import ceil, sqrt
@@ -76,8 +76,7 @@ def gear_at(level: int, gear: SteeringGear) -> SteeringGear:
 
 
 def doubled(count: int, level: int) -> int:
-    """Return a number at a level that is half as large, rounded up, at level 0, and twice as large from each
-    level to the next."""
+    """Return a number at a level: its half, rounded up, at level 0, and twice as much at each next level."""
     return ceil(count / 2) * 2**level
 
 

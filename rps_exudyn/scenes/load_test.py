@@ -17,7 +17,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted, Remark
 from rps_exudyn.scenes.maneuver import Maneuver, StepLimits, maneuvers_of_test
-from rps_exudyn.scenes.metrics import figures_of_motion
+from rps_exudyn.scenes.metrics import metrics_of_motion
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene, SteadyRecord, SteadyTest
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
@@ -74,7 +74,7 @@ def _load_test(record: SteadyRecord) -> LoadTest:
 
 def _metrics(record: SteadyRecord) -> dict[str, float]:
     """Efficiencies, and what any gear in motion shows."""
-    of_motion = figures_of_motion(record.signals, record.gear, record.gain)
+    of_motion = metrics_of_motion(record.signals, record.gear, record.gain)
     return {**describe_load_test(_load_test(record)), **of_motion}
 
 
@@ -118,7 +118,7 @@ SCENE = Scene(
     title="Load test",
     run=load_test,
     signal="pinion_torque",
-    figure="torque_forward",
+    main_metric="torque_forward",
     chart="load_test",
     steady=True,
     test=TEST,

@@ -27,7 +27,7 @@ RUN_IN = np.deg2rad(0.5)  # pinion angle turned before the record starts, at lea
 class StepLimits:
     """Steps that a steady maneuver gets at least, however large the fidelity's step."""
 
-    per_period: int = 4  # four see the torque of most gears to a percent
+    per_period: int = 4  # four show the torque of most gears to a percent
     of_part: int = 8  # of a record that is not made of whole periods: they cost little
 
 
@@ -196,8 +196,9 @@ def swing_maneuver(
 ) -> Maneuver:
     """Return sinusoidal steering about the test's start angle.
 
-    Steps are of `step_angle` [rad] where it is fastest; after each turn, where friction turns about over an
-    angle `yielding` [rad] that hardly depends on the steering, and the travel of bristles, they are divided.
+    Steps are of `step_angle` [rad] where it is fastest. They are divided after each turn, where friction
+    turns about: over the travel of bristles, and over an angle `yielding` [rad] that hardly depends on the
+    steering.
 
     Raises:
         InputError: it leaves the rack's teeth.

@@ -1,4 +1,4 @@
-"""The summaries' figures that several scenes share."""
+"""Metrics that several scenes share."""
 
 from typing import Any
 
@@ -13,8 +13,8 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.scene_run import Signals
 
 
-def figures_of_turning(signals: Signals, gear: SteeringGear, rack_gain: Any = None) -> dict[str, float]:
-    """Return the figures of a pinion turned steadily: its torque, the first way and both ways, and what any
+def metrics_of_turning(signals: Signals, gear: SteeringGear, rack_gain: Any = None) -> dict[str, float]:
+    """Return the metrics of a pinion turned steadily: its torque, the first way and both ways, and what any
     gear in motion shows."""
     teeth, runs = gear.pinion.teeth, passes(signals)
     first = runs[0].signals
@@ -22,12 +22,12 @@ def figures_of_turning(signals: Signals, gear: SteeringGear, rack_gain: Any = No
         **describe_torque(first["pinion_angle"], first["pinion_torque"], teeth),
         **describe_directions(runs),
         **describe_on_centre(runs, teeth, gear.test.centre_window),
-        **figures_of_motion(signals, gear, rack_gain),
+        **metrics_of_motion(signals, gear, rack_gain),
     }
 
 
-def figures_of_motion(signals: Signals, gear: SteeringGear, rack_gain: Any = None) -> dict[str, float]:
-    """Return the figures of any gear in motion: the rack's displacement per revolution of the pinion, how the
+def metrics_of_motion(signals: Signals, gear: SteeringGear, rack_gain: Any = None) -> dict[str, float]:
+    """Return the metrics of any gear in motion: the rack's displacement per revolution of the pinion, how the
     rack moves in its guides, where the work goes.
 
     `rack_gain` is the rack's travel per radian [m], a number or one for each of many gears; by default the
@@ -44,6 +44,10 @@ def figures_of_motion(signals: Signals, gear: SteeringGear, rack_gain: Any = Non
         **describe_losses(signals),
         **balance(signals),
     }
+
+
+figures_of_motion, figures_of_turning = metrics_of_motion, metrics_of_turning
+"""Former names, for own scenes."""
 
 
 def balance(signals: Signals) -> dict[str, float]:

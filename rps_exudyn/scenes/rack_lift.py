@@ -1,9 +1,8 @@
 """Rack lift: a torque on the pinion, the rack held; how far the teeth lift the rack off the pinion.
 
-A mechanic holds the rack, turns the pinion with a given torque and reads how far the bar moves away from the
-pinion. The teeth push it away by torque / s' tan(alpha_n) / cos(beta_r), s' the rack's travel per radian:
-more than the yoke's spring holds, so that the plunger comes to rest on the yokenut and the lift shows its
-clearance.
+A mechanic holds the rack, turns the pinion with a given torque and reads how far the bar moves away. The
+teeth push it away by torque / s' tan(alpha_n) / cos(beta_r), s' the rack's travel per radian. That is more
+than the yoke's spring holds: the plunger comes to rest on the yokenut, and the lift shows its clearance.
 """
 
 import numpy as np
@@ -28,26 +27,26 @@ def rack_lift(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     formula = {"rack_lift_closed_form": lift_of_torque(gear, gear.test.lift_torque)}
 
     def metrics(signals: Signals) -> dict[str, float]:
-        return lift_figures(signals) | formula
+        return lift_metrics(signals) | formula
 
     return run_at_rest(gear, bending(fidelity), "rack", OutsideLoads.of_torque(torque), options, metrics)
 
 
-def lift_figures(signals: Signals) -> dict[str, float]:
-    """Return the lift of the bar's axis above the pitch point under the largest torque each way, the larger
-    of both, and that of the rack's end."""
+def lift_metrics(signals: Signals) -> dict[str, float]:
+    """Return the lift of the bar's axis above the pitch point under the largest torque each way. The larger
+    of both follows, then the lift of the rack's end."""
     torque, lift, end = (signals[name] for name in ("pinion_torque", "rack_y", "rack_end_y"))
-    figures, largest = {}, float(np.abs(torque).max())
+    metrics, largest = {}, float(np.abs(torque).max())
     for sense, name in ((1, "rack_lift_forward"), (-1, "rack_lift_backward")):
         turned = np.flatnonzero(torque == sense * largest)
         if largest and turned.size:
-            figures[name] = float(lift[turned[0]] - lift[0])
-            figures["rack_lift_end"] = max(
-                float(end[turned[0]] - end[0]), figures.get("rack_lift_end", -np.inf)
+            metrics[name] = float(lift[turned[0]] - lift[0])
+            metrics["rack_lift_end"] = max(
+                float(end[turned[0]] - end[0]), metrics.get("rack_lift_end", -np.inf)
             )
-    if len(figures) == 3:
-        figures["rack_lift"] = max(figures["rack_lift_forward"], figures["rack_lift_backward"])
-    return figures
+    if len(metrics) == 3:
+        metrics["rack_lift"] = max(metrics["rack_lift_forward"], metrics["rack_lift_backward"])
+    return metrics
 
 
 SCENE = Scene(
@@ -55,7 +54,7 @@ SCENE = Scene(
     title="Rack lift: the rack under a torque on the pinion",
     run=rack_lift,
     signal="rack_y",
-    figure="rack_lift",
+    main_metric="rack_lift",
     chart="lift",
     at_rest=True,
     revolutions=None,

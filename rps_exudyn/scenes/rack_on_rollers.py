@@ -1,17 +1,17 @@
 """Rack on rollers: two rollers stand in the pinion's place; the rig moves the rack between them and the yoke.
 
-Rollers press like the teeth and take no work: what is measured is D + mu_yoke kappa P, the drag of the bush
-and the friction of the plunger, without that of the teeth. So the scene is a push of the rack with a pinion
-that neither rubs, nor runs out, nor has bearings that rub (`on_rollers`); friction of the rollers is left
-out.
+Rollers press like the teeth and take no work: what is measured is D + mu_yoke kappa P. That is the drag of
+the bush and the friction of the plunger, without that of the teeth. The scene is a push of the rack with a
+pinion without friction, without runout and with bearings that do not rub (`on_rollers`). Friction of the
+rollers is left out.
 """
 
 from dataclasses import replace
 
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.metrics import figures_of_motion
+from rps_exudyn.scenes.metrics import metrics_of_motion
 from rps_exudyn.scenes.rack_push import TEST as RACK_PUSH
-from rps_exudyn.scenes.rack_push import push_figures
+from rps_exudyn.scenes.rack_push import push_metrics
 from rps_exudyn.scenes.run_maneuver import run_steady
 from rps_exudyn.scenes.scene import Scene, SteadyRecord
 
@@ -29,8 +29,8 @@ def on_rollers(gear: SteeringGear) -> SteeringGear:
 
 
 def _metrics(record: SteadyRecord) -> dict[str, float]:
-    force = push_figures(record.signals)["push_force_mean"]
-    return {"roller_force_mean": force, **figures_of_motion(record.signals, record.gear, record.gain)}
+    force = push_metrics(record.signals)["push_force_mean"]
+    return {"roller_force_mean": force, **metrics_of_motion(record.signals, record.gear, record.gain)}
 
 
 TEST = replace(RACK_PUSH, metrics=_metrics)
@@ -41,7 +41,7 @@ SCENE = Scene(
     title="Rack on rollers: force",
     run=lambda gear, fidelity, options: run_steady(TEST, on_rollers(gear), fidelity, options),
     signal="rack_force",
-    figure="roller_force_mean",
+    main_metric="roller_force_mean",
     chart="rack_push",
     steady=True,
 )

@@ -9,18 +9,18 @@ import numpy as np
 
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
-from rps_exudyn.scenes.metrics import figures_of_motion
+from rps_exudyn.scenes.metrics import metrics_of_motion
 from rps_exudyn.scenes.run_maneuver import run_steady
 from rps_exudyn.scenes.scene import Scene, SteadyRecord, SteadyTest
 from rps_exudyn.scenes.scene_run import Signals
 
 
 def _metrics(record: SteadyRecord) -> dict[str, float]:
-    of_motion = figures_of_motion(record.signals, record.gear, record.gain)
-    return {**push_figures(record.signals), **of_motion}
+    of_motion = metrics_of_motion(record.signals, record.gear, record.gain)
+    return {**push_metrics(record.signals), **of_motion}
 
 
-def push_figures(signals: Signals) -> dict[str, float]:
+def push_metrics(signals: Signals) -> dict[str, float]:
     """Return the force along the motion: mean over all displacement, spread in the worse direction."""
     force, place = signals["rack_force"], signals["rack_displacement"]
     work = np.trapezoid(force, place)
@@ -42,7 +42,7 @@ SCENE = Scene(
     title="Rack push: force",
     run=partial(run_steady, TEST),
     signal="rack_force",
-    figure="push_force_mean",
+    main_metric="push_force_mean",
     chart="rack_push",
     steady=True,
     test=TEST,

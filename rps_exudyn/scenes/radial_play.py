@@ -1,9 +1,9 @@
 """Radial play: a force across the rack's end, the pinion held; how far the end gives way.
 
-A mechanic presses the end of the rack beside the pinion to and fro, across the housing, and reads a gauge
-there. The scene does so away from the pinion and towards it (Y), then sideways (Z), with `test.play_force`
-either way. What gives way is the bar, which bends; the mesh, the yoke's spring and seat, the bush; and the
-clearance behind the plunger, once the force lifts the rack off the pinion.
+A mechanic presses the end of the rack beside the pinion to and fro, and reads a gauge there. The scene does
+so away from the pinion and towards it (Y), then sideways (Z), with `test.play_force` either way. What gives
+way is the bar, which bends; the mesh, the yoke's spring and seat, the bush; and the clearance behind the
+plunger, once the force lifts the rack off the pinion.
 """
 
 import numpy as np
@@ -34,26 +34,26 @@ def radial_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
     force = to_and_fro(gear.test.play_force, options.finer(STEPS))
     still = np.zeros_like(force)
     along = np.concatenate([np.stack([force, still], 1), np.stack([still, force], 1)[1:]])
-    run = run_at_rest(gear, chosen, "pinion", OutsideLoads.of_end_force(along), options, play_figures)
+    run = run_at_rest(gear, chosen, "pinion", OutsideLoads.of_end_force(along), options, play_metrics)
     return run.noting(None if chosen.rack == "flexible" else RIGID)
 
 
-def play_figures(signals: Signals) -> dict[str, float]:
-    """Return how far the rack's end moves from where it rests under the largest force each way, {} of a
-    record that ends before."""
-    figures = {}
+def play_metrics(signals: Signals) -> dict[str, float]:
+    """Return how far the largest force each way moves the rack's end from where it rests; {} of a record
+    that ends before."""
+    metrics = {}
     for axis, names in WAYS.items():
         force, place = signals[f"end_force_{axis}"], signals[f"rack_end_{axis}"]
         largest = np.abs(force).max()
         for sense, name in zip((1, -1), names, strict=True):
             pressed = np.flatnonzero(force == sense * largest)
             if largest and pressed.size:
-                figures[f"radial_play_{name}"] = float(abs(place[pressed[0]] - place[0]))
+                metrics[f"radial_play_{name}"] = float(abs(place[pressed[0]] - place[0]))
     for axis, names in WAYS.items():
-        ways = [figures[f"radial_play_{name}"] for name in names if f"radial_play_{name}" in figures]
-        if len(ways) == 2:
-            figures[f"radial_play_{axis}"] = max(ways)
-    return figures
+        displacements = [metrics[f"radial_play_{name}"] for name in names if f"radial_play_{name}" in metrics]
+        if len(displacements) == 2:
+            metrics[f"radial_play_{axis}"] = max(displacements)
+    return metrics
 
 
 SCENE = Scene(
@@ -61,7 +61,7 @@ SCENE = Scene(
     title="Radial play: the rack's end under a force across it",
     run=radial_play,
     signal="rack_end_y",
-    figure="radial_play_y",
+    main_metric="radial_play_y",
     chart="play",
     at_rest=True,
     revolutions=None,

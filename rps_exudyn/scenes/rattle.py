@@ -1,9 +1,9 @@
 """Rattle: a road's force along a tie rod shakes the rack's end, the pinion held; the plunger hits the nut.
 
 The force is a sine, or its positive halves, at an angle to the bar away from the pinion. One cycle settles,
-then `test.road_cycles` are recorded; the same again for each of `test.road_phases` phases at which the force
-begins, evenly spread over the cycle, because motions with impacts are chaotic (`analysis.rattle`).
-A growing sine finds the threshold instead: the size of the force at which the plunger first hits.
+then `test.road_cycles` are recorded. Motions with impacts are chaotic (`analysis.impacts`): the same follows
+for each of `test.road_phases` phases at which the force begins, evenly spread over the cycle. A growing sine
+finds the threshold instead: the size of the force at which the plunger first hits.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -27,10 +27,10 @@ from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.prescribed_motion import Steady
 
-ZONE = 0.02  # of friction, halved with the steps: by creep in it figures are up to 0.5 % off, in 0.1 2.7 %
-STEPS_PER_SWING = 8  # of the plunger between seat and yokenut, its fastest motion: figures to 1 %, speed 2 %
+ZONE = 0.02  # of friction, halved with the steps: by creep in it metrics are up to 0.5 % off, in 0.1 2.7 %
+STEPS_PER_SWING = 8  # of the plunger between seat and yokenut, its fastest motion: metrics to 1 %, speed 2 %
 STEPS_PER_BAND = 20  # of the fastest vibration in the band of the acceleration
-KEPT = 4  # of so many instants one stays in the result, whose figures come from all of them
+KEPT = 4  # of so many instants one stays in the result, whose metrics come from all of them
 GROWING = "growing-sine"
 RIGID = Remark(
     Code.RACK_RIGID,
@@ -68,13 +68,13 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
     growing = test.road_shape == GROWING
     band = (test.band_low, test.band_high)
 
-    def figures(signals: Signals) -> dict[str, float]:
+    def metrics(signals: Signals) -> dict[str, float]:
         if growing:
             return threshold(signals, maneuvers) | balance(signals)
         of_cycles = describe_rattle(signals, 1 / test.road_frequency, gear.yoke.plunger_mass, band)
         return of_cycles | balance(signals)
 
-    run = run_maneuver(gear, chosen, maneuvers, options).described(figures)
+    run = run_maneuver(gear, chosen, maneuvers, options).described(metrics)
     described = run.noting(None if chosen.rack == "flexible" else RIGID)
     if growing:
         described = described.noting(_threshold_remark(gear, described.summary))
@@ -99,9 +99,9 @@ def threshold(signals: Signals, maneuvers: Sequence[Maneuver]) -> dict[str, floa
     }
 
 
-def _threshold_remark(gear: SteeringGear, figures: Mapping[str, float]) -> Remark:
+def _threshold_remark(gear: SteeringGear, metrics: Mapping[str, float]) -> Remark:
     test = gear.test
-    if "rattle_threshold_force" not in figures:
+    if "rattle_threshold_force" not in metrics:
         not_hit = f"the yokenut is not hit up to test.road_force = {test.road_force:.4g} N"
         return Remark(Code.NOT_HIT, not_hit)
     growth = test.road_force / test.road_cycles
@@ -153,7 +153,7 @@ SCENE = Scene(
     title="Rattle: yokenut's force under a road's",
     run=rattle,
     signal="yokenut_force",
-    figure="rattle_force_rms",
+    main_metric="rattle_force_rms",
     chart="rattle",
     needs_inertia=True,
     has_impacts=True,

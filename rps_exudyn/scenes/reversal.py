@@ -9,7 +9,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import swing_maneuver
-from rps_exudyn.scenes.metrics import figures_of_motion
+from rps_exudyn.scenes.metrics import metrics_of_motion
 from rps_exudyn.scenes.run_maneuver import run_swing
 from rps_exudyn.scenes.scene import RunOptions, Scene, swept_revolutions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
@@ -25,7 +25,7 @@ def reversal(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sce
     gain = float(GearPair.of(gear).gain)
 
     def metrics(signals: Signals) -> dict[str, float]:
-        return {**describe_reversal(signals, gain), **figures_of_motion(signals, gear)}
+        return {**describe_reversal(signals, gain), **metrics_of_motion(signals, gear)}
 
     run = run_swing(gear, fidelity, swing_maneuver(gear, fidelity.step_angle), options)
     return run.described(metrics, gear)
@@ -36,7 +36,7 @@ SCENE = Scene(
     title="Reversal",
     run=reversal,
     signal="pinion_torque",
-    figure="hysteresis_area",
+    main_metric="hysteresis_area",
     chart="reversal",
     swings=True,
     revolutions=swept_revolutions,

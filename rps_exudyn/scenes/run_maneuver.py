@@ -3,7 +3,7 @@
     run = run_maneuver(gear, fidelity, maneuver)
     run = run_maneuver(gear, fidelity, [there, back], options)
 
-All give the same signals as far as they have them, and none is called ok before its record was checked.
+All give the same signals as far as they have them. None is called ok before its record is checked.
 """
 
 from collections.abc import Callable, Sequence
@@ -216,8 +216,7 @@ def _along_equilibria(
 ) -> SceneRun:
     """Follow the equilibria of a maneuver from a settled start.
 
-    Those that lead to the start are left out if the record of a period shows that they are not needed: at its
-    end the gear is where it was at the start.
+    Those that lead to the start are left out where at the end of a period the gear is as at its start.
     """
     forces, drive = gear_forces(gear, fidelity, maneuver.rack_load), maneuver.drive
     column = ColumnModel.of(gear) if drive.body == "wheel" else None
@@ -276,8 +275,8 @@ def _is_settled(signals: Signals, driven: str, gear: SteeringGear) -> bool:
 
 
 def drift_beside_travel(signals: Signals, gain: float) -> float:
-    """Return by which part of its range a motion of the rack beside its travel ends a record elsewhere than
-    it began, at most; `gain` is the rack's travel per radian [m]."""
+    """Return how far a record ends from where it began, in motions of the rack beside its travel: the largest
+    share of a motion's range. `gain` is the rack's travel per radian [m]."""
     beside = [transmission_error(signals, gain)]
     beside += [signals[name] * length for name, length in LENGTHS.items() if name in signals]
     return max(_change(each) / max(float(np.ptp(each)), LEAST_RANGE) for each in beside)

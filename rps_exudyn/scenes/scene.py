@@ -9,10 +9,11 @@ import numpy as np
 from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.retired import with_former_names
 from rps_exudyn.results.outcome import Outcome, Remark
 from rps_exudyn.scenes.checks.after_run import validated
 from rps_exudyn.scenes.checks.rules import Motion
-from rps_exudyn.scenes.law_by_scene import NeededLaw
+from rps_exudyn.scenes.contact_law import ContactLaw
 from rps_exudyn.scenes.maneuver import Maneuver, StepLimits, swing_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 
@@ -77,7 +78,7 @@ class SteadyTest:
         metrics: the summary of a record; of many gears arrays.
         curve: signals that show the drive's torque or force alone.
         remarks: on that summary, a list for each gear.
-        formulas: figures of a gear beside, without its record.
+        formulas: metrics of a gear beside, without its record.
     """
 
     maneuvers: Callable[[SteeringGear, float, StepLimits], tuple[list[Maneuver], Maneuver | None]]
@@ -89,6 +90,7 @@ class SteadyTest:
     formulas: Callable[[SteeringGear], dict[str, float]] | None = None
 
 
+@with_former_names(figure="main_metric")
 @dataclass(frozen=True, kw_only=True)
 class Scene:
     """One thing that the test rig does.
@@ -98,7 +100,7 @@ class Scene:
         title: its name over tables and charts.
         run: simulates it; raises InputError for a test or a model that the scene cannot have.
         signal: name of the signal whose error counts.
-        figure: name of the number in the summary that must be right.
+        main_metric: name of the number in the summary that must be right; `figure` is its former name.
         chart: its picture is drawn by the function CHART_figure(result, measured) of `charts.scene_figures`.
         steady: whether everything slides at a constant speed.
         needs_inertia: whether equilibria cannot show it.
@@ -109,7 +111,7 @@ class Scene:
         test: its maneuvers and metrics, where many gears can be computed together.
         revolutions: how often the pinion turns in a run one way, by default as in the test; None where it
             does not turn.
-        law: contact law that its metrics need, where the gear's is by-scene (`law_by_scene`).
+        law: contact law that its metrics need, where the gear's is by-scene (`contact_law`).
 
     Examples:
         >>> from rps_exudyn.scenes import scene_named
@@ -121,7 +123,7 @@ class Scene:
     title: str
     run: Callable[[SteeringGear, Fidelity, RunOptions], SceneRun]
     signal: str
-    figure: str
+    main_metric: str
     chart: str
     steady: bool = False
     needs_inertia: bool = False
@@ -131,7 +133,7 @@ class Scene:
     at_test_speed: bool = True
     test: SteadyTest | None = None
     revolutions: Callable[[SteeringGear], float] | None = lambda gear: gear.test.turns
-    law: NeededLaw = "line"
+    law: ContactLaw = "line"
 
     @property
     def motion(self) -> Motion:

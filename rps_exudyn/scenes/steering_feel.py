@@ -13,7 +13,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import YIELDING, swing_maneuver
-from rps_exudyn.scenes.metrics import figures_of_motion
+from rps_exudyn.scenes.metrics import metrics_of_motion
 from rps_exudyn.scenes.run_maneuver import run_swing
 from rps_exudyn.scenes.scene import RunOptions, Scene, swept_revolutions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
@@ -34,7 +34,7 @@ def steering_feel(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -
     def metrics(signals: Signals) -> dict[str, float]:
         lost = lost_motion(signals)
         angle = {} if lost is None else {"lost_motion_angle": lost / float(GearPair.of(gear).gain)}
-        return {**describe_feel(signals), **angle, **figures_of_motion(signals, gear)}
+        return {**describe_feel(signals), **angle, **metrics_of_motion(signals, gear)}
 
     return run_swing(gear, fidelity, maneuver, options).described(metrics, gear)
 
@@ -44,7 +44,7 @@ SCENE = Scene(
     title="Steering feel: torque at the wheel",
     run=steering_feel,
     signal="column_torque",
-    figure="feel_area",
+    main_metric="feel_area",
     chart="steering_feel",
     swings=True,
     revolutions=swept_revolutions,

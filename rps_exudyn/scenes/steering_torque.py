@@ -2,10 +2,10 @@
 
 The torque has its peak `test.steer_torque` and the frequency `test.steer_frequency`; the wheel turns as the
 column, the gear's friction and a linear spring at the rack, `test.tyre_stiffness`, let it. That spring
-carries nothing where the test starts. One cycle and a quarter go before the record, which starts at a peak,
-and as many more as it takes until another one changes no metric.
-With `test.steer_shape` ramp the torque grows from none at a constant rate, until it is at that peak after a
-quarter of a cycle: the wheel moves off where it overcomes the friction.
+carries nothing where the test starts. One cycle and a quarter go before the record, which starts at a peak.
+More cycles go before it until another one changes no metric.
+With `test.steer_shape` ramp the torque grows from none at a constant rate, to that peak in a quarter of a
+cycle: the wheel moves off where it overcomes the friction.
 """
 
 import numpy as np
@@ -17,10 +17,10 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
-from rps_exudyn.results.quantities import EXTREMES, LOSS_SHARES, SPREADS
+from rps_exudyn.results.quantities import EXTREMES, LOSS_SHARES, VARIATIONS
 from rps_exudyn.scenes.checks.before_run import check_travel
 from rps_exudyn.scenes.maneuver import Maneuver
-from rps_exudyn.scenes.metrics import figures_of_motion
+from rps_exudyn.scenes.metrics import metrics_of_motion
 from rps_exudyn.scenes.run_maneuver import run_maneuver, run_swing
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
@@ -56,7 +56,7 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
             of_torque = describe_breakaway(signals, test.direction * speed, gain)
         else:
             of_torque = describe_steering_torque(signals, 1 / test.steer_frequency)
-        return {**of_torque, **figures_of_motion(signals, gear)}
+        return {**of_torque, **metrics_of_motion(signals, gear)}
 
     make = run_maneuver if grows else run_swing
     run = make(gear.replace({"test.speed": speed}), fidelity, maneuver, options).described(metrics, gear)
@@ -71,7 +71,7 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
         )
     falls = any(getattr(gear, part).surplus > 0 for part in RUBBING_PARTS)
     if grows and falls and fidelity.solver == "equilibrium":
-        run = run.noting(BRANCHES).unsure_of(SPREADS | EXTREMES | LOSS_SHARES)
+        run = run.noting(BRANCHES).unsure_of(VARIATIONS | EXTREMES | LOSS_SHARES)
     return run
 
 
@@ -109,7 +109,7 @@ SCENE = Scene(
     title="Steering by torque: the wheel against the tyres",
     run=steering_torque,
     signal="wheel_angle",
-    figure="feel_area",
+    main_metric="feel_area",
     chart="steering_feel",
     revolutions=None,
     at_test_speed=False,

@@ -1,10 +1,10 @@
 """Stick-slip: the wheel turns at a slow constant speed from rest; the gear slides, or sticks and slips.
 
 The column twists until static friction is overcome, which is the breakaway. If friction falls with speed the
-gear may come to rest again, and again. The record begins at rest and goes on for so many cycles; figures are
-those of its later half. Beside them stands what is predicted: the speed below which the reduced gear goes on
-sticking (`analysis.friction_oscillator`), and the damping of the column below which steady sliding is
-unstable (`solvers.sliding_stability`).
+gear may come to rest again, and again. The record begins at rest and goes on for so many cycles; metrics are
+those of its later half. Two predictions stand beside them. Below a speed the reduced gear goes on sticking
+(`analysis.friction_oscillator`). Below a damping of the column steady sliding is unstable
+(`solvers.sliding_stability`).
 """
 
 import numpy as np
@@ -42,8 +42,8 @@ def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> S
     predicted = predictions(gear, fidelity)
 
     def metrics(signals: Signals) -> dict[str, float]:
-        seen = describe_stick_slip(signals, gear.test.direction * gear.test.speed)
-        found = {**seen, **predicted, **balance(signals)}
+        of_sticking = describe_stick_slip(signals, gear.test.direction * gear.test.speed)
+        found = {**of_sticking, **predicted, **balance(signals)}
         return found if nothing is None else {name: found[name] for name in found if name != AMPLITUDE}
 
     return run_maneuver(gear, fidelity, set_off(gear), options).described(metrics, gear).noting(nothing)
@@ -96,7 +96,7 @@ SCENE = Scene(
     title="Stick-slip: the gear behind a slowly turning wheel",
     run=stick_slip,
     signal="column_torque",
-    figure="stick_slip_torque",
+    main_metric="stick_slip_torque",
     chart="stick_slip",
     needs_inertia=True,
     revolutions=None,

@@ -3,8 +3,8 @@
 A pulse is a half sine along `test.pulse_axis` on the bar's end beside the pinion: across the rack or along
 it, as a road shakes a tie rod. Another period is recorded after the last.
 
-The rack bends by default: its first modes swing as fast as the pulse, and the end moves by millimetres where
-that of a rigid bar moves by tenths. A rigid one is simulated if it is asked for, with a remark.
+The rack bends by default: its first modes swing as fast as the pulse. Its end moves by millimetres, that of
+a rigid bar by tenths. A rigid bar is simulated on request, with a remark.
 """
 
 import numpy as np
@@ -27,7 +27,7 @@ from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.prescribed_motion import Steady
 
-ZONE = 0.1  # of friction, halved with the steps: narrower ones only ask for shorter steps
+ZONE = 0.1  # of friction, halved with the steps: narrower ones only need shorter steps
 STEPS_PER_SWING = 20  # of the plunger between seat and yokenut, the fastest motion: forces to 0.1 %
 STEPS_PER_SWING_OF_A_BENDING_RACK = 12  # which is hit less hard at first: forces to 0.05 %
 RIGID = Remark(
@@ -102,7 +102,7 @@ SCENE = Scene(
     title="Yoke impact: yokenut's force",
     run=yoke_impact,
     signal="yokenut_force",
-    figure="impact_peak_force",
+    main_metric="impact_peak_force",
     chart="impact",
     needs_inertia=True,
     has_impacts=True,

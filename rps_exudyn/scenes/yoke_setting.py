@@ -1,11 +1,11 @@
-"""Yoke setting: tighten the cap to a torque, turn it back by an angle, and measure the rotation torque.
+"""Yoke setting: tighten the yokenut to a torque, turn it back by an angle, and measure the rotation torque.
 
-As a workshop sets a gear: what the cap's thread makes of the torque, the clearance and the preload that the
-angle leaves, then the pinion turned from lock to lock and back, near the centre and beyond.
+The scene does what a workshop does. A mechanic tightens the yokenut, the cap, until it presses the plunger
+against the rack, and turns it back by an angle. That leaves a clearance and a preload. Then the pinion turns
+from lock to lock and back, near the centre and beyond.
 
-The cap is the yokenut: a mechanic tightens it until it presses the plunger against the rack, then turns it
-back by an angle. A torque T on its thread presses with F = T / lever, the lever that of a metric thread
-(VDI 2230), without friction under a head, which a cap does not have:
+A torque T on the thread presses with F = T / lever. The lever is that of a metric thread (VDI 2230), without
+friction under a head, which a cap does not have:
 
     lever = d_2 / 2 tan(lambda + rho'),  tan(lambda) = p / (pi d_2),  tan(rho') = mu / cos(30 deg)
 """
@@ -20,7 +20,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.checks.before_run import largest_angle
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
-from rps_exudyn.scenes.metrics import figures_of_turning
+from rps_exudyn.scenes.metrics import metrics_of_turning
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
@@ -97,14 +97,14 @@ def yoke_set(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sce
         Code.CAP_PRESSES,
         "the cap still presses the plunger: test.back_off is smaller than its compression",
     )
-    figures = {
+    of_setting = {
         "cap_force": setting.cap_force,
         "clearance_set": setting.clearance,
         "preload_set": setting.preload,
     }
 
     def metrics(signals: Signals) -> dict[str, float]:
-        return {**figures_of_turning(signals, as_set), **figures}
+        return {**metrics_of_turning(signals, as_set), **of_setting}
 
     run = run_maneuver(as_set, fidelity, maneuvers, options)
     return run.noting(pressing if setting.clearance < 0 else None).described(metrics, as_set)
@@ -121,7 +121,7 @@ SCENE = Scene(
     title="Yoke setting: rotation torque after tightening and turning back",
     run=yoke_set,
     signal="pinion_torque",
-    figure="torque_on_centre",
+    main_metric="torque_on_centre",
     chart="torque",
     steady=True,
     revolutions=_revolutions,

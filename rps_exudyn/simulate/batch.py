@@ -1,10 +1,10 @@
-"""Many gears of one design in one scene: a table of parameter values in, figures and curves out.
+"""Many gears of one design in one scene: a table of parameter values in, metrics and curves out.
 
     found = batch("free-pinion-torque", gear, {"pinion.runout": runouts, "yoke.preload": preloads})
     found.summary["torque_mean"]                      # (n,), nan where the gear failed
     found.curves("pinion_torque", angles)             # (n, angles)
 
-Every row ends as a single run of that gear would: same equations, statuses, messages and figures.
+Every row ends as a single run of that gear would: same equations, statuses, messages and metrics.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,16 +24,16 @@ from rps_exudyn.results.outcome import Status, joined_text
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.law_by_scene import with_law
+from rps_exudyn.scenes.contact_law import resolve_contact_law
 from rps_exudyn.simulate.cases.task import Task, answer_to
+from rps_exudyn.simulate.gear_table import UNSUPPORTED, GearTable, simulate_table, unsupported_reason
 from rps_exudyn.simulate.run import simulate
-from rps_exudyn.simulate.together import UNSUPPORTED, GearTable, together, unsupported_reason
 
 ROUNDING = 1e-9  # of an angle [rad]
 
 
 class Columns(dict[str, np.ndarray]):
-    """Figures of n gears by name, shape (n,) each; a declared figure that no gear has is a column of nan."""
+    """Metrics of n gears by name, shape (n,) each; a declared metric that no gear has is a column of nan."""
 
     def __init__(self, count: int) -> None:
         super().__init__()
@@ -104,10 +104,10 @@ class Batch:
     @property
     def summary(self) -> Columns:
         """Metrics by the names of `quantities`, shape (n,) each; nan where a gear has none; where every gear
-        failed, the scene's own figure.
+        failed, the scene's own main metric.
         """
         scenes = (scene_named(result.scene) for result in self.results if result)
-        return self._columns("summary", dict.fromkeys(scene.figure for scene in scenes))
+        return self._columns("summary", dict.fromkeys(scene.main_metric for scene in scenes))
 
     def _columns(self, group: str, usual: Mapping[str, Any]) -> Columns:
         """Numbers of a group of each result; without any, the usual names."""
@@ -168,18 +168,18 @@ def batch(
     Each row is a gear of its own; one that cannot exist is a row with the status `invalid`, and its message
     states why.
 
-    The gears of a free pinion torque, a load test or a rack push are computed together, several times as fast
-    as one by one: by the same equations at the same instants, with means within 1e-5 and other metrics mostly
-    within 1e-3 of single runs. What is not supported (`together.UNSUPPORTED`) or not found well within the
-    bounds of all checks is simulated one by one; see `in_loop` and `single_run_reason`. So are tables
-    of few gears.
+    The gears of a free pinion torque, a load test or a rack push are computed together. That is several times
+    as fast as one by one, by the same equations at the same instants. Means are within 1e-5, other metrics
+    mostly within 1e-3 of single runs. What is not supported (`gear_table.UNSUPPORTED`) or not found well
+    within the bounds of all checks is simulated one by one; see `in_loop` and `single_run_reason`. So are
+    tables of few gears.
 
     Args:
         scene: one of `scenes.SCENE_NAMES`.
         gear: what all have in common, the contact law by scene too.
         values: path of a parameter -> its n values, SI or text with a unit.
         fidelity: name of a preset, or a `Fidelity`.
-        keep: "signals", all of them; or "torque", the curve of the drive's torque or force, and figures.
+        keep: "signals", all of them; or "torque", the curve of the drive's torque or force, and metrics.
         ranges: of a table that is a part of a larger one: path -> values over which that one varies, SI; so
             each gear ends the same in whichever part it is.
 
@@ -202,12 +202,12 @@ def batch(
     chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity)
     rows = rows_of(values)
     if "mesh.law" not in values:
-        gear = with_law(gear, chosen, chosen_scene.law, values)
+        gear = resolve_contact_law(gear, chosen, chosen_scene.law, values)
     kept = chosen_scene.test.curve if keep == "torque" and chosen_scene.test else None
     found, reason = None, unsupported_reason(scene, gear, chosen, values)
     if not reason:
         of_ranges = None if ranges is None else _numbers(ranges)
-        found = together(scene, gear, chosen, _numbers(values), of_ranges, kept)
+        found = simulate_table(scene, gear, chosen, _numbers(values), of_ranges, kept)
         reason = "" if found else UNSUPPORTED["few"]
     ended = [False] * len(rows) if found is None else found.ended
     results = (

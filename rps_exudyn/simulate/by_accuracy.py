@@ -28,7 +28,7 @@ from rps_exudyn.scenes.error_bars import FACTOR
 from rps_exudyn.scenes.ladder import FINEST
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, Scene
 from rps_exudyn.scenes.sizes import size_of, sizes
-from rps_exudyn.scenes.with_bars import Levels
+from rps_exudyn.scenes.two_levels import Levels
 from rps_exudyn.simulate.cases.task import hand_over
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.simulate.run_plan import Plan
@@ -94,9 +94,9 @@ class AccuracyGoal:
             InputError: metrics that the run does not have.
         """
         _check_metrics(self.metrics, run.errors, f"no metric of {run.scene}")
-        figure = scene_named(run.scene).figure
-        names, of_run = self.metrics or (figure,), sizes(dict(run.signals), run.summary)
-        shares = [(0.0, figure)]  # where nothing is hit there is no peak, and none that is wrong
+        main_metric = scene_named(run.scene).main_metric
+        names, of_run = self.metrics or (main_metric,), sizes(dict(run.signals), run.summary)
+        shares = [(0.0, main_metric)]  # where nothing is hit there is no peak, and none that is wrong
         for name in names:
             if name in run.errors:
                 share = BARS * run.errors[name] / size_of(name, run.summary[name], of_run)
@@ -131,19 +131,17 @@ def _check_metrics(names: Sequence[str], known: Collection[str], what: str) -> N
 
 
 # --- the climb -------------------------------------------------------------------------------------
-def climb(
-    scene: str, gear: SteeringGear, wanted: AccuracyGoal, time_limit: TimeLimit | None = None
-) -> Result:
-    """Return the first run whose bars are within what is wanted, else the best one with a remark.
+def climb(scene: str, gear: SteeringGear, goal: AccuracyGoal, time_limit: TimeLimit | None = None) -> Result:
+    """Return the first run whose bars are within the goal, else the best one with a remark.
 
     Raises:
         InputError: metrics that the scene does not have, or a gear or test that no preset can run.
         Interrupted: Ctrl-C, or an alarm; it carries the best run, else what was recorded.
     """
-    found = _Climb(scene, gear, wanted, time_limit)
+    found = _Climb(scene, gear, goal, time_limit)
     try:
         with unwrapped_interrupts():
-            any(found.is_over_by(preset) for preset in wanted.presets(scene_named(scene)))
+            any(found.is_over_by(preset) for preset in goal.presets(scene_named(scene)))
     except KeyboardInterrupt:
         if found.best is None:
             raise
@@ -172,8 +170,8 @@ class _Rung:
 class _Climb:
     """The best run so far, and why presets were left: by name a reason, or what they cannot run."""
 
-    def __init__(self, scene: str, gear: SteeringGear, wanted: AccuracyGoal, limit: TimeLimit | None) -> None:
-        self._scene, self._gear, self._wanted, self._limit = scene, gear, wanted, limit
+    def __init__(self, scene: str, gear: SteeringGear, goal: AccuracyGoal, limit: TimeLimit | None) -> None:
+        self._scene, self._gear, self._goal, self._limit = scene, gear, goal, limit
         self._wall, self._cpu = perf_counter(), process_time()
         self.best: _Rung | None = None
         self.preset = ""
@@ -181,7 +179,7 @@ class _Climb:
         self.problem: InputError | None = None
 
     def is_over_by(self, preset: str) -> bool:
-        """Climb by a preset; return whether what is wanted is reached, or no time is left for another."""
+        """Climb by a preset; return whether the goal is reached, or no time is left for another."""
         self.preset, fidelity = preset, Fidelity.preset(preset)
         plan = Plan(self._scene, self._gear, fidelity)
         if refusal := plan.refusal:
@@ -203,10 +201,10 @@ class _Climb:
                 self._take(_Rung(result), f"level {level} ends {result.status}, {result.message}")
                 break
             level = result.findings["level"]
-            share, name = self._wanted.widest(result)
+            share, name = self._goal.widest(result)
             shares.append(share)
             rung = _Rung(result, share, *_words(levels, level, share, name))
-            if share <= self._wanted.accuracy:
+            if share <= self._goal.accuracy:
                 self._take(rung, "")
                 return True
             self._take(rung, self._why_no_further(levels, level, name, shares))
@@ -225,10 +223,10 @@ class _Climb:
         """Return why the next level cannot help, or costs too much; "" if it is to be run."""
         if np.isinf(shares[-2:]).all() and len(shares) > 1:
             return f"the bar of {name} is unknown on two levels"
-        run, lasting = levels.made[level], levels.terms[level].get(name, 0.0)
+        run, lasting = levels.runs[level], levels.terms[level].get(name, 0.0)
         size = size_of(name, run.summary[name], sizes(run.signals, run.summary))
         lasts = lasting > HALVED * levels.terms.get(level - 1, {}).get(name, np.inf)
-        if lasts and BARS * lasting > self._wanted.accuracy * size:
+        if lasts and BARS * lasting > self._goal.accuracy * size:
             return f"{100 * BARS * lasting / size:.2g} % of it is not of the steps, and lasts on finer levels"
         if level == FINEST:
             return f"level {level} is the finest"
@@ -239,12 +237,12 @@ class _Climb:
     def result(self) -> Result:
         """Return the best run with what is to be said of it."""
         assert self.best is not None
-        best, wanted = self.best, self._wanted.accuracy
+        best, goal = self.best, self._goal.accuracy
         why = [f"{preset}: {reason}" for preset, reason in self.left.items()]
         remarks = []
-        if best.result.status is Status.OK and best.share > wanted:
+        if best.result.status is Status.OK and best.share > goal:
             because = f" ({', '.join(why)})" if why else ""
-            text = f"accuracy {100 * wanted:g} % is not reached, {best.bar}{because}"
+            text = f"accuracy {100 * goal:g} % is not reached, {best.bar}{because}"
             remarks = [Remark(Code.ACCURACY_NOT_REACHED, text)]
         elif best.result.status is Status.OK:
             remarks = [Remark(Code.PRESET_LEFT, f"another preset was tried first, {each}") for each in why]

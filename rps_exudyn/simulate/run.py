@@ -20,8 +20,8 @@ from rps_exudyn.parameters.gear import SteeringGear, check_gear
 from rps_exudyn.results.outcome import Interrupted
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.contact_law import resolve_contact_law
 from rps_exudyn.scenes.ladder import valid_level
-from rps_exudyn.scenes.law_by_scene import with_law
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
 from rps_exudyn.simulate.by_accuracy import AccuracyGoal, climb
 from rps_exudyn.simulate.cases.task import Task
@@ -111,9 +111,9 @@ def simulate(
     if accuracy is not None:
         if level is not None:
             raise InputError("accuracy chooses the level itself; leave out level.")
-        wanted = AccuracyGoal.of(accuracy, metrics, fidelity)
-        model = Fidelity.preset(wanted.presets(scene_named(scene))[-1])
-        climbing = partial(climb, scene, gear, wanted, time_limit)
+        goal = AccuracyGoal.of(accuracy, metrics, fidelity)
+        model = Fidelity.preset(goal.presets(scene_named(scene))[-1])
+        climbing = partial(climb, scene, gear, goal, time_limit)
         return isolated_run(climbing, scene, gear, model, time_limit) if time_limit else climbing()
     if metrics is not None:
         raise InputError("metrics are those that accuracy keeps; give accuracy, or leave out metrics.")
@@ -122,7 +122,9 @@ def simulate(
     options = DEFAULT_OPTIONS if level is None else RunOptions(level=valid_level(level, chosen))
     if time_limit is not None:
         plain = partial(simulate, scene, gear, chosen, level=level, robust=robust)
-        return isolated_run(plain, scene, with_law(gear, chosen, scene_named(scene).law), chosen, time_limit)
+        return isolated_run(
+            plain, scene, resolve_contact_law(gear, chosen, scene_named(scene).law), chosen, time_limit
+        )
     if robust:
         return run_with_fallback(scene, gear, chosen, options)
     plan = Plan(scene, gear, chosen)

@@ -16,10 +16,10 @@ from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.rules import breaches_of_plan, refused
-from rps_exudyn.scenes.law_by_scene import with_law
+from rps_exudyn.scenes.contact_law import resolve_contact_law
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.scenes.with_bars import Levels
+from rps_exudyn.scenes.two_levels import Levels
 from rps_exudyn.solvers.temperature_and_wear import operating_gear, tested_gear
 
 
@@ -39,7 +39,7 @@ class Plan:
         """
         self._wall, self._cpu = perf_counter(), process_time()
         self.scene, self.fidelity = scene_named(scene), fidelity
-        self.gear = with_law(gear, fidelity, self.scene.law)
+        self.gear = resolve_contact_law(gear, fidelity, self.scene.law)
         self._geometry, in_operation = geometry_report(self.gear).numbers, operating_gear(self.gear)
         self.tested, self._numbers = (
             (in_operation.gear, in_operation.numbers) if in_operation else (self.gear, {})
@@ -117,7 +117,7 @@ def run_with_fallback(
     Raises:
         InputError: a gear that cannot exist, or a test that it does not allow.
     """
-    gear = with_law(gear, fidelity, scene_named(scene).law)
+    gear = resolve_contact_law(gear, fidelity, scene_named(scene).law)
     results: list[Result] = []
     tries: list[dict[str, Any]] = []
     for changes in _safer(scene_named(scene), tested_gear(gear), fidelity):

@@ -224,7 +224,7 @@ def _polynomials(places: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.n
 
 # --- motion ----------------------------------------------------------------------------------------
 @dataclass(frozen=True, eq=False)
-class Known:
+class MotionResponse:
     """Places at the mesh beside what rigid bodies do, and of a pinion on its supports: of a reference gear,
     and what features add to them."""
 
@@ -232,7 +232,7 @@ class Known:
     rates: np.ndarray  # the same, by the follower's differences
 
     @classmethod
-    def of(cls, places: np.ndarray, time_step: float) -> "Known":
+    def of(cls, places: np.ndarray, time_step: float) -> "MotionResponse":
         """From places at even instants."""
         rates = np.empty(places.shape)
         rates[:, 1:] = np.diff(places, axis=1) / time_step
@@ -240,9 +240,9 @@ class Known:
         rates[:, 2:] += (rates[:, 2:] - rates[:, 1:-1]) / 2
         return cls(places, rates)
 
-    def since(self, first: int) -> "Known":
+    def since(self, first: int) -> "MotionResponse":
         """Return the same from an instant on."""
-        return Known(self.places[:, first:], self.rates[:, first:])
+        return MotionResponse(self.places[:, first:], self.rates[:, first:])
 
     def of_gears(self, features: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return places and rates of gears with features (n, f); shape (n, k, m). Each gear's sum is one of
@@ -328,7 +328,7 @@ class GearSeries:
         records: np.ndarray,
         angles: np.ndarray,
         per_pitch: int,
-        known: Known,
+        response: MotionResponse,
         features: np.ndarray,
     ) -> Found:
         """Follow gears (n,) with features (n, f) over even angles (k,) [rad] at which motion is known."""
@@ -336,7 +336,7 @@ class GearSeries:
         m = balance.size
         gears, resting, carried = self.adjusted(records)
         places, rates = self.rigid(gears, angles)
-        beside, turning = known.of_gears(features)
+        beside, turning = response.of_gears(features)
         places += beside
         places[..., Y] += (resting + self.forces.approach)[:, None]
         rates += turning

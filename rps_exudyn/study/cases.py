@@ -24,10 +24,10 @@ MOST_KNOWN = 4096
 NAMES = {"name", "based_on"}  # of a fidelity: no number depends on them
 
 
-def case_hash(scene: str, gear: SteeringGear, fidelity: Fidelity, wanted: AccuracyGoal | None = None) -> str:
+def case_hash(scene: str, gear: SteeringGear, fidelity: Fidelity, goal: AccuracyGoal | None = None) -> str:
     """Sixteen hex digits that name a case: of all that its numbers depend on, and nothing else."""
     tables = ",".join(f'"{name}":{_json(getattr(gear, name))}' for name in sorted(SteeringGear.model_fields))
-    model = _canonical(asdict(wanted)) if wanted else _json(fidelity)
+    model = _canonical(asdict(goal)) if goal else _json(fidelity)
     content = (
         f'{{"fidelity":{model},"gear":{{{tables}}},"model":{MODEL_VERSION},"scene":{_canonical(scene)}}}'
     )
@@ -38,8 +38,7 @@ _known: dict[int, tuple[Table, str]] = {}  # of tables by their identity: cases 
 
 
 def _json(table: Table) -> str:
-    """The canonical JSON of a table but for its name, remembered for as long as a few thousand others are
-    asked for."""
+    """The canonical JSON of a table but for its name, kept until a few thousand others are asked for."""
     known = _known.get(id(table))
     if known is None or known[0] is not table:
         if len(_known) >= MOST_KNOWN:
@@ -78,7 +77,8 @@ def describe(study: Study, provenance: Mapping[str, Any]) -> Description:
         name=study.name,
         title=study.title,
         scene=study.scene,
-        fidelity=base.fidelity.model_dump() | ({"name": study.wanted.words} if study.wanted else {}),
+        fidelity=base.fidelity.model_dump()
+        | ({"name": study.accuracy_goal.words} if study.accuracy_goal else {}),
         base=base.steering_gear.changes(),
         axes=study.axes,
         design=study.design,
@@ -111,6 +111,6 @@ def _cases(study: Study) -> Iterator[Case]:
             if len(problems) >= MOST_PROBLEMS:
                 break
         else:
-            yield Case(case_hash(study.scene, setup, setup.fidelity, study.wanted), values)
+            yield Case(case_hash(study.scene, setup, setup.fidelity, study.accuracy_goal), values)
     if problems:
         raise InputError(problems)

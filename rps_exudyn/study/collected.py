@@ -20,7 +20,7 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import check_writable, replacing, with_checksum
-from rps_exudyn.base.hdf5 import file_image, opened, put
+from rps_exudyn.base.hdf5 import file_image, opened, write_dataset
 from rps_exudyn.study.table import CaseTable
 
 FILETYPE = "rps_exudyn-table"
@@ -137,10 +137,12 @@ def _fill(table: CaseTable, file: h5py.File) -> None:
     file["study"] = description.to_json()  # a dataset, for attributes end at 64 KB
     for group in GROUPS:
         numbers, about = np.arange(len(table.cases)), "number of the case in the order of the design"
-        put(file.create_group(group), "case", numbers, {"units": "", "long_name": about}).make_scale("case")
+        write_dataset(
+            file.create_group(group), "case", numbers, {"units": "", "long_name": about}
+        ).make_scale("case")
     for column in table.columns():
         group = file[column.group]
-        put(group, column.name, column.values, column.quantity.attributes, [group["case"]])
+        write_dataset(group, column.name, column.values, column.quantity.attributes, [group["case"]])
 
 
 def _read(dataset: Any) -> np.ndarray:

@@ -1,7 +1,7 @@
 """A study: its axes and cases, its definition (a study file), and its description (study.json of its folder).
 
-study.json is plain JSON in SI units; it names every case by its hash, so that the folder can be read without
-the study file and without computing anything.
+study.json is plain JSON in SI units. It names every case by its hash: the folder can be read without the
+study file and without computing anything.
 """
 
 import hashlib
@@ -22,7 +22,7 @@ from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.block import AxisColumns, Keep
 from rps_exudyn.results.quantities import Quantity
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.law_by_scene import SERIES, with_law
+from rps_exudyn.scenes.contact_law import LAW_OF_SERIES, resolve_contact_law
 from rps_exudyn.simulate.by_accuracy import AccuracyGoal
 
 FILETYPE = "rps_exudyn-study"
@@ -97,8 +97,8 @@ class Description:
     """A study: what is simulated, what is varied, and every case; in SI units.
 
     `base` holds the parameters that differ from the defaults in all cases, by their paths. `cases` are in the
-    order of the design (a grid's last axis changes fastest) and may name the same hash twice, where a
-    sampled design visits a point again.
+    order of the design: a grid's last axis changes fastest. They name a hash twice where a sampled design
+    visits a point again.
     """
 
     name: str
@@ -199,7 +199,7 @@ class Study:
     seed: int
     time_limit: float  # [s]
     keep: Keep
-    wanted: AccuracyGoal | None = None  # to which each case climbs the ladder; None: one run with bars
+    accuracy_goal: AccuracyGoal | None = None  # to which each case climbs the ladder; None: one run with bars
     blocks: bool | None = None  # whether cases are kept in blocks; None: if they are many
     correlation: Mapping[str, float] = field(default_factory=dict)  # "axis, axis" -> that of their scores
 
@@ -220,8 +220,8 @@ class Study:
         paths = [path for axis in self.axes for path in (*axis.paths, *axis.along)]
         if any(path == "mesh.law" or path.startswith(FIDELITY) for path in paths):
             return base
-        needed = SERIES if self.design == UNCERTAIN_DESIGN else scene_named(self.scene).law
-        return with_law(base, base.fidelity, needed, paths)
+        needed = LAW_OF_SERIES if self.design == UNCERTAIN_DESIGN else scene_named(self.scene).law
+        return resolve_contact_law(base, base.fidelity, needed, paths)
 
     def setup(self, settings: Mapping[str, Any]) -> Setup:
         """Return the base with these settings (path -> value).

@@ -1,7 +1,7 @@
 """Designs of experiments: the points of a grid or of a sampled design, axis by axis.
 
-Sampled designs draw in the unit cube and map each coordinate by the inverse of its axis' distribution, so
-that the same seed gives the same points everywhere.
+Sampled designs draw in the unit cube and map each coordinate by the inverse of its axis' distribution. The
+same seed gives the same points everywhere.
 """
 
 import itertools
@@ -114,7 +114,7 @@ def _unit_points(design: str, axes: int, samples: int, seed: int) -> np.ndarray:
 def uncertain_axes(
     gear: Mapping[str, Any], settings: Mapping[str, Any], inputs: str, others: Sequence[Axis]
 ) -> tuple[tuple[Axis, ...], dict[str, float]]:
-    """Return an axis for each distribution of the gear's file, of settings, and of a set of inputs, and their
+    """Return an axis for each distribution of the gear's file, of settings and of a set of inputs; then their
     correlations.
 
     Args:

@@ -1,8 +1,8 @@
 """Effects of a study's axes on a number: means over levels, fractions of the variance, surfaces.
 
 A main effect is the mean of the number over all cases with the same value of one axis. In a full grid the
-other axes are then the same at every level; where cases are missing or failed, only those settings of the
-other axes enter that are known at every level. The values of a sampled axis are put into classes of equal
+other axes are then the same at every level. Where cases are missing or failed, only settings of the other
+axes enter that have a number at every level. The values of a sampled axis are put into classes of equal
 count.
 """
 
@@ -22,11 +22,11 @@ class MainEffect:
     """The effect of one axis on a number, in the units of both."""
 
     levels: np.ndarray  # values of the axis (numbers or words), or means of its classes; shape (levels,)
-    mean: np.ndarray  # of the number, shape (levels,), nan where too little is known
+    mean: np.ndarray  # of the number, shape (levels,), nan where too few cases have a number
     fraction: float  # of the variance that the levels explain, 0..1
-    values: np.ndarray  # of the axis, shape (known cases,)
-    numbers: np.ndarray  # of those cases, shape (known cases,)
-    limited: np.ndarray  # which of them met a limit of the gear, shape (known cases,)
+    values: np.ndarray  # of the axis, shape (cases with numbers,)
+    numbers: np.ndarray  # of those cases, the same shape
+    limited: np.ndarray  # which of them met a limit of the gear, the same shape
     side: np.ndarray  # of each level: 0 none of its cases did, 1 all, nan some; shape (levels,)
 
     @property
@@ -67,7 +67,7 @@ def _effect(
     numbers: np.ndarray,
     limited: np.ndarray,
 ) -> MainEffect:
-    """The effect of known cases by the group of each, with the side of a limit on which each group is."""
+    """The effect of cases with numbers by their groups, and the side of a limit on which each group is."""
     side = np.full(len(levels), np.nan)
     for at in range(len(levels)):
         of_group = limited[group == at]
@@ -98,7 +98,7 @@ def _others(axes: Mapping[str, np.ndarray], left_out: tuple[str, ...]) -> np.nda
 
 
 def _balanced_means(group: np.ndarray, groups: int, setting: np.ndarray, numbers: np.ndarray) -> np.ndarray:
-    """Mean of each group over the settings that are known in all of them, shape (groups,)."""
+    """Mean of each group over the settings that have a number in all of them, shape (groups,)."""
     cells = np.full((groups, setting.max(initial=0) + 1), np.nan)
     cells[group, setting] = numbers
     known = np.isfinite(cells)

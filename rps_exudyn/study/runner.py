@@ -1,8 +1,9 @@
 """Running a study: each missing case is simulated and becomes a record in its folder, and a line of the log.
 
 Stopped at any instant and started again, it does what is missing. A case is missing if its file does not
-exist or cannot be read, if its process crashed (the machine may have been the cause), or if it exceeded a
-time limit shorter than the present one. Other failures are properties of the case and are kept.
+exist or cannot be read, or if its process crashed: the machine may have been the cause. It is missing, too,
+if it exceeded a time limit shorter than the present one. Other failures are properties of the case and are
+kept.
 """
 
 import shlex
@@ -23,8 +24,8 @@ from rps_exudyn.simulate.cases.task import Executor
 from rps_exudyn.study.case_progress import CasesRow, Group, case_line, groups, log_lines
 from rps_exudyn.study.cases import describe
 from rps_exudyn.study.definition import Case, Description, Study
-from rps_exudyn.study.handover import Handover
 from rps_exudyn.study.store import Store
+from rps_exudyn.study.task_queue import TaskQueue
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ class Tally:
     """Outcome of a study: number of cases by status, and files that could not be used."""
 
     statuses: Mapping[Status, int]
-    said: Sequence[Group]  # causes of failure and remarks
+    causes: Sequence[Group]  # causes of failure and remarks
     done_now: int
     skipped: list[tuple[Path, str]]  # each with the reason
     through_batch: int = 0  # of those done now; the others were simulated singly
@@ -96,7 +97,7 @@ def run_study(work: StudyWork, executor: Executor) -> Tally:
         store.write_description()
         store.set_aside()
         log_lines(log, [f"{len(missing)} of {len(work.description.hashes)} cases to be done"])
-        tasks = Handover(study, store.description, missing, executor)
+        tasks = TaskQueue(study, store.description, missing, executor)
         try:
             row = CasesRow(len(missing))
             with open_screen() as screen, screen.row(row):
@@ -114,8 +115,8 @@ def run_study(work: StudyWork, executor: Executor) -> Tally:
         store.write_description()
         rows = list(store.rows())
         statuses = Counter(row.status for _, row in rows)
-        ways = tasks.through_batch, tasks.in_loop, tasks.dispatch.single_run_reason
-        return Tally(statuses, groups(rows), len(missing), skipped + store.skipped, *ways)
+        done = tasks.through_batch, tasks.in_loop, tasks.plan.single_run_reason
+        return Tally(statuses, groups(rows), len(missing), skipped + store.skipped, *done)
 
 
 @contextmanager

@@ -62,7 +62,7 @@ def indices(table: CaseTable, name: str) -> Indices:
     """The indices of the summary's number `name`.
 
     Raises:
-        InputError: the study's design yields no indices, too few cases are known, or SALib is not installed.
+        InputError: the design yields no indices, too few cases have a number, or SALib is not installed.
     """
     design = table.description.design
     if design not in DESIGNS:

@@ -67,7 +67,7 @@ class Store:
                 path.replace(aside)
 
     def make_folders(self, blocks: bool | None = None) -> None:
-        """Make the folder and its blocks/; or its cases/, if it was begun so, or if blocks are not wanted.
+        """Make the folder and its blocks/; or its cases/, if it was begun so, or if `blocks` is False.
 
         Raises:
             InputError: they cannot be made or written to.

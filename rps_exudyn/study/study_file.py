@@ -84,7 +84,7 @@ class _StudyKeys(Keys):
         settings = self.flat(self.table(content, "set"), "set")
         gear = self.gear(content)
         axes, shared = self.axes(content, design, gear, settings)
-        wanted, keep = self.wanted(content, settings, axes), self.table(content, "keep")
+        accuracy_goal, keep = self.accuracy_goal(content, settings, axes), self.table(content, "keep")
         return Study(
             file=self.file,
             title=self.text(content, "title", self.file.stem),
@@ -97,7 +97,7 @@ class _StudyKeys(Keys):
             seed=self.whole(content, "seed", 0, 0, 2**32 - 1),
             time_limit=self.time_limit(content),
             keep=self.keep(keep),
-            wanted=wanted,
+            accuracy_goal=accuracy_goal,
             blocks=self.blocks(keep),
             correlation=self.correlation(content, design, axes, shared),
         )
@@ -141,7 +141,7 @@ class _StudyKeys(Keys):
                 correlated(np.full((1, len(names)), 0.5), names, pairs)
         return {", ".join(sorted(pair)): value for pair, value in pairs.items()}
 
-    def wanted(
+    def accuracy_goal(
         self, content: Mapping[str, Any], settings: Mapping[str, Any], axes: tuple[Axis, ...]
     ) -> AccuracyGoal | None:
         """The accuracy to which each case climbs the ladder; None: each is run once, with its bars."""

@@ -11,7 +11,7 @@ from dataclasses import replace
 import rps_exudyn as rps
 from rps_exudyn.analysis.hysteresis import describe_reversal
 from rps_exudyn.scenes.maneuver import swing_maneuver
-from rps_exudyn.scenes.metrics import figures_of_motion
+from rps_exudyn.scenes.metrics import metrics_of_motion
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 
 PULL = 200.0  # of the tie rod towards -X [N]
@@ -21,7 +21,7 @@ def pulled(gear, fidelity, options):
     """Steer to and fro by `test.amplitude` under the tie rod's pull, and record."""
     maneuver = replace(swing_maneuver(gear, fidelity.step_angle), rack_load=PULL)
     run = run_maneuver(gear, fidelity, maneuver, options)
-    return run.described(lambda signals: {**describe_reversal(signals), **figures_of_motion(signals, gear)})
+    return run.described(lambda signals: {**describe_reversal(signals), **metrics_of_motion(signals, gear)})
 
 
 rps.add_scene(
@@ -30,7 +30,7 @@ rps.add_scene(
         title="Reversal under the pull of a tie rod",
         run=pulled,
         signal="pinion_torque",
-        figure="torque_jump",
+        main_metric="torque_jump",
         chart="reversal",
     )
 )

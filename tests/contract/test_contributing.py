@@ -57,7 +57,7 @@ def test_a_scene_is_one_module_and_one_name(monkeypatch: pytest.MonkeyPatch) -> 
         title="",
         run=still,
         signal="pinion_torque",
-        figure="torque_mean",
+        main_metric="torque_mean",
         chart="torque",
     )
     monkeypatch.setitem(sys.modules, module.__name__, module)

@@ -15,20 +15,20 @@ import pytest
 import rps_exudyn as rps
 from rps_exudyn.base import kernel_code
 from rps_exudyn.base.compiled import VECTOR, Entry, entry, inline
-from rps_exudyn.base.kernel_code import EXTERNALS, fingerprint, misfit
+from rps_exudyn.base.kernel_code import EXTERNALS, fingerprint, reason_not_usable
 from rps_exudyn.base.kernel_compiler import shipped_entries
 from rps_exudyn.solvers.bent_rack import fill_local_poses
 from rps_exudyn.solvers.follower import add_column_to
 
 ENTRIES = shipped_entries()
-HERE = misfit(add_column_to)
+HERE = reason_not_usable(add_column_to)
 shipped_here = pytest.mark.skipif("is" in HERE and "this is" in HERE, reason=HERE)
 
 
 @shipped_here
 def test_shipped_code_is_that_of_the_sources() -> None:
     """`python -m rps_exudyn.base.kernel_compiler` writes it anew, see CONTRIBUTING.md."""
-    assert {entry.name: misfit(entry) for entry in ENTRIES if misfit(entry)} == {}
+    assert {entry.name: reason_not_usable(entry) for entry in ENTRIES if reason_not_usable(entry)} == {}
     assert set(kernel_code.marks()) == {"platform", *(entry.name for entry in ENTRIES)}
 
 

@@ -2,11 +2,12 @@
 
 import ast
 import re
+from dataclasses import replace
 
 import pytest
 
 from package_strings import literals, texts
-from rps_exudyn.scenes import SCENE_NAMES
+from rps_exudyn.scenes import SCENE_NAMES, scene_named
 
 HELP = ("parameters/rig.py", "parameters/fidelity.py", "results/quantities.py", "cli/")
 """Say for readers what a value belongs to."""
@@ -29,3 +30,10 @@ def test_a_scenes_name_stands_in_its_file_alone(scene: str) -> None:
 def test_a_name_in_code_is_found_and_one_in_a_docstring_is_not() -> None:
     tree = ast.parse('"""of load-test"""\ndef f():\n    """load-test"""\n    return f"load-test@{1}"\n')
     assert [text for text in literals(tree) if "load-test" in text] == ["load-test@"]
+
+
+def test_former_names_of_fields_still_work() -> None:
+    scene = scene_named("reversal")
+    assert getattr(scene, "figure") == scene.main_metric  # noqa: B009
+    assert replace(scene, figure="torque_jump").main_metric == "torque_jump"  # type: ignore[call-arg]
+    assert replace(scene, main_metric="lost_motion").main_metric == "lost_motion"

@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.table import Table as Grid
 
 from rps_exudyn.cli import output
-from rps_exudyn.cli.output import GAP, present, put, put_table
+from rps_exudyn.cli.output import GAP, present, print_line, print_table
 from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.sheet import Row, Sheet
 
@@ -24,7 +24,7 @@ def lines_at(
     width: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], rows: list
 ) -> list:
     monkeypatch.setattr(output, "IN_FILES", width)
-    put_table(HEADS, rows)
+    print_table(HEADS, rows)
     return capsys.readouterr().out.splitlines()
 
 
@@ -83,13 +83,13 @@ def test_terminal_gets_styles_and_lines_of_its_width(
     monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
     monkeypatch.setenv("COLUMNS", "30")
     monkeypatch.setenv("TERM", "xterm")
-    put("one two three four five six seven eight", "bold")
-    put("written: /a/path/that/is/longer/than/the/terminal.h5")
+    print_line("one two three four five six seven eight", "bold")
+    print_line("written: /a/path/that/is/longer/than/the/terminal.h5")
     first, second, *rest = capsys.readouterr().out.splitlines()
     assert (first, second) == ("\x1b[1mone two three four five six\x1b[0m", "\x1b[1mseven eight\x1b[0m")
     assert rest == ["written:", "/a/path/that/is/longer/than/the/terminal.h5"]  # a path stays whole
     monkeypatch.setenv("TERM", "dumb")
-    put("eight", "bold")
+    print_line("eight", "bold")
     assert capsys.readouterr().out == "eight\n"
 
 
@@ -102,6 +102,6 @@ def test_terminal_greys_vague_rows(
     monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
     monkeypatch.setenv("TERM", "xterm")
     present(sheet, [], every=False)
-    put_table(("quantity",), [["a"], ["b"]], dim=[1])
+    print_table(("quantity",), [["a"], ["b"]], dim=[1])
     lines = capsys.readouterr().out.splitlines()
     assert [line.startswith("\x1b[2m") for line in lines] == [False, True, False, False, True, False, True]

@@ -110,14 +110,14 @@ def test_band_of_one_input_is_the_input() -> None:
     rest = without.nominal.summary["torque_mean"]
     # a Latin hypercube has one point in each fortieth: quantiles are exact to one of these
     expected = rest + own["bearing.friction_torque"].quantile(np.array(LEVELS))
-    assert band.figures["torque_mean"].values == pytest.approx(expected, abs=0.04 / 40)
+    assert band.metrics["torque_mean"].values == pytest.approx(expected, abs=0.04 / 40)
     assert band.contributions["torque_mean"].fractions["bearing.friction_torque"] == pytest.approx(
         1, abs=0.01
     )
     assert "torque_mean" not in without.contributions  # the formula knows no clearance
     assert band.curves is not None
     assert np.ptp(band.curves.quantiles, axis=1).max() < 1e-12  # the formula has no ripple
-    assert band.curves.quantiles[:, 0] == pytest.approx(band.figures["torque_mean"].values)
+    assert band.curves.quantiles[:, 0] == pytest.approx(band.metrics["torque_mean"].values)
 
 
 def test_failed_samples_are_counted_with_their_cause() -> None:
@@ -128,7 +128,7 @@ def test_failed_samples_are_counted_with_their_cause() -> None:
     (cause,) = band.drawn.failures
     assert "exceeds yoke.clearance" in cause
     assert np.isnan(band.drawn.numbers["torque_mean"]).sum() == band.drawn.failed
-    found = band.figures["torque_mean"]
+    found = band.metrics["torque_mean"]
     assert found.lowest[0] == -np.inf
     assert found.highest[-1] == np.inf
 
@@ -283,7 +283,7 @@ def both() -> tuple[Band, Band]:
 
 def test_quick_band_is_that_of_many_runs(both: tuple[Band, Band]) -> None:
     """3 %: three times the 1 % that quantiles of 128 points of a hypercube scatter by."""
-    quick, runs = (each.figures["torque_mean"] for each in both)
+    quick, runs = (each.metrics["torque_mean"] for each in both)
     assert quick.values == pytest.approx(runs.values, rel=0.03)
     assert (quick.errors < 0.02 * quick.values).all()
     shares = [each.contributions["torque_mean"].fractions for each in both]

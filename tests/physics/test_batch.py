@@ -1,4 +1,4 @@
-"""A batch of gears ends as single runs of them: figures, curves, and failures as rows."""
+"""A batch of gears ends as single runs of them: metrics, curves, and failures as rows."""
 
 import numpy as np
 import pytest
@@ -43,7 +43,7 @@ def test_a_gear_that_cannot_exist_is_a_row_with_its_cause(found: rps.Batch) -> N
 
 
 def test_where_every_gear_fails_each_figure_is_nan() -> None:
-    """A search that goes beyond what can exist reads figures as elsewhere; it was a KeyError."""
+    """A search that goes beyond what can exist reads metrics as elsewhere; it was a KeyError."""
     found = rps.batch("free-pinion-torque", rps.SteeringGear(), {"pinion.runout": [-1.0, -2.0]})
     assert found.statuses == (Status.INVALID, Status.INVALID)
     assert list(found.summary) == ["torque_mean"]

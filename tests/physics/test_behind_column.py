@@ -1,4 +1,4 @@
-"""The reference of plans that turn the wheel: its integrator against a closed form, its figures against the
+"""The reference of plans that turn the wheel: its integrator against a closed form, its metrics against the
 scene's."""
 
 from math import nan
@@ -16,7 +16,7 @@ from rps_exudyn.results.result import Result
 from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.balance import Balance
 from rps_exudyn.solvers.steering_column import ColumnModel
-from verification.behind_column import Behind, Wheel, WheelFigures, figures, size_of
+from verification.behind_column import Behind, Wheel, WheelMetrics, metrics_of_wheel, size_of
 from verification.sampler import REACHES, drawn, random_gear
 from verification.stability import ScenePlan
 from verification.stated_ranges import GEAR
@@ -48,9 +48,9 @@ def plan_of(number: int) -> ScenePlan:
     return ScenePlan(scene, gear, fidelity)
 
 
-def errors(plan: ScenePlan, result: Result, right: WheelFigures) -> dict[str, float]:
-    """Error of the figure; of stick-slip's peak as well."""
-    error = (plan.figure(result) - right.figure) / size_of(plan, right)
+def errors(plan: ScenePlan, result: Result, right: WheelMetrics) -> dict[str, float]:
+    """Error of the metric; of stick-slip's peak as well."""
+    error = (plan.main_metric(result) - right.main_metric) / size_of(plan, right)
     if plan.scene == "steering-feel":
         return {"error": error, "metric_error": nan}
     return {"error": error, "metric_error": result.summary["breakaway_torque"] / right.peak - 1}
@@ -103,7 +103,7 @@ def test_integrator_is_of_second_order() -> None:
 def test_stick_slip_near_its_limit_lies_within_its_bars() -> None:
     """A gear on bristles that vibrates near the speed at which it sticks, beside implicit Runge-Kutta."""
     plan = plan_of(27)
-    right = figures(plan, 1)
+    right = metrics_of_wheel(plan, 1)
     made = run_unchecked(plan.scene, plan.gear, plan.fidelity)
     assert max(abs(each) for each in errors(plan, made, right).values()) < 0.01
 
@@ -113,7 +113,7 @@ def test_torque_at_the_wheel_does_the_work_on_the_pinion_through_a_joint() -> No
     on the pinion differs from that at the wheel by up to 30 %."""
     bent = {"column.joint_angle": "40 deg", "test.speed": "30 rpm"}
     plan = ScenePlan("stick-slip", SteeringGear().replace(bent), Fidelity.preset("flank"))
-    found = errors(plan, rps.run("stick-slip", plan.gear), figures(plan, 1))
+    found = errors(plan, rps.run("stick-slip", plan.gear), metrics_of_wheel(plan, 1))
     assert max(abs(each) for each in found.values()) < 5e-3
 
 
@@ -124,8 +124,8 @@ def test_stick_slip_of_the_scene_is_the_references() -> None:
     ratio = {f"{part}.static_ratio": 1.2 for part in PARTS}
     plan = ScenePlan("stick-slip", SteeringGear().replace(law | ratio), Fidelity.preset("flank"))
     result = rps.run("stick-slip", plan.gear)
-    found = errors(plan, result, figures(plan, 1))
+    found = errors(plan, result, metrics_of_wheel(plan, 1))
     assert max(abs(each) for each in found.values()) < 5e-3
     less = {f"{part}.static_ratio": 1.1 for part in PARTS}
     other = ScenePlan("stick-slip", plan.gear.replace(less), plan.fidelity)
-    assert errors(plan, result, figures(other, 1))["metric_error"] == pytest.approx(0.09, abs=0.03)
+    assert errors(plan, result, metrics_of_wheel(other, 1))["metric_error"] == pytest.approx(0.09, abs=0.03)

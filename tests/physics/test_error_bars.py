@@ -22,7 +22,7 @@ from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.scenes.steering_torque import torque_maneuver
 from rps_exudyn.scenes.stick_slip import set_off
-from rps_exudyn.scenes.with_bars import Levels
+from rps_exudyn.scenes.two_levels import Levels
 from rps_exudyn.scenes.yoke_impact import shaken
 
 STILL = Fidelity.preset("quasi-static")
@@ -150,7 +150,7 @@ def test_metrics_of_a_finer_level_lie_within_the_bars(scene: str) -> None:
     usual, fine = (rps.run(scene, gear, fidelity="quasi-static", level=level) for level in (1, 3))
     assert (usual.findings["level"], fine.findings["level"]) == (1, 3)
     assert usual.errors.keys() == {name for name in usual.summary if SUMMARY[name].simulated}
-    main = scene_named(scene).figure
+    main = scene_named(scene).main_metric
     off = {name: abs(usual.summary[name] - fine.summary[name]) / bar for name, bar in usual.errors.items()}
     assert off[main] <= 1
     assert np.quantile([*off.values()], 0.9) <= 1, off

@@ -9,7 +9,7 @@ import rps_exudyn as rps
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.simulate.together import UNSUPPORTED, unsupported_reason
+from rps_exudyn.simulate.gear_table import UNSUPPORTED, unsupported_reason
 from rps_exudyn.solvers.many_gears import REST_GAP, ZONE_COLUMNS, as_numbers, packed, packed_table
 
 SCENE, QUASI_STATIC = "free-pinion-torque", Fidelity.preset("quasi-static")

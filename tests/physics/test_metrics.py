@@ -55,12 +55,12 @@ def test_tooth_order_needs_one_pitch_and_the_spectrum_one_turn() -> None:
 
 
 def test_a_tooth_order_needs_more_than_five_points_in_a_pitch() -> None:
-    figures = [
+    metrics = [
         describe_torque(angle, known_curve(angle), 6)
         for angle in (np.linspace(0, TURN / 3, 2 * points + 1) for points in (5, 11))
     ]
-    assert ["torque_peak_to_peak" in each for each in figures] == [True, True]
-    assert ["torque_tooth_order" in each for each in figures] == [False, True]
+    assert ["torque_peak_to_peak" in each for each in metrics] == [True, True]
+    assert ["torque_tooth_order" in each for each in metrics] == [False, True]
 
 
 def test_spectrum_ends_with_the_highest_resolved_order() -> None:
@@ -97,20 +97,20 @@ def test_directions_are_compared_over_common_angles_only() -> None:
     angle = np.concatenate([np.linspace(0, 4, 801), np.linspace(3.995, 1, 600)])
     forward = np.arange(angle.size) < 801
     torque = np.where(forward, 0.6 + 0.1 * angle, -0.5)  # mean of the first over 1..4 is 0.85
-    figures = describe_directions(passes({"pinion_angle": angle, "pinion_torque": torque}))
-    assert figures["torque_mean_forward"] == pytest.approx(0.85, rel=1e-3)
-    assert figures["torque_mean_backward"] == pytest.approx(0.5)
-    assert figures["torque_direction_difference"] == pytest.approx(0.35, rel=1e-3)
+    metrics = describe_directions(passes({"pinion_angle": angle, "pinion_torque": torque}))
+    assert metrics["torque_mean_forward"] == pytest.approx(0.85, rel=1e-3)
+    assert metrics["torque_mean_backward"] == pytest.approx(0.5)
+    assert metrics["torque_direction_difference"] == pytest.approx(0.35, rel=1e-3)
     assert describe_directions(passes({"pinion_angle": angle[:500], "pinion_torque": torque[:500]})) == {}
 
 
 def test_on_centre_window_and_outside() -> None:
     angle = np.deg2rad(np.linspace(-300, 300, 6001))
     torque = 0.6 + np.where(np.abs(angle) <= np.deg2rad(100), 0.01, 0.04) * np.sin(6 * angle)
-    figures = describe_on_centre(passes({"pinion_angle": angle, "pinion_torque": torque}), teeth=6)
-    assert figures["torque_on_centre"] == pytest.approx(0.6, abs=1e-4)
-    assert figures["torque_on_centre_variation"] == pytest.approx(0.02, rel=1e-3)
-    assert figures["torque_off_centre_variation"] == pytest.approx(0.08, rel=1e-3)
+    metrics = describe_on_centre(passes({"pinion_angle": angle, "pinion_torque": torque}), teeth=6)
+    assert metrics["torque_on_centre"] == pytest.approx(0.6, abs=1e-4)
+    assert metrics["torque_on_centre_variation"] == pytest.approx(0.02, rel=1e-3)
+    assert metrics["torque_off_centre_variation"] == pytest.approx(0.08, rel=1e-3)
     backward = {"pinion_angle": -angle, "pinion_torque": -torque}
     assert describe_on_centre(passes(backward), teeth=6)["torque_on_centre"] == pytest.approx(0.6, abs=1e-4)
     short = {"pinion_angle": angle[3000:3100], "pinion_torque": torque[3000:3100]}
@@ -126,13 +126,13 @@ def test_efficiencies_follow_from_the_two_means() -> None:
     torque = np.where(raising, ideal + free, ideal - free) + 0.02 * np.cos(6 * angle)
     signals = {"pinion_angle": angle, "pinion_torque": torque}
     test = measured_load_test(signals, load, gain, free, TURN / 6)
-    figures = describe_load_test(test)
-    assert figures["torque_forward"] == pytest.approx(ideal + free, rel=1e-4)
-    assert figures["efficiency_forward"] == pytest.approx(1 / (1 + free / ideal), rel=1e-3)
-    assert figures["efficiency_reverse"] == pytest.approx(1 - free / ideal, rel=1e-3)
-    assert figures["efficiency_forward_net"] == pytest.approx(1, rel=1e-3)
-    assert figures["efficiency_reverse_net"] == pytest.approx(1, rel=1e-3)
-    assert figures["efficiency_ratio"] == pytest.approx(1 - (free / ideal) ** 2, rel=1e-3)
+    metrics = describe_load_test(test)
+    assert metrics["torque_forward"] == pytest.approx(ideal + free, rel=1e-4)
+    assert metrics["efficiency_forward"] == pytest.approx(1 / (1 + free / ideal), rel=1e-3)
+    assert metrics["efficiency_reverse"] == pytest.approx(1 - free / ideal, rel=1e-3)
+    assert metrics["efficiency_forward_net"] == pytest.approx(1, rel=1e-3)
+    assert metrics["efficiency_reverse_net"] == pytest.approx(1, rel=1e-3)
+    assert metrics["efficiency_ratio"] == pytest.approx(1 - (free / ideal) ** 2, rel=1e-3)
     assert not test.self_locking
     with pytest.raises(ValueError, match="raising and of lowering"):
         measured_load_test(
@@ -209,13 +209,13 @@ def test_transmission_error_is_of_one_direction_and_free_of_lost_motion() -> Non
         "rack_yaw": 0 * angle,
         "seat_force": 300 + 2 * np.cos(angle),
     }
-    figures = describe_rack(signals, passes(signals), gain)
-    assert figures["transmission_error_peak_to_peak"] == pytest.approx(8e-5, rel=1e-4)
-    assert figures["transmission_error_first_order"] == pytest.approx(4e-5, rel=1e-3)
-    assert figures["rack_lift_range"] == pytest.approx(6e-6)
-    assert figures["rack_roll_range"] == pytest.approx(2e-3)
-    assert figures["rack_yaw_range"] == 0
-    assert (figures["yoke_force_min"], figures["yoke_force_max"]) == pytest.approx((298, 302))
+    metrics = describe_rack(signals, passes(signals), gain)
+    assert metrics["transmission_error_peak_to_peak"] == pytest.approx(8e-5, rel=1e-4)
+    assert metrics["transmission_error_first_order"] == pytest.approx(4e-5, rel=1e-3)
+    assert metrics["rack_lift_range"] == pytest.approx(6e-6)
+    assert metrics["rack_roll_range"] == pytest.approx(2e-3)
+    assert metrics["rack_yaw_range"] == 0
+    assert (metrics["yoke_force_min"], metrics["yoke_force_max"]) == pytest.approx((298, 302))
 
 
 # --- losses ----------------------------------------------------------------------------------------
@@ -264,12 +264,12 @@ def test_hysteresis_of_a_slipping_spring(cycles: float) -> None:
         "pinion_torque": elastic_coulomb(angle),
         "rack_displacement": 0.0056 * angle - lag * sense,
     }
-    figures = describe_reversal(signals)
-    assert figures["torque_jump"] == pytest.approx(2 * FRICTION)
-    assert figures["reversal_angle"] == pytest.approx(1.9 * FRICTION / STIFFNESS, rel=1e-3)
-    assert figures["lost_motion"] == pytest.approx(2 * lag, rel=1e-3)
+    metrics = describe_reversal(signals)
+    assert metrics["torque_jump"] == pytest.approx(2 * FRICTION)
+    assert metrics["reversal_angle"] == pytest.approx(1.9 * FRICTION / STIFFNESS, rel=1e-3)
+    assert metrics["lost_motion"] == pytest.approx(2 * lag, rel=1e-3)
     area = 4 * FRICTION * (amplitude - FRICTION / STIFFNESS)
-    assert figures["hysteresis_area"] == pytest.approx(area, rel=1e-4)
+    assert metrics["hysteresis_area"] == pytest.approx(area, rel=1e-4)
 
 
 def test_one_way_there_and_back_is_a_cycle_if_it_closes() -> None:
@@ -292,13 +292,13 @@ def test_half_sine_pulses_are_counted_and_measured() -> None:
     first, second = find_impacts(time, force, displacement)
     assert first.impulse == pytest.approx(2 * 100 * 0.004 / np.pi, rel=1e-4)
     assert second.duration == pytest.approx(0.002, rel=2e-3)
-    figures = describe_impacts({"time": time, "yokenut_force": force, "plunger_displacement": displacement})
-    assert figures["impacts"] == 2
-    assert figures["impact_peak_force"] == pytest.approx(100, rel=1e-4)
-    assert figures["impact_speed"] == pytest.approx(0.03)
-    assert figures["impact_contact_share"] == pytest.approx(0.06, rel=2e-3)
+    metrics = describe_impacts({"time": time, "yokenut_force": force, "plunger_displacement": displacement})
+    assert metrics["impacts"] == 2
+    assert metrics["impact_peak_force"] == pytest.approx(100, rel=1e-4)
+    assert metrics["impact_speed"] == pytest.approx(0.03)
+    assert metrics["impact_contact_share"] == pytest.approx(0.06, rel=2e-3)
     mean_square = (100**2 * 0.004 + 60**2 * 0.002) / 2 / 0.1
-    assert figures["impact_force_rms"] == pytest.approx(np.sqrt(mean_square), rel=1e-3)
+    assert metrics["impact_force_rms"] == pytest.approx(np.sqrt(mean_square), rel=1e-3)
 
 
 def test_contact_from_the_start_is_no_impact_and_one_at_the_end_counts() -> None:

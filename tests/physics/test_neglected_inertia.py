@@ -13,8 +13,8 @@ from rps_exudyn.scenes.checks.neglected_inertia import (
     ringing,
     with_inertia,
 )
+from rps_exudyn.simulate.gear_table import simulate_table
 from rps_exudyn.simulate.run import run
-from rps_exudyn.simulate.together import together
 from rps_exudyn.solvers.closed_form import runout_harmonics
 
 GEAR = SteeringGear().replace({"pinion.runout": "20 um"})
@@ -83,7 +83,7 @@ def test_bars_of_many_gears_have_the_inertia_of_single_ones() -> None:
     gear = GEAR.replace({"test.speed": "300 rpm", "bush.inner_diameter": "26 mm"})
     rng, fidelity = np.random.default_rng(1), Fidelity.preset("quasi-static")
     table = {"rack.bar_diameter": rng.uniform(0.022, 0.0255, 40), "pinion.runout": rng.uniform(0, 3e-5, 40)}
-    many = together("free-pinion-torque", gear, fidelity, table)
+    many = simulate_table("free-pinion-torque", gear, fidelity, table)
     assert many is not None
     for row in range(0, 40, 8):
         own = {path: float(values[row]) for path, values in table.items()}

@@ -44,8 +44,8 @@ def test_the_default_gear_is_what_its_reference_says() -> None:
     right = expected(ScenePlan("free-pinion-torque", GEAR, Fidelity.preset("quasi-static")))
     run = run_scene("free-pinion-torque", GEAR, Fidelity.preset("quasi-static"))
     assert right.method == "equilibria"
-    assert run.summary["torque_mean"] == pytest.approx(right.figure, rel=1e-3)
-    assert run.summary["torque_peak_to_peak"] == pytest.approx(right.ripple, abs=5e-3 * right.figure)
+    assert run.summary["torque_mean"] == pytest.approx(right.main_metric, rel=1e-3)
+    assert run.summary["torque_peak_to_peak"] == pytest.approx(right.ripple, abs=5e-3 * right.main_metric)
 
 
 def test_fast_motion_has_a_reference_with_inertia() -> None:
@@ -54,7 +54,7 @@ def test_fast_motion_has_a_reference_with_inertia() -> None:
     right = expected(ScenePlan("free-pinion-torque", gear, Fidelity()))
     run = run_scene("free-pinion-torque", gear, Fidelity())
     assert right.method == "Runge-Kutta"
-    assert run.summary["torque_mean"] == pytest.approx(right.figure, rel=5e-3)
+    assert run.summary["torque_mean"] == pytest.approx(right.main_metric, rel=5e-3)
 
 
 @dataclass
@@ -82,7 +82,7 @@ def test_explicit_motion_says_where_its_steps_are_too_long() -> None:
     assert np.abs(places).max() <= 1.0
 
 
-def test_figures_stand_once_half_the_steps_say_the_same() -> None:
+def test_metrics_stand_once_half_the_steps_say_the_same() -> None:
     """An error in proportion to the step moves by less than half a percent from quarters to eighths; what
     depends on the steps at random never does; steps too long for a motion are left behind."""
 
@@ -91,7 +91,7 @@ def test_figures_stand_once_half_the_steps_say_the_same() -> None:
             raise NotFiniteError("too long")
         return 1 + 0.03 / parts, float("nan")
 
-    assert confirmed(in_proportion).figure == pytest.approx(1.00375)
+    assert confirmed(in_proportion).main_metric == pytest.approx(1.00375)
     with pytest.raises(NotFoundError, match=r"still moves by 1\.98%"):
         confirmed(lambda parts: (1 + 0.01 * (-1) ** parts.bit_length(), 0.0))
     with pytest.raises(NotFoundError, match="ripple by 10"):
@@ -104,7 +104,7 @@ def test_load_test_reference_takes_whole_pitches() -> None:
     fidelity = Fidelity.preset("quasi-static")
     right = expected(ScenePlan("load-test", gear, fidelity))
     run = run_scene("load-test", gear, fidelity)
-    assert run.summary["torque_forward"] == pytest.approx(right.figure, rel=1e-3)
+    assert run.summary["torque_forward"] == pytest.approx(right.main_metric, rel=1e-3)
 
 
 def approach_from(changes: dict[str, object]) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""Rattle: figures of made-up impacts, bands of acceleration, and a short shake of the default gear."""
+"""Rattle: metrics of made-up impacts, bands of acceleration, and a short shake of the default gear."""
 
 import numpy as np
 import pytest
@@ -41,17 +41,17 @@ def joined(*runs: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 @pytest.mark.quick
-def test_figures_of_known_impacts() -> None:
+def test_metrics_of_known_impacts() -> None:
     """Two and one impacts in two runs of one cycle: impulse 100 N x 1 ms each, half a sample is 1 %."""
-    figures = describe_rattle(joined(made_up((0.1, 0.2)), made_up((0.3,))), PERIOD, MASS, BAND)
-    assert figures["rattle_impacts_per_cycle"] == pytest.approx(1.5)
-    assert figures["rattle_impacts_scatter"] == pytest.approx(0.5)
-    assert figures["rattle_impulse_per_cycle"] == pytest.approx(0.15, rel=0.02)
-    assert figures["rattle_force_rms"] == pytest.approx(np.sqrt(0.03 * 100**2 / 1), rel=0.02)
-    assert figures["rattle_speed_rms"] == pytest.approx(np.sqrt((0.01 + 0.04 + 0.09) / 3))
-    assert figures["rattle_energy_per_cycle"] == pytest.approx(MASS / 4 * (0.01 + 0.04 + 0.09))
-    assert figures["rattle_fastest_impact"] == pytest.approx(0.25)
-    assert figures["rattle_fastest_scatter"] == pytest.approx(0.05)
+    metrics = describe_rattle(joined(made_up((0.1, 0.2)), made_up((0.3,))), PERIOD, MASS, BAND)
+    assert metrics["rattle_impacts_per_cycle"] == pytest.approx(1.5)
+    assert metrics["rattle_impacts_scatter"] == pytest.approx(0.5)
+    assert metrics["rattle_impulse_per_cycle"] == pytest.approx(0.15, rel=0.02)
+    assert metrics["rattle_force_rms"] == pytest.approx(np.sqrt(0.03 * 100**2 / 1), rel=0.02)
+    assert metrics["rattle_speed_rms"] == pytest.approx(np.sqrt((0.01 + 0.04 + 0.09) / 3))
+    assert metrics["rattle_energy_per_cycle"] == pytest.approx(MASS / 4 * (0.01 + 0.04 + 0.09))
+    assert metrics["rattle_fastest_impact"] == pytest.approx(0.25)
+    assert metrics["rattle_fastest_scatter"] == pytest.approx(0.05)
 
 
 @pytest.mark.quick
@@ -69,8 +69,8 @@ def test_uncertainty_of_cycles_is_that_of_their_mean() -> None:
 
 @pytest.mark.quick
 def test_no_impacts_no_rattle() -> None:
-    figures = describe_rattle(made_up(()), PERIOD, MASS, BAND)
-    assert not any(figures.values())
+    metrics = describe_rattle(made_up(()), PERIOD, MASS, BAND)
+    assert not any(metrics.values())
 
 
 @pytest.mark.quick
@@ -79,10 +79,10 @@ def test_band_takes_what_lies_in_it(sounding: float, heard: bool) -> None:
     """RMS of A omega^2 sin is A omega^2 / sqrt 2 inside the band; a Hann window leaks 1e-3 of a tone outside,
     where omega is higher."""
     lift = 1e-6
-    figures = describe_rattle(made_up((), lift, sounding), PERIOD, MASS, BAND)
+    metrics = describe_rattle(made_up((), lift, sounding), PERIOD, MASS, BAND)
     whole = lift * (2 * np.pi * sounding) ** 2 / np.sqrt(2)
     expected = pytest.approx(whole, rel=0.02) if heard else pytest.approx(0, abs=0.05 * whole)
-    assert figures["rattle_acceleration_rms"] == expected
+    assert metrics["rattle_acceleration_rms"] == expected
 
 
 @pytest.mark.quick
@@ -111,9 +111,9 @@ def test_growing_force_finds_its_amplitude_at_the_first_hit() -> None:
     time = np.linspace(0, 2 * PERIOD, 401)
     signals = {"time": time, "yokenut_force": np.where(time >= PERIOD / 2, 10.0, 0.0)}
     maneuver = Maneuver(Steady("pinion", 0.0, 0.0), PERIOD / 200, 200, 400, pulse=force)
-    figures = threshold(joined(signals, signals), [maneuver, maneuver])
-    assert figures["rattle_threshold_force"] == pytest.approx(1.25)
-    assert figures["rattle_threshold_scatter"] == pytest.approx(0, abs=1e-9)
+    metrics = threshold(joined(signals, signals), [maneuver, maneuver])
+    assert metrics["rattle_threshold_force"] == pytest.approx(1.25)
+    assert metrics["rattle_threshold_scatter"] == pytest.approx(0, abs=1e-9)
     signals["yokenut_force"][:] = 0
     assert threshold(signals, [maneuver]) == {}
 

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import rps_exudyn as rps
-from rps_exudyn.assessment.requirements.limits import REQUIRED, read_limits
-from rps_exudyn.assessment.requirements.sheet import (
+from rps_exudyn.assessment.requirements.judging import (
     FaceLoading,
     RequirementRow,
     borne_under,
@@ -19,6 +18,7 @@ from rps_exudyn.assessment.requirements.sheet import (
     requirement_row,
     weight_for_ratio,
 )
+from rps_exudyn.assessment.requirements.limits import REQUIRED, read_limits
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.check import check
 from rps_exudyn.gears.gear_pair import GearPair
@@ -81,7 +81,7 @@ def test_stresses_hold_the_load_along_the_face_and_state_what_was_chosen(
     def locks(*_: object) -> None:
         raise InputError("it locks.")
 
-    monkeypatch.setattr("rps_exudyn.assessment.requirements.sheet.load_test", locks)
+    monkeypatch.setattr("rps_exudyn.assessment.requirements.judging.load_test", locks)
     assert borne_under(GEAR, 30.0) == FaceLoading(
         1.0, "face load factor is 1, because contact forces are missing: it locks."
     )
@@ -126,10 +126,10 @@ def test_what_cannot_be_computed_is_not_evaluated(monkeypatch: pytest.MonkeyPatc
     def lost(*_: object, **__: object) -> Band:
         raise InputError("this one ends contact-lost.")
 
-    monkeypatch.setattr("rps_exudyn.assessment.requirements.sheet.quick_band", lost)
-    monkeypatch.setattr("rps_exudyn.assessment.requirements.sheet.band_of_runs", lost)
+    monkeypatch.setattr("rps_exudyn.assessment.requirements.judging.quick_band", lost)
+    monkeypatch.setattr("rps_exudyn.assessment.requirements.judging.band_of_runs", lost)
     monkeypatch.setattr(
-        "rps_exudyn.assessment.requirements.sheet.pinion_form",
+        "rps_exudyn.assessment.requirements.judging.pinion_form",
         lambda pair: replace(pinion_form(pair), dedendum=6.0),
     )
     sheet = {each.name: each for each in judge(GEAR, INPUTS, read_limits(), samples=8)}
@@ -143,7 +143,7 @@ def test_what_cannot_be_computed_is_not_evaluated(monkeypatch: pytest.MonkeyPatc
 def test_command_prints_what_is_not_evaluated(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     limit, nan = read_limits()["free_torque"], float("nan")
     made = [requirement_row("free_torque", limit, (nan,) * 3, 0.0, remark="Not evaluated: contact-lost")]
-    monkeypatch.setattr("rps_exudyn.assessment.requirements.sheet.judge", lambda *_, **__: iter(made))
+    monkeypatch.setattr("rps_exudyn.assessment.requirements.judging.judge", lambda *_, **__: iter(made))
     answer = command(["check", "--all", "--out", "sheet.json"])
     assert answer.status == 1
     assert "not evaluated" in answer.out
@@ -196,7 +196,7 @@ def test_command_judges_and_says_so_by_its_status(command: Command, monkeypatch:
         requirement_row("free_torque", Limit(0.8, 1.8, ""), (0.91, 0.7, 1.2), 0.71),
         requirement_row("gain", limits["gain"], (0.037,) * 3, 0.0),
     ]
-    monkeypatch.setattr("rps_exudyn.assessment.requirements.sheet.judge", lambda *_, **__: iter(made))
+    monkeypatch.setattr("rps_exudyn.assessment.requirements.judging.judge", lambda *_, **__: iter(made))
     answer = command(["check", "--out", "sheet.json"])
     assert answer.status == 1
     assert answer.out.splitlines()[1:5] == [

@@ -82,7 +82,7 @@ def test_jointed_column_does_no_work_of_its_own() -> None:
 
 @pytest.mark.parametrize("law", ["coulomb", "bristle"])
 def test_equilibria_feel_as_dynamics_do(law: str) -> None:
-    """Figures to 2 %, what steps of a twentieth of the angle of yielding and the friction zone leave behind
+    """Metrics to 2 %, what steps of a twentieth of the angle of yielding and the friction zone leave behind
     the column."""
     still, moving = (feel(law, model).summary for model in ("quasi-static", "flank"))
     for name in ("feel_area", "feel_running_torque", "on_centre_stiffness", "feel_angle_hysteresis"):
@@ -158,7 +158,7 @@ def test_work_over_the_column_balances() -> None:
         assert result["work_column_damping"][-1] > 0
 
 
-def test_figures_of_a_made_up_loop() -> None:
+def test_metrics_of_a_made_up_loop() -> None:
     """A parallelogram: running 0.6 N m after 0.01 rad at 120 N m/rad, area 4 T (A - T / k)."""
     stiffness, running, amplitude = 120.0, 0.6, 0.5
     half = 0.5 * np.pi + np.linspace(0, 2 * np.pi, 40001)
@@ -168,12 +168,12 @@ def test_figures_of_a_made_up_loop() -> None:
         value = float(np.clip(value + stiffness * step, -running, running))
         torque[i] = value
     signals = {"wheel_angle": angle, "column_torque": torque, "pinion_angle": angle}
-    figures = describe_feel(signals)
-    assert figures["feel_running_torque"] == pytest.approx(running, rel=1e-6)
-    assert figures["on_centre_stiffness"] == pytest.approx(stiffness, rel=1e-3)
-    assert figures["feel_angle_hysteresis"] == pytest.approx(1.9 * running / stiffness, rel=1e-3)
-    assert figures["feel_area"] == pytest.approx(4 * running * (amplitude - running / stiffness), rel=1e-3)
-    assert figures["breakaway_ratio"] == pytest.approx(1.0, rel=1e-6)
+    metrics = describe_feel(signals)
+    assert metrics["feel_running_torque"] == pytest.approx(running, rel=1e-6)
+    assert metrics["on_centre_stiffness"] == pytest.approx(stiffness, rel=1e-3)
+    assert metrics["feel_angle_hysteresis"] == pytest.approx(1.9 * running / stiffness, rel=1e-3)
+    assert metrics["feel_area"] == pytest.approx(4 * running * (amplitude - running / stiffness), rel=1e-3)
+    assert metrics["breakaway_ratio"] == pytest.approx(1.0, rel=1e-6)
 
 
 def test_formulas_know_no_column() -> None:

@@ -110,11 +110,11 @@ def test_gear_sticks_as_one_inertia_does(speed: float) -> None:
     found, expected = run(speed), event_based(reduced_gear(STEEL), speed)
     assert found.status is Status.OK, found.message
     assert expected is not None
-    figures = found.summary
-    assert figures["stick_share"] > 0.05
-    assert figures["stick_slip_frequency"] == pytest.approx(1 / (expected.stick + expected.slip), rel=0.12)
-    assert figures["stick_slip_amplitude"] == pytest.approx(expected.amplitude, rel=0.12)
-    assert figures["sticking_speed"] > speed
+    metrics = found.summary
+    assert metrics["stick_share"] > 0.05
+    assert metrics["stick_slip_frequency"] == pytest.approx(1 / (expected.stick + expected.slip), rel=0.12)
+    assert metrics["stick_slip_amplitude"] == pytest.approx(expected.amplitude, rel=0.12)
+    assert metrics["sticking_speed"] > speed
 
 
 def test_gear_slides_above_the_limit() -> None:
@@ -161,18 +161,18 @@ def test_equilibria_cannot_slip() -> None:
         rps.run("stick-slip", STEEL, fidelity="quasi-static")
 
 
-def test_figures_of_a_made_up_record() -> None:
+def test_metrics_of_a_made_up_record() -> None:
     """A third of each period of 10 ms at rest: share, frequency and amplitude."""
     time = np.linspace(0, 0.2, 20001)
     turning = np.where((time % 0.01) < 0.01 / 3, 0.0, 1.5)
     angle = np.concatenate([[0.0], np.cumsum(turning[:-1] * np.diff(time))])
     twist = time - angle
-    figures = describe_stick_slip(
+    metrics = describe_stick_slip(
         {"time": time, "pinion_angle": angle, "column_twist": twist, "column_torque": 100 * twist + 0.6}, 1.0
     )
-    assert figures["stick_share"] == pytest.approx(1 / 3, rel=0.02)
-    assert figures["stick_slip_frequency"] == pytest.approx(100, rel=0.01)
-    assert figures["stick_slip_amplitude"] == pytest.approx(0.01 / 6, rel=0.03)
+    assert metrics["stick_share"] == pytest.approx(1 / 3, rel=0.02)
+    assert metrics["stick_slip_frequency"] == pytest.approx(100, rel=0.01)
+    assert metrics["stick_slip_amplitude"] == pytest.approx(0.01 / 6, rel=0.03)
 
 
 def test_vibration_without_sticking_has_no_frequency() -> None:
@@ -180,9 +180,9 @@ def test_vibration_without_sticking_has_no_frequency() -> None:
     time = np.linspace(0, 0.2, 20001)
     angle = time + 1e-4 * np.sin(2 * np.pi * 100 * time)
     signals = {"time": time, "pinion_angle": angle, "column_twist": time - angle, "column_torque": time}
-    figures = describe_stick_slip(signals, 1.0)
-    assert figures["stick_share"] == 0
-    assert "stick_slip_frequency" not in figures
+    metrics = describe_stick_slip(signals, 1.0)
+    assert metrics["stick_share"] == 0
+    assert "stick_slip_frequency" not in metrics
 
 
 @pytest.mark.parametrize("law", ["stribeck", "bristle"])

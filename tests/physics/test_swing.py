@@ -36,9 +36,9 @@ def test_bars_cover_a_gear_that_rolls_into_its_cycle() -> None:
     first, last = (
         run_unchecked(each.scene, each.gear, each.fidelity, DEFAULT_OPTIONS) for each in (plan, later)
     )
-    apart = abs(plan.figure(first) - plan.figure(last))
+    apart = abs(plan.main_metric(first) - plan.main_metric(last))
     assert not apart > first.errors["hysteresis_area"]  # nan: no other level ends
-    assert apart < 2e-3 * plan.figure(last)
+    assert apart < 2e-3 * plan.main_metric(last)
 
 
 def test_cycles_before_a_swing_are_divided_as_its_last_one() -> None:

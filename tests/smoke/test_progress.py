@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import rps_exudyn as rps
+from rps_exudyn.assessment.requirements.judging import judge
 from rps_exudyn.assessment.requirements.limits import read_limits
-from rps_exudyn.assessment.requirements.sheet import judge
 from rps_exudyn.base import progress
 from rps_exudyn.base.progress import Progress, begin_part, following, passed_on, reached
 from rps_exudyn.base.screen import with_time_left

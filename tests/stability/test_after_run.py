@@ -12,7 +12,7 @@ import pytest
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.scenes.checks import rules
-from rps_exudyn.scenes.checks.rules import IN_RECORD, OF_BARS, OF_GENERAL_CONTACT, Breach, Seen, breaches
+from rps_exudyn.scenes.checks.rules import IN_RECORD, OF_BARS, OF_GENERAL_CONTACT, Breach, RuleInput, breaches
 from rps_exudyn.scenes.scene_run import Signals
 
 DEEPEST = 50e-6
@@ -34,9 +34,9 @@ def signals() -> Signals:
     }
 
 
-def broken(signals: Signals, **seen: Any) -> list[Breach]:
+def broken(signals: Signals, **given: Any) -> list[Breach]:
     return list(
-        breaches(IN_RECORD, Seen(GEAR, signals=signals, valid_to={"mesh_penetration": DEEPEST}, **seen))
+        breaches(IN_RECORD, RuleInput(GEAR, signals=signals, valid_to={"mesh_penetration": DEEPEST}, **given))
     )
 
 
@@ -81,8 +81,10 @@ def test_many_gears_are_judged_by_the_rules_of_one(signals: Signals) -> None:
     many["mesh_normal_force"][1, 7] = 0.0
     many["mesh_penetration"][2, 9] = 0.98 * DEEPEST
     many["rack_y"][3, 9] = np.nan
-    seen = Seen(GEAR, signals=many, axis_offset=np.zeros((4, 1)), valid_to={"mesh_penetration": DEEPEST})
-    within = np.logical_and.reduce([rule.within(seen, 0.95) for rule in IN_RECORD])
+    given = RuleInput(
+        GEAR, signals=many, axis_offset=np.zeros((4, 1)), valid_to={"mesh_penetration": DEEPEST}
+    )
+    within = np.logical_and.reduce([rule.within(given, 0.95) for rule in IN_RECORD])
     assert within.tolist() == [True, False, False, False]
 
 
@@ -90,14 +92,14 @@ def test_many_gears_are_judged_by_the_rules_of_one(signals: Signals) -> None:
 def test_two_evaluations_that_differ(disagreement: float, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rules, "contact_disagreement", lambda record: disagreement)
     record = SimpleNamespace(forces=SimpleNamespace(spheres=None))
-    (breach,) = breaches(OF_GENERAL_CONTACT, Seen(GEAR, record=record))  # type: ignore[arg-type]
+    (breach,) = breaches(OF_GENERAL_CONTACT, RuleInput(GEAR, record=record))  # type: ignore[arg-type]
     assert (breach.rule.status, breach.rule.code) == (Status.INVALID, Code.CONTACT_DISAGREES)
 
 
 def of_spheres(code: Code, signals: Signals, spheres: str | None = "some") -> Breach | None:
     record = SimpleNamespace(forces=SimpleNamespace(spheres=spheres), pulse_power=None)
     rule = next(rule for rule in OF_GENERAL_CONTACT if rule.code == code)
-    return rule.breach(Seen(GEAR, signals=signals, record=record))  # type: ignore[arg-type]
+    return rule.breach(RuleInput(GEAR, signals=signals, record=record))  # type: ignore[arg-type]
 
 
 def test_spheres_on_a_rack_that_stands_elsewhere(signals: Signals) -> None:
@@ -134,4 +136,4 @@ def test_spheres_under_a_yoke_at_its_nut(signals: Signals) -> None:
     ],
 )
 def test_a_run_that_shows_another_motion(numbers: dict[str, float], codes: list[Code]) -> None:
-    assert [breach.rule.code for breach in breaches(OF_BARS, Seen(GEAR, numbers=numbers))] == codes
+    assert [breach.rule.code for breach in breaches(OF_BARS, RuleInput(GEAR, numbers=numbers))] == codes

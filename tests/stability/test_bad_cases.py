@@ -31,5 +31,5 @@ def test_bad_case_is_within_its_bar_or_refused_by_the_check_that_it_names(case: 
     assert result.status is case.status, result.message
     assert case.message in result.message
     if result.status is Status.OK:
-        off = abs(plan.figure(result) - reference(plan))
-        assert not off > result.errors[scene_named(plan.scene).figure]  # nan: no other level ends
+        off = abs(plan.main_metric(result) - reference(plan))
+        assert not off > result.errors[scene_named(plan.scene).main_metric]  # nan: no other level ends

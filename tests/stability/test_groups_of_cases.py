@@ -19,11 +19,11 @@ from rps_exudyn.scenes.error_bars import error_bars
 from rps_exudyn.simulate.cases.case_group import CaseGroup
 from rps_exudyn.simulate.cases.processes import Processes
 from rps_exudyn.simulate.cases.task import Answer, Executor, Task, answer_to
-from rps_exudyn.study import handover
-from rps_exudyn.study.handover import FEWEST, Handover, dispatch_of
+from rps_exudyn.study import task_queue
 from rps_exudyn.study.runner import StudyWork, run_study
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.study_file import read_study
+from rps_exudyn.study.task_queue import FEWEST, TaskQueue, group_plan_of
 from shell import Command
 from study_files import Here, write_grid, write_stand_in
 
@@ -31,12 +31,12 @@ SINGLY = '[set]\nyoke.friction_law = "bristle"\n'  # as no gears are computed to
 TORQUE = '[keep]\nsignals = ["pinion_torque"]\n[set]\ntest.turns = 0.2\n'
 
 
-def tasks_of(folder: Path, cases: int, extra: str = "", executor: Here = Here()) -> Handover:  # noqa: B008
+def tasks_of(folder: Path, cases: int, extra: str = "", executor: Here = Here()) -> TaskQueue:  # noqa: B008
     """The tasks of a study over so many preloads from 100 N."""
     file = write_grid(folder / "s.toml", *range(100, 100 + cases))
     file.write_text(file.read_text().replace("[[axis]]", f"{extra}[[axis]]"))
     work = StudyWork.of(read_study(file), folder / "s")
-    return Handover(work.study, work.description, work.missing, executor)
+    return TaskQueue(work.study, work.description, work.missing, executor)
 
 
 def group_of(task: Task) -> CaseGroup:
@@ -58,10 +58,10 @@ def test_groups_grow_to_their_time_and_shrink_towards_the_end(tmp_path: Path) ->
         sizes.append(len(group_of(task).settings))
         assert len(tasks.records(task, answered(task, 0.01 * sizes[-1]))) == sizes[-1]
     assert sum(sizes) == tasks.through_batch == 1000
-    assert sizes[0] == handover.SMALLEST
+    assert sizes[0] == task_queue.SMALLEST
     assert max(sizes) <= Here().group_seconds / 0.01
     assert sizes[1:] == sorted(sizes[1:], reverse=True)
-    assert sizes[-2] == handover.SMALLEST
+    assert sizes[-2] == task_queue.SMALLEST
 
 
 def test_a_group_takes_less_than_the_time_limit_of_a_case(tmp_path: Path) -> None:
@@ -69,7 +69,7 @@ def test_a_group_takes_less_than_the_time_limit_of_a_case(tmp_path: Path) -> Non
     for _ in range(3):
         task = next(tasks)
         tasks.records(task, answered(task, 0.5 * len(group_of(task).settings)))
-    assert 0.5 * len(group_of(next(tasks)).settings) <= 20.0 / handover.OF_LIMIT
+    assert 0.5 * len(group_of(next(tasks)).settings) <= 20.0 / task_queue.OF_LIMIT
 
 
 @pytest.mark.parametrize("answer", [Answer(ended="killed"), Answer(error=InputError("wrong"))])
@@ -158,9 +158,9 @@ def test_unknown_error_bar_of_a_member_is_kept(tmp_path: Path, monkeypatch: pyte
         known = error_bars(*given)
         return known | {"torque_mean": known["torque_mean"] * np.nan}
 
-    monkeypatch.setattr("rps_exudyn.simulate.together.error_bars", bars)
+    monkeypatch.setattr("rps_exudyn.simulate.gear_table.error_bars", bars)
     group = group_of(next(tasks_of(tmp_path, FEWEST, "[set]\ntest.turns = 0.2\n")))
-    record = next(each for each in group.records() if each.found_together)
+    record = next(each for each in group.records() if each.in_loop)
     assert np.isnan(record.result().errors["torque_mean"])
 
 
@@ -248,7 +248,7 @@ def random_group(folder: Path, scene: str) -> CaseGroup:
     file = folder / "random.toml"
     file.write_text(f'scene = "{scene}"\n{RANDOM}')
     work = StudyWork.of(read_study(file), folder / "random")
-    return group_of(next(Handover(work.study, work.description, work.missing, Here())))
+    return group_of(next(TaskQueue(work.study, work.description, work.missing, Here())))
 
 
 def numbers_of(record: CaseRecord) -> dict[str, Any]:
@@ -265,7 +265,7 @@ def test_a_case_ends_bit_for_bit_alike_in_whatever_company(tmp_path: Path, scene
     whose yoke touches its nut."""
     whole = with_impossible(random_group(tmp_path, scene), 2)
     found = {record.hash: record for record in whole.records()}
-    assert sum(record.found_together for record in found.values()) > 0.9 * len(found)
+    assert sum(record.in_loop for record in found.values()) > 0.9 * len(found)
     order = np.random.default_rng(1).permutation(len(found)).tolist()
     groups = [order, *([at] for at in order[:4]), order[4:7], order[7:10], [2]]
     for group in groups:
@@ -300,7 +300,7 @@ def test_a_study_ends_bit_for_bit_alike_after_whatever_happens(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Undisturbed, interrupted and resumed by two processes, and with processes that die."""
-    monkeypatch.setattr(handover, "SMALLEST_TOGETHER", 21)
+    monkeypatch.setattr(task_queue, "SMALLEST_TOGETHER", 21)
     file = write_grid(tmp_path / "s.toml", *range(250, 250 + FEWEST))
     file.write_text(file.read_text().replace("[[axis]]", "[set]\ntest.turns = 0.2\n[[axis]]"))
 
@@ -362,7 +362,7 @@ def test_what_is_not_followed_together_goes_in_groups_without_ranges(
 ) -> None:
     tasks = tasks_of(tmp_path, FEWEST, extra)
     assert all(group_of(task).ranges is None for task in tasks)
-    assert reason in tasks.dispatch.single_run_reason
+    assert reason in tasks.plan.single_run_reason
 
 
 def test_ranges_leave_out_what_no_gear_can_have(tmp_path: Path) -> None:
@@ -370,7 +370,7 @@ def test_ranges_leave_out_what_no_gear_can_have(tmp_path: Path) -> None:
     file = write_grid(tmp_path / "s.toml", *range(100, 170), 5e6)
     file.write_text(file.read_text().replace("[[axis]]", '[keep]\nsignals = "none"\n[[axis]]'))
     work = StudyWork.of(read_study(file), tmp_path / "s")
-    ranges = dispatch_of(work.study, work.description).ranges
+    ranges = group_plan_of(work.study, work.description).ranges
     assert ranges is not None
     assert (min(ranges["yoke.preload"]), round(max(ranges["yoke.preload"]))) == (100, 169)
 
@@ -394,9 +394,9 @@ def test_of_other_scenes_some_cases_go_singly(tmp_path: Path, scene: str, axis: 
         f"[set]\ntest.turns = 0.2\n[[axis]]\n{axis}\n"
     )
     work = StudyWork.of(read_study(file), tmp_path / "s")
-    whole = group_of(next(Handover(work.study, work.description, work.missing, Here())))
+    whole = group_of(next(TaskQueue(work.study, work.description, work.missing, Here())))
     found = some(whole, [0, *range(40, 45)]).records()
-    assert [record.found_together for record in found] == [False] + 5 * [True]
+    assert [record.in_loop for record in found] == [False] + 5 * [True]
     assert found[0].attributes["status"] == "invalid"
     assert cause in found[0].attributes["message"]
     (alone,) = some(whole, [44], ranges=None).records()

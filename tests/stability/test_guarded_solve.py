@@ -105,7 +105,7 @@ def test_corrected_tangents_find_the_rate_at_which_friction_turns_about() -> Non
     def left(plain: int) -> float:
         secant, rate = Secant(), np.array([2.0])
         for tangents in range(14):
-            force = secant.noted(0.1, rate, -np.arctan(rate))
+            force = secant.recorded(0.1, rate, -np.arctan(rate))
             tangent = 0.5 * np.diag(-1 / (1 + rate**2))  # by unknowns, of which one changes the rate by 0.5
             used = tangent if tangents < plain else secant.corrected(tangent, 0.1, 0.5)
             rate = rate - 0.5 * np.linalg.solve(used, force)

@@ -17,7 +17,7 @@ from made_up_study import make_study
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of, without_checksum
 from rps_exudyn.gears.solids import rack_solid
-from rps_exudyn.inference.measured import channels
+from rps_exudyn.inference.measured import binary_files
 from rps_exudyn.results.block import Block, CaseRecord, packed
 from rps_exudyn.study.study_file import read_study
 from shell import Command
@@ -195,7 +195,7 @@ def test_compressed_blocks_unpack_to_what_is_allowed(tmp_path: Path, monkeypatch
     block = struct.pack("<4s4xQQ", b"##DZ", 24 + len(data), 0) + data
     head = struct.pack("<4s4xQQQ", b"##HD", 32, 1, 96)
     (tmp_path / "m.mf4").write_bytes(b"MDF     4.10    ".ljust(64, b"\0") + head + block)
-    monkeypatch.setattr(channels, "LARGEST", 10**5)
+    monkeypatch.setattr(binary_files, "LARGEST", 10**5)
     with pytest.raises(InputError, match=r"m.mf4 needs more memory than there is"):
         rps.read_measured_torque(tmp_path / "m.mf4")
 

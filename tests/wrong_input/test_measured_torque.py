@@ -29,7 +29,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.inference.fitting.bench_tests import read_measurement
 from rps_exudyn.inference.fitting.fit import check_sizes
-from rps_exudyn.inference.measured import channels
+from rps_exudyn.inference.measured import binary_files
 from rps_exudyn.inference.measured.numbers import Format
 from rps_exudyn.inference.measured.reading import read_curve, read_measured_torque
 from rps_exudyn.parameters.gear import SteeringGear
@@ -460,7 +460,7 @@ def test_a_library_that_is_missing_is_named(tmp_path: Path, monkeypatch: pytest.
 
 
 def test_a_file_that_unpacks_to_much_more_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(channels, "LARGEST", 1_000_000)
+    monkeypatch.setattr(binary_files, "LARGEST", 1_000_000)
     path = tmp_path / "bench.mat"
     binary.mat(path, {"angle_deg": np.zeros(200_000)}, compressed=True)
     assert path.stat().st_size < 10_000

@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 from math import isnan
 from typing import Any
 
+from rps_exudyn.assessment.requirements.judging import ASSURED, RequirementRow, law_of_sheet
 from rps_exudyn.assessment.requirements.limits import LABELS, REQUIRED
-from rps_exudyn.assessment.requirements.sheet import ASSURED, RequirementRow, law_of_sheet
 from rps_exudyn.pages.report.html import make_again, parameter_grid
 from rps_exudyn.pages.report.judged import ORDER, judgement, mark_of
 from rps_exudyn.pages.report.result_sheet import gear_shown, listed

@@ -266,7 +266,7 @@ def _band(procedure: Procedure, gear: SteeringGear, fidelity: Fidelity) -> Band:
 def _of_band(band: Band) -> dict[str, Simulated]:
     failed = f"{band.drawn.failed} of {len(band.drawn.samples)} samples failed" if band.drawn.failed else ""
     found = {}
-    for name, each in band.figures.items():
+    for name, each in band.metrics.items():
         of_runs = band.drawn.numerical.get(name)
         half = float(of_runs.of_quantiles[MEDIAN]) if of_runs else 0.0
         error = float(np.hypot(each.errors[MEDIAN], half / 2))  # a bar is two standard uncertainties

@@ -24,7 +24,7 @@ from rps_exudyn.base.errors import InputError, are, check_kind, lines_in_words
 from rps_exudyn.base.files import content_of
 from rps_exudyn.base.units import short
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.inference.measured.channels import Channels, channels_of
+from rps_exudyn.inference.measured.binary_files import Channels, channels_of
 from rps_exudyn.inference.measured.columns import MeasuredColumn, Row, Table, find_columns, known_columns
 from rps_exudyn.inference.measured.layout import SEPARATORS, table_in, text_of
 from rps_exudyn.inference.measured.numbers import (

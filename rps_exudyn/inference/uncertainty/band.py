@@ -1,7 +1,7 @@
 """Band of a scene: the result of one gear, and between which values it lies for what is not known of it.
 
     band = band_of_runs("free-pinion-torque", gear, fidelity, inputs, samples=256)
-    band.figures["torque_mean"].values      # quantiles at LEVELS [N m]
+    band.metrics["torque_mean"].values      # quantiles at LEVELS [N m]
 
 Beside the band stand what it is made of (contributions) and what it does not contain: the numerical error, by
 the error bars of its runs, and the error of the contact law.
@@ -31,17 +31,18 @@ from rps_exudyn.inference.uncertainty.statistics import (
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.retired import with_former_names
 from rps_exudyn.results.law_error import LawError, error_of_law
 from rps_exudyn.results.outcome import Interrupted, Status, alike
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.law_by_scene import SERIES, with_law
+from rps_exudyn.scenes.contact_law import LAW_OF_SERIES, resolve_contact_law
 from rps_exudyn.simulate.batch import Batch
 from rps_exudyn.simulate.run import simulate
 
 LEAST_OK = 8  # samples with a number, for quantiles
 FEWEST, MOST = LEAST_OK, 100_000  # samples that may be asked for
-LEFT_OUT = ("energy_residual",)  # figures that are no property of the gear
+LEFT_OUT = ("energy_residual",)  # metrics that are no property of the gear
 OnProgress = Callable[[int, int], None]
 """Called with the number of samples that are done, and of all."""
 
@@ -59,8 +60,8 @@ class Drawn:
     """Numbers of samples, in the order of the points; nan where a sample failed."""
 
     samples: Samples
-    numbers: Mapping[str, np.ndarray]  # figure -> shape (n,)
-    bars: Mapping[str, np.ndarray]  # figure that has error bars -> half widths (n,), nan: unknown
+    numbers: Mapping[str, np.ndarray]  # metric -> shape (n,)
+    bars: Mapping[str, np.ndarray]  # metric that has error bars -> half widths (n,), nan: unknown
     failures: Mapping[str, int]  # cause, of its first sample -> number of samples
 
     @cached_property
@@ -70,7 +71,7 @@ class Drawn:
 
     @cached_property
     def numerical(self) -> dict[str, NumericalError]:
-        """Numerical errors of the figures that have bars."""
+        """Numerical errors of the metrics that have bars."""
         found = {}
         for name, bars in self.bars.items():
             known = np.isfinite(self.numbers[name])
@@ -79,15 +80,16 @@ class Drawn:
         return found
 
 
+@with_former_names(figures="metrics")
 @dataclass(frozen=True, eq=False)
 class Band:
-    """A nominal result and its uncertainty; all values are SI."""
+    """A nominal result and its uncertainty; all values are SI. The former name of `metrics` is `figures`."""
 
     nominal: Result
     inputs: Mapping[str, Distribution]
     method: str  # in words
     drawn: Drawn
-    figures: Mapping[str, Quantiles]
+    metrics: Mapping[str, Quantiles]
     contributions: Mapping[str, Contributions]
     curves: Curves | None
     interrupted: bool = False
@@ -122,7 +124,7 @@ class Band:
                     "standard_errors": each.errors.tolist(),
                     **self._numerical(name),
                 }
-                for name, each in self.figures.items()
+                for name, each in self.metrics.items()
             },
             "contributions": {
                 name: {**each.fractions, "together": each.together}
@@ -181,7 +183,7 @@ def nominal_result(
     Raises:
         InputError: that run fails.
     """
-    gear = with_law(gear, fidelity, SERIES, inputs)
+    gear = resolve_contact_law(gear, fidelity, LAW_OF_SERIES, inputs)
     medians = gear.replace({path: each.nominal for path, each in inputs.items()})
     result = simulate(scene, medians, fidelity)
     if result.status is not Status.OK:
@@ -193,21 +195,21 @@ def nominal_result(
 
 @dataclass(frozen=True, eq=False)
 class Runs:
-    """What became of the points: figures, and the signal's curves of those that ended ok."""
+    """What became of the points: metrics, and the signal's curves of those that ended ok."""
 
     drawn: Drawn
     curves: np.ndarray | None  # (ok samples, n) over the nominal instants; None where they do not compare
     interrupted: bool
 
     def band(self, nominal: Result, inputs: Mapping[str, Distribution]) -> Band:
-        """The band of the figures and curves."""
+        """The band of the metrics and curves."""
         drawn, curves = self.drawn, None
         if self.curves is not None and len(self.curves) >= LEAST_OK:
             signal = scene_named(nominal.scene).signal
             curves = Curves(signal, np.quantile(self.curves, LEVELS, axis=0))
         method = f"{len(drawn.samples)} runs at points of a Latin hypercube"
-        figures, contributions = figure_quantiles(drawn), contributions_of(drawn)
-        return Band(nominal, inputs, method, drawn, figures, contributions, curves, self.interrupted)
+        metrics, contributions = metric_quantiles(drawn), contributions_of(drawn)
+        return Band(nominal, inputs, method, drawn, metrics, contributions, curves, self.interrupted)
 
 
 def runs_of(
@@ -258,7 +260,7 @@ class _Seen:
 
     nominal: Result
     fidelity: Fidelity
-    names: list[str]  # of the figures
+    names: list[str]  # of the metrics
     rows: dict[int, list[float]] = field(default_factory=dict)
     bars: dict[int, Mapping[str, float]] = field(default_factory=dict)
     curves: dict[int, np.ndarray] | None = field(default_factory=dict)
@@ -312,8 +314,8 @@ class _Seen:
             self.curves = None
 
 
-def figure_quantiles(drawn: Drawn) -> dict[str, Quantiles]:
-    """Return the quantiles of every figure that enough samples have."""
+def metric_quantiles(drawn: Drawn) -> dict[str, Quantiles]:
+    """Return the quantiles of every metric that enough samples have."""
     found = {}
     for name, numbers in drawn.numbers.items():
         known = numbers[np.isfinite(numbers)]
@@ -323,9 +325,9 @@ def figure_quantiles(drawn: Drawn) -> dict[str, Quantiles]:
 
 
 def contributions_of(drawn: Drawn) -> dict[str, Contributions]:
-    """Return the contributions to every figure for which there are enough samples."""
+    """Return the contributions to every metric for which there are enough samples."""
     found, groups = {}, drawn.samples.inputs.groups
-    fitted: dict[bytes, Polynomials] = {}  # most figures are known of the same samples
+    fitted: dict[bytes, Polynomials] = {}  # most metrics are known of the same samples
     for name, numbers in drawn.numbers.items():
         known = np.isfinite(numbers)
         if not known.any():

@@ -2,7 +2,7 @@
 
 The formula is right to a few percent, and what it misses hardly depends on the inputs: the ratio of run to
 formula, fitted over the runs by a plane in the inputs' quantiles, takes the formula's quantiles to those of
-runs, with the scatter about the plane drawn anew at each point. All other figures have the runs alone.
+runs, with the scatter about the plane drawn anew at each point. All other metrics have the runs alone.
 """
 
 from collections.abc import Mapping
@@ -28,7 +28,7 @@ from rps_exudyn.solvers.closed_form import mean_state, torque_per_preload
 from rps_exudyn.solvers.temperature_and_wear import tested_gear
 from rps_exudyn.solvers.yoke_stop import stop_stiffness
 
-SCENE, FIGURE = FREE_PINION_TORQUE.name, "torque_mean"
+SCENE, METRIC = FREE_PINION_TORQUE.name, "torque_mean"
 POINTS, RUNS = 1024, 64
 ERRORS = (
     *("installation.angle_error", "installation.axis_offset", "pinion.runout", "pinion.runout_angle"),
@@ -81,16 +81,16 @@ def quick_band(
     done = runs_of(drawn, nominal, fidelity, on_progress, jobs, time_limit)
     points = Samples.drawn(inputs, POINTS, seed + 1)
     formula = formula_torques(gear, points)
-    at_runs = done.drawn.numbers[FIGURE] / formula_torques(gear, done.drawn.samples)
+    at_runs = done.drawn.numbers[METRIC] / formula_torques(gear, done.drawn.samples)
     means, resampled = _corrected(done.drawn.samples.quantile, at_runs, points.quantile, formula)
     band, of_mean = done.band(nominal, inputs), quantiles(means, resampled=resampled)
     mean = Polynomials.at(points.quantile, points.inputs.groups).contributions(means)
     return replace(
         band,
         method=f"closed form at {POINTS} points, corrected by {len(done.drawn.samples)} runs",
-        figures={**band.figures, FIGURE: _widened(of_mean, done.drawn.failed, runs)},
-        contributions={**band.contributions, **({FIGURE: mean} if mean is not None else {})},
-        curves=_curves(means, done.curves, done.drawn.numbers[FIGURE]),
+        metrics={**band.metrics, METRIC: _widened(of_mean, done.drawn.failed, runs)},
+        contributions={**band.contributions, **({METRIC: mean} if mean is not None else {})},
+        curves=_curves(means, done.curves, done.drawn.numbers[METRIC]),
     )
 
 

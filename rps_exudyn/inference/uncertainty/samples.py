@@ -14,7 +14,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.batch import Batch, batch
 from rps_exudyn.simulate.cases.run_cases import run_cases
 from rps_exudyn.simulate.cases.task import Task
-from rps_exudyn.simulate.together import fewest, unsupported_reason
+from rps_exudyn.simulate.gear_table import fewest, unsupported_reason
 
 TOGETHER = 256  # gears that are computed together at once
 

@@ -118,7 +118,7 @@ class Contributions:
 
 @dataclass(frozen=True, eq=False)
 class Polynomials:
-    """Polynomials of single inputs at some points, to which any number of figures is fitted."""
+    """Polynomials of single inputs at some points, to which any number of metrics is fitted."""
 
     groups: Mapping[str, Sequence[int]]  # name -> numbers of its inputs
     degree: int  # 0 where there are too few points

@@ -41,9 +41,9 @@ BANDS = ((0, -1, 0.18), (1, -2, 0.32))  # outer and inner quantiles, opacity
 
 
 def band_figure(band: Band) -> Figure:
-    """The picture: curves above, contributions to the scene's figure below."""
+    """The picture: curves above, contributions to the main metric below."""
     figure = band_curves(band)
-    shares = band.contributions.get(scene_named(band.nominal.scene).figure)
+    shares = band.contributions.get(scene_named(band.nominal.scene).main_metric)
     if shares is not None:
         _draw_contributions(figure, shares)
     failed, drawn = band.drawn.failed, len(band.drawn.samples)
@@ -72,9 +72,9 @@ def band_curves(band: Band) -> Figure:
 
 
 def _headline(band: Band) -> str:
-    name = scene_named(band.nominal.scene).figure
+    name = scene_named(band.nominal.scene).main_metric
     parts = [scene_of(band.nominal), band.method]
-    if (found := band.figures.get(name)) is not None:
+    if (found := band.metrics.get(name)) is not None:
         shown = rounded_range(SUMMARY[name], found.low, found.high)
         parts.append(f"{name.replace('_', ' ')} {shown} (90 %)")
     return " · ".join(parts)

@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 
 from rps_exudyn.base.units import words
 from rps_exudyn.pages.charts import style
-from rps_exudyn.parameters.names import named
+from rps_exudyn.parameters.display_names import named
 from rps_exudyn.results.quantities import LABELS, Quantity
 from rps_exudyn.study.definition import Axis, axis_quantity
 from rps_exudyn.study.effects import MainEffect

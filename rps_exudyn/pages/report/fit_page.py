@@ -13,7 +13,7 @@ from rps_exudyn.inference.fitting.unknowns import LEVEL
 from rps_exudyn.pages.report.html import parameter_grid, part_of, provenance_facts
 from rps_exudyn.pages.report.judged import judgement
 from rps_exudyn.pages.report.result_sheet import listed
-from rps_exudyn.parameters.names import named
+from rps_exudyn.parameters.display_names import named
 from rps_exudyn.results.judged_row import Verdict
 from rps_exudyn.results.page_blocks import CodeText, Fold, Judged, Judgement, Mark, Pictures, Warning
 from rps_exudyn.results.provenance import provenance

@@ -7,8 +7,8 @@ from typing import Any
 
 from rps_exudyn.base.files import replacing
 from rps_exudyn.base.units import words
+from rps_exudyn.parameters.display_names import GEAR_FACTS
 from rps_exudyn.parameters.gear import Setup
-from rps_exudyn.parameters.names import GEAR_FACTS
 from rps_exudyn.results.page_blocks import CodeText, Facts, Fold
 from rps_exudyn.results.sheet import Grid, Sheet
 

@@ -30,8 +30,8 @@ from rps_exudyn.pages.report.html import (
 )
 from rps_exudyn.pages.report.pictures import at_widths, picture
 from rps_exudyn.pages.report.result_sheet import REMARK, WORK_LOST, loss_shares, sheet_of, summary_grid
+from rps_exudyn.parameters.display_names import GEAR_FACTS, named
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.parameters.names import GEAR_FACTS, named
 from rps_exudyn.results.law_error import error_of_law
 from rps_exudyn.results.outcome import Status, sentences
 from rps_exudyn.results.page_blocks import CodeText, Columns, Facts, Fold, Pictures, Share, Shares, Warning
@@ -197,7 +197,7 @@ def _details(result: Result, compared: Compared, path: Path) -> Iterable[Block]:
 
 
 def _scatter(band: Band) -> Iterable[Section]:
-    name = scene_named(band.nominal.scene).figure
+    name = scene_named(band.nominal.scene).main_metric
     errors, found = band.drawn.numerical, list[Block]()
     if (shares := band.contributions.get(name)) is not None:
         parts = {**dict(list(shares.fractions.items())[:MOST_SHARES]), "acting together": shares.together}
@@ -213,7 +213,7 @@ def _scatter(band: Band) -> Iterable[Section]:
             *(SUMMARY[name].show(float(value)) for value in (each.low, each.median, each.high)),
             SUMMARY[name].show(errors[name].of_sample) if name in errors else "",
         ]
-        for name, each in band.figures.items()
+        for name, each in band.metrics.items()
     ]
     grid = Grid(("quantity", "5 %", "median", "95 %", "numerical error"), rows)
     yield Section(

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from rps_exudyn.base.units import words
 from rps_exudyn.parameters.derived import derived_values
+from rps_exudyn.parameters.display_names import named
 from rps_exudyn.parameters.gear import BY_SCENE, SteeringGear
-from rps_exudyn.parameters.names import named
 from rps_exudyn.results.law_error import error_of_law, law_error
 from rps_exudyn.results.outcome import Status, sentences
 from rps_exudyn.results.quantities import COUNTERS, LABELS, PARTS, SIGNALS, SUMMARY
@@ -103,7 +103,7 @@ def changes_shown(gear: SteeringGear, but_for: Container[str] = ()) -> str:
 def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
     """The scene's own number and others that have a label, with their error bars; the error of the contact
     law beside them."""
-    summary, first = result.summary, scene_named(result.scene).figure if is_scene(result.scene) else ""
+    summary, first = result.summary, scene_named(result.scene).main_metric if is_scene(result.scene) else ""
     others = [name for name in LABELS if name not in (first, *REPEATED)]
     names = [name for name in (first, *others) if name in summary]
     names = names[:1] + [name for name in names[1:] if rounded(SUMMARY[name], summary[name])[:2] != "0 "]
@@ -117,8 +117,8 @@ def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
         about = LABELS.get(name, quantity.long_name)
         if law is not None and (wide := law_bar(result, name)):
             about += f"; contact law {law.law} {half_width(quantity, wide, like)}"
-        if band is not None and name in band.figures:
-            found = band.figures[name]
+        if band is not None and name in band.metrics:
+            found = band.metrics[name]
             about += f"; {rounded_range(quantity, found.low, found.high, like)} in 90 % of gears"
         yield Row(rounded_metric(result, name, like), about, is_vague(value, result.errors.get(name)))
 
@@ -144,7 +144,7 @@ def _band(band: "Band | None") -> Iterable[Row]:
     if band is None:
         return
     count, failed = len(band.drawn.samples), band.drawn.failed
-    name = scene_named(band.nominal.scene).figure
+    name = scene_named(band.nominal.scene).main_metric
     if (shares := band.contributions.get(name)) is not None:
         largest = [f"{named(path)} {100 * share:.0f} %" for path, share in list(shares.fractions.items())[:2]]
         yield Row("scatter", f"of the {LABELS.get(name, name)}: {', '.join(largest)}")

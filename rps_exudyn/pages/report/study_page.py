@@ -22,8 +22,8 @@ from rps_exudyn.pages.report.effects_charts import label_of
 from rps_exudyn.pages.report.html import fidelity_facts, gear_facts, parameter_grid, part_of, provenance_facts
 from rps_exudyn.pages.report.pictures import at_widths, picture
 from rps_exudyn.pages.report.study_rows import count, ranked, study_rows
+from rps_exudyn.parameters.display_names import GEAR_FACTS, named
 from rps_exudyn.parameters.gear import CORRELATION, SteeringGear
-from rps_exudyn.parameters.names import GEAR_FACTS, named
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.page_blocks import CodeText, Facts, Fold, Picture, Pictures, Share, Shares, Warning
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY

@@ -6,7 +6,7 @@ import numpy as np
 
 from rps_exudyn.base.units import words
 from rps_exudyn.pages.report.result_sheet import listed
-from rps_exudyn.parameters.names import named
+from rps_exudyn.parameters.display_names import named
 from rps_exudyn.results.quantities import LABELS, SUMMARY
 from rps_exudyn.results.rounding import rounded_range
 from rps_exudyn.results.sheet import Row

@@ -1,7 +1,7 @@
 """The outcome of a finished run: what its physics must satisfy before it may be called ok.
 
-Wrong runs end with success flags and plausible torques, so that every run is compared with what must be true
-of it: teeth in mesh, contact within the range in which its law holds. What discretisation misses, and what is
+Wrong runs end with success flags and plausible torques. So every run is compared with what must be true of
+it: teeth in mesh, contact within the range in which its law holds. What discretisation misses, and what is
 left of the start, is in the error bars of its metrics.
 """
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
-from rps_exudyn.scenes.checks.rules import IN_RECORD, OF_GENERAL_CONTACT, Seen, breaches
+from rps_exudyn.scenes.checks.rules import IN_RECORD, OF_GENERAL_CONTACT, RuleInput, breaches
 from rps_exudyn.solvers.equilibrium import Start
 from rps_exudyn.solvers.record import Record
 
@@ -24,9 +24,9 @@ def validated(
     Of equilibria that end before the motion does, those which show why: a rack that left its place, teeth
     that carry nothing or more than their law holds for.
     """
-    seen = Seen(gear, signals=signals, record=record, valid_to=record.forces.valid_to)
+    given = RuleInput(gear, signals=signals, record=record, valid_to=record.forces.valid_to)
     rules = IN_RECORD + (OF_GENERAL_CONTACT if outcome.status is Status.OK else ())
-    for breach in breaches(rules, seen):
+    for breach in breaches(rules, given):
         rule = breach.rule
         return replace(outcome, status=rule.status, codes=(rule.code,), message=breach.sentence)
     share = unsettled_share(record.start, signals)

@@ -2,8 +2,8 @@
 
 Runout, errors and the teeth's compliance accelerate the rack all the time. Along its travel the drive
 overcomes its inertia; beside it, inertia presses on the yoke and moves the rack itself. Both grow with the
-square of the speed: with a runout of 20 um the first order of the default gear's torque is 0.4 % off at
-120 rpm and 10 % at 600.
+square of the speed. With a runout of 20 um the first order of the default gear's torque is 0.4 % off at
+120 rpm, and 10 % at 600.
 """
 
 from dataclasses import dataclass
@@ -119,12 +119,11 @@ def beside_travel(signals: Signals, masses: MovedMasses) -> tuple[Any, Any]:
 
 
 def ringing(signals: Signals, masses: MovedMasses) -> Any:
-    """Return by how much the teeth's depth changes [m] where what follows the drive, and the rack across it,
-    ring on the teeth's stiffness after their rate changed between two instants; a number, or of many gears
-    (n,).
+    """Return by how much the teeth's depth changes where masses ring on the teeth's stiffness [m], (n,) of
+    many gears.
 
-    A mass whose rate jumps by dv swings by dv / omega; one that is accelerated for longer, slowly, by
-    a / omega^2.
+    The masses are what follows the drive, and the rack across it. Their rate changes between two instants: a
+    jump dv makes a swing of dv / omega, a longer, slow acceleration a makes one of a / omega^2.
     """
     depth, normal = (
         np.mean(signals[name], axis=-1, keepdims=True) for name in ("mesh_penetration", "mesh_normal_force")

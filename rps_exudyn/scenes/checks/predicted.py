@@ -1,4 +1,4 @@
-"""Quantities of a plan that are known before it is run: what limits of its method are measured by."""
+"""Quantities of a plan that are computed before it is run: the limits of its method concern them."""
 
 import numpy as np
 
@@ -13,8 +13,8 @@ SPACING = 2.5  # of spheres along the profile, over the width of the strip that 
 def work_in_zone(gear: SteeringGear, ratio: float) -> float:
     """Return the share of the friction's work in a sinusoidal swing that a zone takes away.
 
-    Friction is mu N v / zone below it. Of a part whose zone is r times its largest speed of sliding v,
-    integrals of v^2 / r instead of v lose 1 - sqrt(1 - r^2) / 2 - arcsin(r) / (2 r), about r^2 / 6. Bristles
+    Friction is mu N v / zone below it. The zone of a part is r times its largest speed of sliding v. The
+    integral of v^2 / r instead of v loses 1 - sqrt(1 - r^2) / 2 - arcsin(r) / (2 r), about r^2 / 6. Bristles
     have no zone; Stribeck's friction is larger there than in motion.
     """
     pair, losses = GearPair.of(gear), closed_form(gear).forward

@@ -1,6 +1,6 @@
 """The rules: limits of physics and of methods, before a run, in its record, and in what it prints.
 
-    for breach in breaches(IN_RECORD, Seen(gear, signals=signals)):
+    for breach in breaches(IN_RECORD, RuleInput(gear, signals=signals)):
         breach.rule.code, breach.rule.status     of the run; a status of ok makes the sentence a remark
         breach.sentence                          which quantity, its value, the limit, where, why
         breach.repair                            the choices of the fidelity that meet the limit
@@ -43,7 +43,7 @@ NARROW_ZONE = 0.1  # which takes 0.8 % of the work of any friction law
 LOST_IN_ZONE = 0.013  # of the friction's work in a swing, predicted; runs lose about as much
 LEAST_TOUCHING = 15  # spheres of general contact, on an edge twice as many: fewer miss 8 % of the torque
 OUT_OF_PLACE = 0.06  # of the path of contact: spheres end where the rack's tips are under the preload
-AT_NUT = 0.08  # of the force on the seat that the nut carries; means by spheres are up to 2 % off then
+AT_YOKENUT = 0.08  # of the force on the seat that the nut carries; means by spheres are up to 2 % off then
 AGREEMENT = 1e-6  # of Exudyn's contact forces with the compiled samples; 1e-9 is usual
 MOST_OF_WORK = 0.05  # that may be missing in the balance: more is no error, but another motion
 MOST_OF_TERMS = 0.2  # of the scene's main metric that inertia may change: more is another motion, too
@@ -52,7 +52,7 @@ MOST_POWER = 20.0  # of e, that a sentence states
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class RuleInput:
     """What rules measure: a plan, and of a run its record; of many gears signals are (n, t), numbers (n,).
 
     Attributes:
@@ -107,25 +107,25 @@ class Rule:
     """
 
     code: Code
-    measured: Callable[[Seen], Any]
+    measured: Callable[[RuleInput], Any]
     sentence: Callable[["Breach"], str]
-    limit: Callable[[Seen], Any] = lambda seen: 0.0
-    applies: Callable[[Seen], bool] = lambda seen: True
+    limit: Callable[[RuleInput], Any] = lambda given: 0.0
+    applies: Callable[[RuleInput], bool] = lambda given: True
     repair: Callable[["Breach"], dict[str, Any]] = lambda breach: {}
     status: Status = Status.INVALID
 
-    def breach(self, seen: Seen) -> "Breach | None":
+    def breach(self, given: RuleInput) -> "Breach | None":
         """Return what breaks the rule."""
-        if not self.applies(seen):
+        if not self.applies(given):
             return None
-        found = Breach(self, seen, np.asarray(self.measured(seen)), self.limit(seen))
+        found = Breach(self, given, np.asarray(self.measured(given)), self.limit(given))
         return found if found.beyond.any() else None
 
-    def within(self, seen: Seen, share: float = 1.0) -> Any:
+    def within(self, given: RuleInput, share: float = 1.0) -> Any:
         """Return which gears stay below a share of the limit, (n,)."""
-        if not self.applies(seen):
+        if not self.applies(given):
             return np.True_
-        below = np.asarray(self.measured(seen) <= share * self.limit(seen))
+        below = np.asarray(self.measured(given) <= share * self.limit(given))
         return below.all(axis=-1) if below.ndim > 1 else below
 
 
@@ -134,7 +134,7 @@ class Breach:
     """A rule that is broken: the measured values and their limit."""
 
     rule: Rule
-    seen: Seen
+    given: RuleInput
     measured: np.ndarray
     limit: Any
 
@@ -151,7 +151,7 @@ class Breach:
     @property
     def where(self) -> str:
         """The pinion's angle at the first instant beyond the limit, as text."""
-        return first_angle(self.seen.signals, self.beyond)
+        return first_angle(self.given.signals, self.beyond)
 
     @property
     def sentence(self) -> str:
@@ -164,15 +164,15 @@ class Breach:
         return self.rule.repair(self)
 
 
-def breaches(rules: Iterable[Rule], seen: Seen) -> Iterator[Breach]:
+def breaches(rules: Iterable[Rule], given: RuleInput) -> Iterator[Breach]:
     """Yield what breaks each of the rules."""
-    return (breach for rule in rules if (breach := rule.breach(seen)))
+    return (breach for rule in rules if (breach := rule.breach(given)))
 
 
 def breaches_of_plan(gear: SteeringGear, fidelity: Fidelity, *, motion: Motion) -> Iterator[Breach]:
     """Yield the limits that a plan does not meet; formulas have none."""
     rules = OF_PLAN if fidelity.solver != "closed-form" else ()
-    return breaches(rules, Seen(gear, fidelity, motion))
+    return breaches(rules, RuleInput(gear, fidelity, motion))
 
 
 def refused(gear: SteeringGear, fidelity: Fidelity, *, motion: Motion) -> list[str]:
@@ -182,7 +182,7 @@ def refused(gear: SteeringGear, fidelity: Fidelity, *, motion: Motion) -> list[s
 
 def remarks(gear: SteeringGear, signals: Signals) -> Iterator[Remark]:
     """Yield remarks on the record of a run that is all right: which limits of the gear it met."""
-    for breach in breaches(REMARKS, Seen(gear, signals=signals)) if signals else ():
+    for breach in breaches(REMARKS, RuleInput(gear, signals=signals)) if signals else ():
         yield Remark(breach.rule.code, breach.sentence)
 
 
@@ -205,10 +205,10 @@ _plan = partial(Rule, Code.REFUSED)
 
 def _at_least(choice: str, least: Callable[[SteeringGear], int], mesh: str) -> Rule:
     return _plan(
-        lambda seen: -getattr(seen.model, choice),
+        lambda given: -getattr(given.model, choice),
         _asks(f"fidelity.{choice}", "the integral over the contact", "{:.0f}"),
-        lambda seen: -least(seen.gear),
-        lambda seen: seen.model.mesh == mesh,
+        lambda given: -least(given.gear),
+        lambda given: given.model.mesh == mesh,
         lambda breach: {choice: int(-breach.limit)},
     )
 
@@ -218,64 +218,64 @@ def _pitch(gear: SteeringGear) -> float:
 
 
 def _coarse(breach: Breach) -> str:
-    pitch = f"{np.degrees(_pitch(breach.seen.gear)):.4g} deg"
+    pitch = f"{np.degrees(_pitch(breach.given.gear)):.4g} deg"
     why = f"a tooth pitch of {pitch}, which needs {STEPS_PER_PITCH} steps,"
     return _asks("fidelity.step_angle", why, "{:.4g} deg", 180 / np.pi)(breach)
 
 
-def _is_chain(seen: Seen) -> bool:
-    return seen.model.bush == "chain" and seen.motion != "at rest"
+def _is_chain(given: RuleInput) -> bool:
+    return given.model.bush == "chain" and given.motion != "at rest"
 
 
-def _is_straight_only(seen: Seen) -> bool:
-    return seen.model.mesh == "general-contact" or _is_chain(seen)
+def _is_straight_only(given: RuleInput) -> bool:
+    return given.model.mesh == "general-contact" or _is_chain(given)
 
 
 def _bowed(breach: Breach) -> str:
-    model = breach.seen.model
+    model = breach.given.model
     contact = model.mesh == "general-contact"
     part = "fidelity.mesh = general-contact" if contact else f"fidelity.bush = {model.bush}"
     return _asks("rack.bow", f"{part}, which holds for straight bars only,", "{:.4g} um", 1e6)(breach)
 
 
 def _straightened(breach: Breach) -> dict[str, Any]:
-    bush = {"bush": "condensed"} if _is_chain(breach.seen) else {}
-    return bush | ({"mesh": "flank"} if breach.seen.model.mesh == "general-contact" else {})
+    bush = {"bush": "condensed"} if _is_chain(breach.given) else {}
+    return bush | ({"mesh": "flank"} if breach.given.model.mesh == "general-contact" else {})
 
 
 OF_PLAN = (
     _plan(
-        lambda seen: seen.model.step_angle,
+        lambda given: given.model.step_angle,
         _coarse,
-        lambda seen: _pitch(seen.gear) / STEPS_PER_PITCH * (1 + 1e-9),
-        lambda seen: seen.motion == "steady",
-        lambda breach: {"step_angle": float(_pitch(breach.seen.gear) / REPAIRED_STEPS_PER_PITCH)},
+        lambda given: _pitch(given.gear) / STEPS_PER_PITCH * (1 + 1e-9),
+        lambda given: given.motion == "steady",
+        lambda breach: {"step_angle": float(_pitch(breach.given.gear) / REPAIRED_STEPS_PER_PITCH)},
     ),
     _plan(
-        lambda seen: seen.model.zone_ratio,
+        lambda given: given.model.zone_ratio,
         _asks(
             "fidelity.zone_ratio",
             "a motion that stops, where friction is too small within the zone,",
             "{:.3g}",
         ),
-        lambda seen: widest_zone(seen.gear, seen.model.zone_ratio, LOST_IN_ZONE),
-        lambda seen: (
-            seen.motion == "stopping"
-            and seen.model.zone_ratio > NARROW_ZONE
-            and work_in_zone(seen.gear, seen.model.zone_ratio) > LOST_IN_ZONE
+        lambda given: widest_zone(given.gear, given.model.zone_ratio, LOST_IN_ZONE),
+        lambda given: (
+            given.motion == "stopping"
+            and given.model.zone_ratio > NARROW_ZONE
+            and work_in_zone(given.gear, given.model.zone_ratio) > LOST_IN_ZONE
         ),
         lambda breach: {"zone_ratio": 0.99 * breach.limit},
     ),
-    _plan(lambda seen: abs(seen.gear.rack.bow), _bowed, applies=_is_straight_only, repair=_straightened),
+    _plan(lambda given: abs(given.gear.rack.bow), _bowed, applies=_is_straight_only, repair=_straightened),
     _plan(
-        lambda seen: float(np.abs(rack_errors(seen.gear)).max()),
+        lambda given: float(np.abs(rack_errors(given.gear)).max()),
         _asks(
             "the largest of rack.pitch_errors",
             "fidelity.mesh = general-contact, whose racks have teeth without errors,",
             "{:.4g} um",
             1e6,
         ),
-        applies=lambda seen: seen.model.mesh == "general-contact" and bool(seen.gear.rack.pitch_errors),
+        applies=lambda given: given.model.mesh == "general-contact" and bool(given.gear.rack.pitch_errors),
         repair=lambda breach: {"mesh": "flank"},
     ),
     _plan(
@@ -296,15 +296,15 @@ OF_PLAN = (
     ),
     _at_least("axial_samples", lambda gear: LEAST_ROWS, "general-contact"),
     _plan(
-        lambda seen: DEEPEST * mean_depth(seen.gear),
+        lambda given: DEEPEST * mean_depth(given.gear),
         _asks(
             "the deepest contact predicted from yoke.preload and the teeth's stiffness",
             "general contact, through whose flanks a sphere passes that is deeper than its radius,",
             "{:.0f} um",
             1e6,
         ),
-        lambda seen: sphere_radius(GearPair.of(seen.gear)),
-        lambda seen: seen.model.mesh == "general-contact",
+        lambda given: sphere_radius(GearPair.of(given.gear)),
+        lambda given: given.model.mesh == "general-contact",
         lambda breach: {"mesh": "flank"},
     ),
 )
@@ -314,13 +314,13 @@ OF_PLAN = (
 # --- Records ---------------------------------------------------------------------------------------
 
 
-def _lift(seen: Seen) -> Any:
-    place = seen.gear.installation.axis_offset if seen.axis_offset is None else seen.axis_offset
-    return np.abs(seen.signals["rack_y"] - place)
+def _lift(given: RuleInput) -> Any:
+    place = given.gear.installation.axis_offset if given.axis_offset is None else given.axis_offset
+    return np.abs(given.signals["rack_y"] - place)
 
 
 def _beyond_law(breach: Breach) -> str:
-    signals, valid_to = breach.seen.signals, breach.seen.valid_to
+    signals, valid_to = breach.given.signals, breach.given.valid_to
     name = max(valid_to, key=lambda each: float(signals[each].max()) / valid_to[each])
     quantity, bound = SIGNALS[name], valid_to[name]
     return (
@@ -332,9 +332,9 @@ def _beyond_law(breach: Breach) -> str:
 IN_RECORD = (
     Rule(
         Code.NOT_FINITE,
-        lambda seen: sum(~np.isfinite(values) for values in seen.signals.values()),
+        lambda given: sum(~np.isfinite(values) for values in given.signals.values()),
         lambda breach: (
-            next(name for name, each in breach.seen.signals.items() if not np.isfinite(each).all())
+            next(name for name, each in breach.given.signals.items() if not np.isfinite(each).all())
             + " is not finite"
         ),
         status=Status.DIVERGED,
@@ -346,55 +346,55 @@ IN_RECORD = (
             f"the rack is {1e6 * breach.value:.4g} um out of its place, first above "
             f"{1e6 * breach.limit:.4g} um at {breach.where}"
         ),
-        lambda seen: largest_lift(seen.gear),
+        lambda given: largest_lift(given.gear),
         status=Status.CONTACT_LOST,
     ),
     Rule(
         Code.TEETH_UNLOADED,
-        lambda seen: seen.signals["mesh_normal_force"] <= 0,
+        lambda given: given.signals["mesh_normal_force"] <= 0,
         lambda breach: f"the teeth carry no load, first at {breach.where}",
-        applies=lambda seen: "mesh_normal_force" in seen.signals and not seen.is_shaken,
+        applies=lambda given: "mesh_normal_force" in given.signals and not given.is_shaken,
         status=Status.CONTACT_LOST,
     ),
     Rule(
         Code.BEYOND_LAW,
-        lambda seen: np.max([seen.signals[name] / to for name, to in seen.valid_to.items()], axis=0),
+        lambda given: np.max([given.signals[name] / to for name, to in given.valid_to.items()], axis=0),
         _beyond_law,
-        lambda seen: 1.0,
-        lambda seen: bool(seen.valid_to),
+        lambda given: 1.0,
+        lambda given: bool(given.valid_to),
     ),
 )
 """Limits of physics, in any record: why it may have ended early, too."""
 
 
-def _touching(seen: Seen) -> float:
+def _touching(given: RuleInput) -> float:
     """Spheres that touch, half of those on an edge: shafts askew, or the yoke at its nut."""
-    record = seen.record
+    record = given.record
     assert record is not None
     mesh = next(part for part in record.forces.parts if part.name == "mesh")
     column = mesh.size + ENERGY_TERMS + mesh.outputs.index("mesh_touching")
-    stopped = (seen.signals.get("yokenut_force", np.zeros(1)) > 0).any()
-    on_an_edge = bool(seen.gear.installation.angle_error) or bool(stopped)
+    stopped = (given.signals.get("yokenut_force", np.zeros(1)) > 0).any()
+    on_an_edge = bool(given.gear.installation.angle_error) or bool(stopped)
     return float(np.median(record.outputs(mesh)[:, column])) / (2 if on_an_edge else 1)
 
 
-def _displaced(seen: Seen) -> float:
+def _displaced(given: RuleInput) -> float:
     """How far the rack stands from where its teeth are pressed in by the mean depth, over the path of
     contact."""
-    pair = GearPair.of(seen.gear)
-    axis = pair.axis_offset + pair.runout * np.cos(seen.signals["pinion_angle"] + pair.runout_angle)
-    raised = float(np.mean(seen.signals["rack_y"] - axis)) + rack_approach(pair, mean_depth(seen.gear))
+    pair = GearPair.of(given.gear)
+    axis = pair.axis_offset + pair.runout * np.cos(given.signals["pinion_angle"] + pair.runout_angle)
+    raised = float(np.mean(given.signals["rack_y"] - axis)) + rack_approach(pair, mean_depth(given.gear))
     return abs(raised) / float((pair.active_path[1] - pair.active_path[0]) * np.sin(pair.alpha_t))
 
 
-def _on_nut(seen: Seen) -> float:
-    carried = float(seen.signals["yokenut_force"].mean())
-    return carried / float(seen.signals["seat_force"].mean()) if carried > 0 else 0.0
+def _on_yokenut(given: RuleInput) -> float:
+    carried = float(given.signals["yokenut_force"].mean())
+    return carried / float(given.signals["seat_force"].mean()) if carried > 0 else 0.0
 
 
-def _disagreement(seen: Seen) -> float:
-    assert seen.record is not None
-    return contact_disagreement(seen.record)
+def _disagreement(given: RuleInput) -> float:
+    assert given.record is not None
+    return contact_disagreement(given.record)
 
 
 OF_GENERAL_CONTACT = (
@@ -404,17 +404,17 @@ OF_GENERAL_CONTACT = (
         lambda breach: (
             f"two evaluations of the contact forces differ by {breach.value:.2g} (limit {AGREEMENT:.0g})"
         ),
-        lambda seen: AGREEMENT,
+        lambda given: AGREEMENT,
     ),
     Rule(
         Code.FEW_SPHERES,
-        lambda seen: -_touching(seen),
+        lambda given: -_touching(given),
         lambda breach: (
             f"{-breach.value:g} spheres touch, of which half count on an edge; {LEAST_TOUCHING} are needed: "
             "raise fidelity.profile_samples or axial_samples"
         ),
-        lambda seen: -LEAST_TOUCHING,
-        lambda seen: seen.has_spheres,
+        lambda given: -LEAST_TOUCHING,
+        lambda given: given.has_spheres,
     ),
     Rule(
         Code.SPHERES_OUT_OF_PLACE,
@@ -423,18 +423,18 @@ OF_GENERAL_CONTACT = (
             f"the rack is displaced from its preloaded position by {breach.value:.1%} of the path of contact "
             f"(limit of general contact {OUT_OF_PLACE:.0%}): choose fidelity.mesh = flank"
         ),
-        lambda seen: OUT_OF_PLACE,
-        lambda seen: seen.has_spheres,
+        lambda given: OUT_OF_PLACE,
+        lambda given: given.has_spheres,
     ),
     Rule(
         Code.SPHERES_AT_NUT,
-        _on_nut,
+        _on_yokenut,
         lambda breach: (
             f"the yokenut carries {breach.value:.0%} of the yoke's force on average, which spheres on a grid "
-            f"show 8 % and more off (limit of general contact {AT_NUT:.0%}): choose fidelity.mesh = flank"
+            f"show 8 % and more off (limit of general contact {AT_YOKENUT:.0%}): choose fidelity.mesh = flank"
         ),
-        lambda seen: AT_NUT,
-        lambda seen: seen.has_spheres and not seen.is_shaken,
+        lambda given: AT_YOKENUT,
+        lambda given: given.has_spheres and not given.is_shaken,
     ),
 )
 """Limits of Exudyn's contact and of spheres, in a whole record."""
@@ -442,38 +442,38 @@ OF_GENERAL_CONTACT = (
 OF_BARS = (
     Rule(
         Code.WORK_MISSING,
-        lambda seen: seen.numbers["work_missing"],
+        lambda given: given.numbers["work_missing"],
         lambda breach: (
             f"the error of the work balance is {breach.value:.1%} (limit {MOST_OF_WORK:.0%}); lower "
             "fidelity.step_angle"
         ),
-        lambda seen: MOST_OF_WORK,
+        lambda given: MOST_OF_WORK,
     ),
     Rule(
         Code.TURN_TOO_FAST,
-        lambda seen: seen.numbers["moved_by_inertia"],
+        lambda given: given.numbers["moved_by_inertia"],
         lambda breach: (
             f"the motion is too fast for equilibria: inertia may change the scene's main metric by "
             f"{breach.value:.0%} (limit {MOST_OF_TERMS:.0%}); choose generalized-alpha"
         ),
-        lambda seen: MOST_OF_TERMS,
-        lambda seen: "moved_by_inertia" in seen.numbers,
+        lambda given: MOST_OF_TERMS,
+        lambda given: "moved_by_inertia" in given.numbers,
     ),
 )
 """Limits beyond which a run shows another motion: no level of the ladder shows the right one."""
 
 VIBRATES = Rule(
     Code.PEAKS_UNRESOLVED,
-    lambda seen: seen.numbers.get("vibration_grows", 0.0),
+    lambda given: given.numbers.get("vibration_grows", 0.0),
     lambda breach: (
         f"friction excites a vibration that grows {np.exp(min(breach.value, MOST_POWER)):.3g} times over a "
         "pass and that the steps damp: the errors of peak to peak values, ranges, largest and smallest "
         "values are unknown"
     ),
-    lambda seen: GROWN,
+    lambda given: GROWN,
     status=Status.OK,
 )
-"""Eigenvalues along the path: no pair of levels sees a vibration that both damp."""
+"""Eigenvalues along the path: no pair of levels shows a vibration that both damp."""
 
 
 # --- Remarks ---------------------------------------------------------------------------------------
@@ -486,12 +486,12 @@ def _lifted(side: str, other: str) -> Rule:
     name = f"mesh_normal_force_{side}"
     return _remark(
         Code.FLANK_LIFTED,
-        lambda seen: seen.signals[name] <= 0,
+        lambda given: given.signals[name] <= 0,
         lambda breach: (
             f"the {side} flanks carry no load in {breach.beyond.mean():.0%} of the record, first at "
             f"{breach.where}; all load is on the {other} flanks"
         ),
-        applies=lambda seen: name in seen.signals,
+        applies=lambda given: name in given.signals,
     )
 
 
@@ -500,24 +500,24 @@ REMARKS = (
     _lifted("coast", "drive"),
     _remark(
         Code.YOKE_STOPPED,
-        lambda seen: seen.signals["yokenut_force"],
+        lambda given: given.signals["yokenut_force"],
         lambda breach: (
-            f"yoke.clearance = {1e6 * breach.seen.gear.yoke.clearance:.4g} um is closed, first at "
+            f"yoke.clearance = {1e6 * breach.given.gear.yoke.clearance:.4g} um is closed, first at "
             f"{breach.where}; the yokenut carries up to {breach.value:.4g} N; the error of the contact law "
             "is unknown there"
         ),
-        applies=lambda seen: "yokenut_force" in seen.signals,
+        applies=lambda given: "yokenut_force" in given.signals,
     ),
     _remark(
         Code.TEETH_OVERLOADED,
-        lambda seen: seen.signals["mesh_pressure"],
+        lambda given: given.signals["mesh_pressure"],
         lambda breach: (
             f"the contact pressure is up to {1e-6 * breach.value:.4g} MPa (limit of case-hardened steel "
             f"{1e-6 * BEARABLE_PRESSURE:.4g} MPa, ISO 6336-5), first exceeded at {breach.where}; the model "
             "stays elastic"
         ),
-        lambda seen: BEARABLE_PRESSURE,
-        lambda seen: "mesh_pressure" in seen.signals,
+        lambda given: BEARABLE_PRESSURE,
+        lambda given: "mesh_pressure" in given.signals,
     ),
 )
 """Limits of the gear that a run met."""

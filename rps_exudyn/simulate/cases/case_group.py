@@ -1,7 +1,7 @@
 """Cases of one design as one task: simulated one by one, or computed together where ranges are given.
 
-Results of gears that were computed together are those of single runs within the finding "together". Which way
-a case goes, and how it ends, depends on the case and the ranges, not on the other cases of its task.
+Results of gears that were computed together are those of single runs within the finding "together". How a
+case is done, and how it ends, depends on the case and the ranges, not on other cases.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -24,8 +24,8 @@ from rps_exudyn.simulate.batch import Batch, batch
 from rps_exudyn.simulate.by_accuracy import AccuracyGoal, climb
 from rps_exudyn.simulate.cases.task import Task, answer_to
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
+from rps_exudyn.simulate.gear_table import LEVEL
 from rps_exudyn.simulate.run import simulate
-from rps_exudyn.simulate.together import LEVEL
 from rps_exudyn.solvers.settling import TOLERANCE
 
 FINDING = "many gears computed together: mean within 1e-5, other metrics mostly within 1e-3 of a single run"
@@ -76,17 +76,17 @@ class CaseGroup:
             return failed(self.scene, base.steering_gear, base.fidelity, Status.INVALID, why)
         run = partial(simulate, self.scene, setup.steering_gear, setup.fidelity)
         if self.goal is not None:
-            wanted, seconds = self.goal
-            run = partial(climb, self.scene, setup.steering_gear, wanted, TimeLimit(seconds))
+            goal, seconds = self.goal
+            run = partial(climb, self.scene, setup.steering_gear, goal, TimeLimit(seconds))
         return answer_to(Task(run)).result(self.scene, setup.steering_gear, setup.fidelity)
 
     def _batch(self) -> list[Result]:
         wall, cpu = perf_counter(), process_time()
         settings = list(self.settings.values())
         table = {path: [each[path] for each in settings] for path in settings[0]}
-        wanted = self.keep.signals
+        kept = self.keep.signals
         test = scene_named(self.scene).test
-        torque_only = test is not None and wanted is not None and set(wanted) <= {*test.curve}
+        torque_only = test is not None and kept is not None and set(kept) <= {*test.curve}
         keep: Literal["torque", "signals"] = "torque" if torque_only else "signals"
         gear, fidelity = self.base.steering_gear, self.base.fidelity
         found = batch(self.scene, gear, table, fidelity=fidelity, keep=keep, ranges=self.ranges)

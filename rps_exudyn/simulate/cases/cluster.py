@@ -1,7 +1,7 @@
 """Tasks done on a Dask cluster, which its own commands start (`dask scheduler`, `dask worker`).
 
-Every thread of a Dask worker keeps one process of `processes`, so that time limits and crashes are handled
-as on the local machine. Results come back to the submitting side: workers need no common disk, only the same
+Every thread of a Dask worker keeps one process of `processes`. So time limits and crashes are handled as on
+the local machine. Results come back to the submitting side: workers need no common disk, only the same
 rps-exudyn. Dask hands the tasks of a lost worker to others.
 """
 

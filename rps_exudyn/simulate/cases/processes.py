@@ -3,8 +3,8 @@
 A task whose time is over is interrupted by its own process, which answers with what was recorded; where it
 does not, its process is ended `GRACE` later.
 
-A process is started once and given many tasks, because starting one costs seconds. It has its own pipes and
-shares nothing, no lock, with the others, so that it may be killed at any instant. Cheap tasks are handed over
+A process is started once and given many tasks, because starting one costs seconds. It has its own pipes
+and shares no lock with the others: it may be killed at any instant. Cheap tasks are handed over
 several at a time, which the processes answer one by one: the clock runs for each task alone.
 """
 

@@ -89,8 +89,8 @@ def dropped_rings_again(
 ) -> Iterator[None]:
     """Ring a timer of `signal` a little later where Python dropped the error that its alarm raised.
 
-    It drops what is raised in callbacks of the garbage collector, of weak references and of ctypes and in
-    `__del__`, and reports it to `sys.unraisablehook`.
+    It drops errors in `__del__` and in callbacks of the garbage collector, of weak references and of ctypes.
+    It reports them to `sys.unraisablehook`.
     """
     report = sys.unraisablehook
 

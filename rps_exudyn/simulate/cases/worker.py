@@ -1,11 +1,11 @@
 """The process that does tasks: `python -m rps_exudyn.simulate.cases.worker`, started by `processes`.
 
-It reads pickled objects from standard input, a call to warm up and then tasks with their time limits, and
-writes others to standard output: "ready", what code is made (`Making`), and of each task "begun", how far its
-run is (`Progress`) and an `Answer`.
+It reads pickled objects from standard input: a call to warm up, then tasks with their time limits. It writes
+others to standard output: "ready", what code is made (`Making`), and of each task "begun", how far its run is
+(`Progress`) and an `Answer`.
 
-The call to warm up is made before the worker calls itself ready, so that compiling and loading kernels is on
-no task's clock. When standard input ends, because whoever started it has ended, so does the worker, at once.
+The call to warm up comes before "ready": compiling and loading kernels is on no task's clock. When standard
+input ends, because whoever started it has ended, so does the worker, at once.
 """
 
 import os

@@ -1,7 +1,7 @@
-"""Gears of one table over one maneuver: what they have in common, and the records of some of them.
+"""What the gears of one table share over one maneuver, and the records of some of them.
 
-A family is followed over the first period of the maneuver, at the instants of single runs. Only gears that
-pass all checks of a finished run well within their bounds are the family's; all others are run singly.
+The gears are followed over the first period of the maneuver, at the instants of single runs. Only gears that
+pass all checks of a finished run well within their bounds count as found; all others are run singly.
 """
 
 from dataclasses import dataclass, replace
@@ -13,9 +13,9 @@ from rps_exudyn.forces.force_element import RACK
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.bar_terms import ROUNDING
 from rps_exudyn.scenes.checks.before_run import largest_angle
-from rps_exudyn.scenes.checks.rules import IN_RECORD, Seen
+from rps_exudyn.scenes.checks.rules import IN_RECORD, RuleInput
+from rps_exudyn.scenes.error_bar_terms import ROUNDING
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_maneuver import CYCLE_DRIFT_LIMIT
 from rps_exudyn.scenes.scene_run import Signals
@@ -27,7 +27,7 @@ from rps_exudyn.solvers.many_gears import (
     RUNOUT_ANGLE,
     YAW,
     GearSeries,
-    Known,
+    MotionResponse,
     Table,
     Y,
     Z,
@@ -37,7 +37,7 @@ from rps_exudyn.solvers.prescribed_motion import Steady, travel_per_radian
 from rps_exudyn.solvers.record import instant_signals, integrated, repeated
 from rps_exudyn.solvers.settled_start import settled_path
 
-LEAD = 1 / 4  # of a tooth pitch before the record: what the guess at its start was off by is forgotten
+LEAD = 1 / 4  # of a tooth pitch before the record: the error of the guess at its start has decayed
 NEAR_LOCK = 0.99  # of the angle at the lock: teeth for that all gears have
 SINGLE_OUT = (RUNOUT, "pinion.pitch_error")  # a tooth or a direction: the curve repeats with the turn
 STEADY = 2e-3  # of torque and travel: what drifts more over a period is left to a single run
@@ -48,7 +48,7 @@ Ends = tuple[tuple[str, tuple[float, float]], ...]
 
 
 @dataclass(frozen=True, eq=False)
-class Family:
+class SharedManeuver:
     """What all gears of a table have in common over one maneuver."""
 
     gear: SteeringGear  # the reference
@@ -59,7 +59,7 @@ class Family:
     nodes: np.ndarray  # pinion angles at which the gears are followed [rad]
     lead: int  # of them before the record
     per_pitch: int  # of them in a tooth pitch, 0 if no whole number
-    known: Known
+    response: MotionResponse
     start: Start  # of the reference: how far its force depends on where the motion began
     features: np.ndarray  # (n, f)
 
@@ -71,8 +71,8 @@ class Family:
         fidelity: Fidelity,
         table: Table,
         ranges: Table | None = None,
-    ) -> "Family | None":
-        """Follow the reference gear, and those from which the others' motion is learned.
+    ) -> "SharedManeuver | None":
+        """Follow the reference gear, and those that show what each parameter does to its motion.
 
         What follows from the ranges alone is found once for all parts of a table.
 
@@ -85,18 +85,18 @@ class Family:
         """
         whole = table if ranges is None else ranges
         steps, features = _features(gear, table, whole)
-        family = cls._learned(maneuver, gear, fidelity, tuple(steps))
-        return None if family is None else replace(family, features=features)
+        shared = cls._followed(maneuver, gear, fidelity, tuple(steps))
+        return None if shared is None else replace(shared, features=features)
 
     @classmethod
     @lru_cache(maxsize=12)
-    def _learned(
+    def _followed(
         cls,
         whole: Maneuver,
         gear: SteeringGear,
         fidelity: Fidelity,
         steps: tuple[tuple[Ends, float], ...],
-    ) -> "Family | None":
+    ) -> "SharedManeuver | None":
         """Learn from gears `steps` above and below the reference."""
         pair, maneuver, drive = GearPair.of(gear), whole.one_period(), whole.drive
         # pinion angles of the record, of a gear without errors
@@ -122,7 +122,7 @@ class Family:
         first = _singly(maneuver, series, records[:1], angles)
         if first is None:
             return None
-        alike = Known.of(first[0][None], maneuver.time_step)
+        alike = MotionResponse.of(first[0][None], maneuver.time_step)
         found = series.follow(records, angles, per_pitch, alike, np.zeros((len(records), 0)))
         motion = series.beside_rigid(found, records, angles)
         motion[0], start = first
@@ -138,11 +138,11 @@ class Family:
             motion[i] = alone[0]
             motion[i, :, Y] -= found.resting[i] + forces.approach
         sizes = np.array([each for _, each in steps])[:, None, None]
-        known = Known.of(
+        response = MotionResponse.of(
             np.concatenate([motion[:1], (motion[1::2] - motion[2::2]) / (2 * sizes)]), maneuver.time_step
         )
-        nodes, known = angles[before:], known.since(before)
-        given = gear, fidelity, series, maneuver, whole.periods, nodes, lead, per_pitch, known, start
+        nodes, response = angles[before:], response.since(before)
+        given = gear, fidelity, series, maneuver, whole.periods, nodes, lead, per_pitch, response, start
         return cls(*given, np.zeros((0, len(steps))))
 
     @property
@@ -188,15 +188,15 @@ def _features(gear: SteeringGear, table: Table, ranges: Table) -> tuple[list[tup
 
 
 def _rounded(size: float) -> float:
-    """A size to one digit, so that parts of a study learn from the same gears."""
+    """A size to one digit, so that the parts of a study follow the same gears."""
     return float(f"{size:.0e}")
 
 
 def _singly(
     maneuver: Maneuver, series: GearSeries, record: np.ndarray, angles: np.ndarray
 ) -> tuple[np.ndarray, Start] | None:
-    """Places (k, m) at the mesh, beside what rigid bodies do, of the gear of a series from a settled start,
-    by the path of single runs, and how its force depends on that start; None where it is not found."""
+    """Places (k, m) at the mesh, beside what rigid bodies do, by the path of single runs from a settled
+    start. How the gear's force depends on that start follows. None where the path is not found."""
     travel = travel_per_radian(series.body, float(series.pair.gain))
     drive = Steady(series.body, travel * angles[0], travel * series.speed)
     time = maneuver.time_step * np.arange(len(angles))
@@ -212,57 +212,59 @@ def _singly(
 
 # --- records of some gears -------------------------------------------------------------------------
 @dataclass(frozen=True, eq=False)
-class FamilyRecord:
-    """Some gears of a family over its maneuver; arrays have one row for each gear.
+class FollowedGears:
+    """Some gears of a table over one maneuver; arrays have one row for each gear.
 
     Attributes:
-        family: they are of.
+        shared: what they have in common with all gears of the table.
         records: their constants.
         found: whether there is an equilibrium at all instants, (n,).
         period: signals over the record's first period, (n, m), time (m,).
         counts: what it took to follow them, name -> (n,), by the names of `quantities`.
     """
 
-    family: Family
+    shared: SharedManeuver
     records: np.ndarray
     found: np.ndarray
     period: Signals
     counts: dict[str, np.ndarray]
 
     @classmethod
-    def of(cls, family: Family, records: np.ndarray, chosen: np.ndarray) -> "FamilyRecord":
+    def of(cls, shared: SharedManeuver, records: np.ndarray, chosen: np.ndarray) -> "FollowedGears":
         """Follow the chosen gears of a table's records."""
-        some, features = records[chosen], family.features[chosen]
-        if not family.maneuver.rack_load:  # in a table's records the weight may pull
-            some["load"] = family.series.forces.gears["load"]
-            some["has_load"] = family.series.forces.gears["has_load"]
-        found = family.series.follow(some, family.nodes, family.per_pitch, family.known, features)
+        some, features = records[chosen], shared.features[chosen]
+        if not shared.maneuver.rack_load:  # in a table's records the weight may pull
+            some["load"] = shared.series.forces.gears["load"]
+            some["has_load"] = shared.series.forces.gears["has_load"]
+        found = shared.series.follow(some, shared.nodes, shared.per_pitch, shared.response, features)
         signals = instant_signals(found.record)
-        instants = {name: values[..., family.lead :] for name, values in signals.items()}
-        if family.maneuver.drive.body == "pinion":
-            instants["pinion_angle"] = family.angles
-        return cls(family, some, found.found, integrated(instants, family.time), found.counts)
+        instants = {name: values[..., shared.lead :] for name, values in signals.items()}
+        if shared.maneuver.drive.body == "pinion":
+            instants["pinion_angle"] = shared.angles
+        return cls(shared, some, found.found, integrated(instants, shared.time), found.counts)
 
     def whole(self, kept: np.ndarray) -> Signals:
         """Return the signals over all periods of those gears that a mask (n,) keeps."""
-        period, periods = signals_of_some(self.period, kept), self.family.periods
+        period, periods = signals_of_some(self.period, kept), self.shared.periods
         return repeated(period, periods) if periods > 1 else period
 
     def surely_ok(self) -> np.ndarray:
         """Which gears were found and pass all checks of a finished run well within their bounds, (n,)."""
-        family, signals = self.family, self.period
+        shared, signals = self.shared, self.period
         force, offset = (
-            signals[family.maneuver.drive.signal],
+            signals[shared.maneuver.drive.signal],
             self.records["mesh"]["flank"]["axis_offset"][:, None],
         )
-        seen = Seen(family.gear, signals=signals, axis_offset=offset, valid_to=family.series.forces.valid_to)
+        given = RuleInput(
+            shared.gear, signals=signals, axis_offset=offset, valid_to=shared.series.forces.valid_to
+        )
         drift = np.abs(force[:, -1] - force[:, 0]) / np.maximum(np.abs(force).max(axis=-1), ROUNDING)
-        steps = np.diff(signals["pinion_angle"]) * np.sign(family.series.speed)
-        allowed_drift = SAFE * CYCLE_DRIFT_LIMIT if family.periods > 1 else STEADY
+        steps = np.diff(signals["pinion_angle"]) * np.sign(shared.series.speed)
+        allowed_drift = SAFE * CYCLE_DRIFT_LIMIT if shared.periods > 1 else STEADY
         checks = (
             self.found,
-            *(rule.within(seen, SAFE) for rule in IN_RECORD),
-            (drift * family.periods < allowed_drift) | (not family.maneuver.closes),
+            *(rule.within(given, SAFE) for rule in IN_RECORD),
+            (drift * shared.periods < allowed_drift) | (not shared.maneuver.closes),
             (steps > 0).all(axis=-1),  # the pinion never turns back
         )
         return np.asarray(np.logical_and.reduce(np.broadcast_arrays(*checks)))

@@ -20,10 +20,10 @@ from rps_exudyn.base.progress import begin_stage
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted, Remark
-from rps_exudyn.results.quantities import EXTREMES, MOTIONS, SPREADS
-from rps_exudyn.scenes.bar_terms import bar_terms
+from rps_exudyn.results.quantities import EXTREMES, MOTIONS, VARIATIONS
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses
-from rps_exudyn.scenes.checks.rules import OF_BARS, VIBRATES, Seen, breaches
+from rps_exudyn.scenes.checks.rules import OF_BARS, VIBRATES, RuleInput, breaches
+from rps_exudyn.scenes.error_bar_terms import bar_terms
 from rps_exudyn.scenes.error_bars import FLOOR, Metrics, error_bars
 from rps_exudyn.scenes.ladder import gear_at, model_at
 from rps_exudyn.scenes.scene import RunOptions, Scene
@@ -40,7 +40,7 @@ class Levels:
     next level.
 
     Attributes:
-        made: level -> its run.
+        runs: level -> its run.
         terms: level -> what is added to the bars of its metrics, whatever its companion.
         seconds: level -> CPU time of its run.
     """
@@ -49,7 +49,7 @@ class Levels:
     gear: SteeringGear
     fidelity: Fidelity
     options: RunOptions
-    made: dict[int, SceneRun] = field(default_factory=dict)
+    runs: dict[int, SceneRun] = field(default_factory=dict)
     terms: dict[int, Mapping[str, float]] = field(default_factory=dict)
     seconds: dict[int, float] = field(default_factory=dict)
 
@@ -62,7 +62,7 @@ class Levels:
         """
         first = self._at(level, (0.0, FINE_SHARE))
         if self.fidelity.solver == "closed-form":
-            return self._with_terms(first.unsure_of(SPREADS | EXTREMES | MOTIONS), level, {})
+            return self._with_terms(first.unsure_of(VARIATIONS | EXTREMES | MOTIONS), level, {})
         if not first.ok:
             return first
         try:
@@ -79,12 +79,12 @@ class Levels:
 
     def _at(self, level: int, stage: tuple[float, float]) -> SceneRun:
         """Return the run of a level, which takes a stage of the progress where it is made."""
-        if level not in self.made:
+        if level not in self.runs:
             begin_stage(*stage)
             gear, model, begun = gear_at(level, self.gear), model_at(level, self.fidelity), process_time()
-            self.made[level] = self.scene.run(gear, model, replace(self.options, level=level))
+            self.runs[level] = self.scene.run(gear, model, replace(self.options, level=level))
             self.seconds[level] = process_time() - begun
-        return self.made[level]
+        return self.runs[level]
 
     def seconds_above(self, level: int) -> float:
         """Return about what the level above a level with bars takes [s of CPU time]."""
@@ -113,11 +113,11 @@ class Levels:
         found = dict.fromkeys(terms, np.nan) if bars is None else bars
         summed = {name: float(found.get(name, 0.0) + each) for name, each in terms.items()}
         errors = {name: each if np.isfinite(each) else np.nan for name, each in summed.items()}
-        if vibration := VIBRATES.breach(Seen(self.gear, numbers=run.outcome.findings)):
-            run = run.noting(Remark(VIBRATES.code, vibration.sentence)).unsure_of(SPREADS | EXTREMES)
+        if vibration := VIBRATES.breach(RuleInput(self.gear, numbers=run.outcome.findings)):
+            run = run.noting(Remark(VIBRATES.code, vibration.sentence)).unsure_of(VARIATIONS | EXTREMES)
         errors |= dict.fromkeys(errors.keys() & run.unsure, np.nan)
         run = replace(run, errors=errors)
-        for breach in breaches(OF_BARS, Seen(self.gear, numbers=measured)) if run.ok else ():
+        for breach in breaches(OF_BARS, RuleInput(self.gear, numbers=measured)) if run.ok else ():
             return run.invalid(breach.rule.code, breach.sentence)
         return run
 

@@ -1,8 +1,8 @@
-"""Many gears of a steady scene at once: the same signals and metrics as single runs, found together.
+"""Many gears of a steady scene at once: the same signals and metrics as single runs, computed together.
 
-A row that is given is one that a single run ends ok; what cannot be judged here, gears without an
-equilibrium, limits of the contact laws, is left to single runs. Error bars come from two families, one a
-level of the ladder below the other.
+Each row that is returned is one that a single run ends ok. What cannot be judged here is left to single
+runs: gears without an equilibrium, limits of the contact laws. Error bars come from two levels of the ladder,
+each with its maneuvers.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,21 +19,21 @@ from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Remark
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.bar_terms import bar_terms
 from rps_exudyn.scenes.checks.after_run import unsettled_share
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses, of_many
-from rps_exudyn.scenes.checks.rules import OF_BARS, REMARKS, Seen, refused, remarks
+from rps_exudyn.scenes.checks.rules import OF_BARS, REMARKS, RuleInput, refused, remarks
+from rps_exudyn.scenes.error_bar_terms import bar_terms
 from rps_exudyn.scenes.error_bars import error_bars
 from rps_exudyn.scenes.ladder import model_at
 from rps_exudyn.scenes.maneuver import StepLimits
 from rps_exudyn.scenes.scene import Scene, SteadyRecord, SteadyTest
 from rps_exudyn.scenes.scene_run import Signals, one_after_another
-from rps_exudyn.simulate.family import SAFE, Family, FamilyRecord, is_alike, signals_of_some
+from rps_exudyn.simulate.shared_maneuver import SAFE, FollowedGears, SharedManeuver, is_alike, signals_of_some
 from rps_exudyn.solvers.many_gears import RUNOUT, RUNOUT_ANGLE, Table, packed, packed_table
 from rps_exudyn.solvers.record import WHERE_DAMPED
 from rps_exudyn.solvers.temperature_and_wear import is_new
 
-FEWEST = 2  # gears for each that is followed to learn from: with fewer single runs are quicker
+FEWEST = 2  # gears for each that is followed first: with fewer single runs are quicker
 AT_ONCE = 100_000  # instants of gears whose signals are held at once
 LEVEL = 1  # of the ladder
 WEIGHT = "test.load_mass"
@@ -108,7 +108,7 @@ class GearTable:
         return {name: values for name, values in own.items() if name not in WHERE_DAMPED or values.any()}
 
 
-def together(
+def simulate_table(
     scene: str,
     gear: SteeringGear,
     fidelity: Fidelity,
@@ -135,7 +135,7 @@ def together(
     )
     if fine is None or coarse is None or not np.array_equal(fine.rows, coarse.rows):
         return None
-    at_once = max(1, AT_ONCE // sum(len(family.nodes) for family in fine.families))
+    at_once = max(1, AT_ONCE // sum(len(shared.nodes) for shared in fine.shared_maneuvers))
     parts: list[_Part] = []
     for begin in range(0, len(fine.records), at_once):
         each = np.arange(begin, min(begin + at_once, len(fine.records)))
@@ -153,11 +153,11 @@ def together(
 
 @dataclass(frozen=True, eq=False)
 class TableAtLevel:
-    """What the gears of a table have in common in a scene at a level of the ladder, and each one's constants.
+    """What the gears of a table share in a scene at a level of the ladder, and each one's constants.
 
     Attributes:
         scene: that they run.
-        families: one for each maneuver.
+        shared_maneuvers: one for each maneuver.
         recorded: how many of them make the record; the others go beside.
         rows: of the table, of gears that can exist, (n,).
         records: their constants, (n,).
@@ -165,7 +165,7 @@ class TableAtLevel:
     """
 
     scene: Scene
-    families: list[Family]
+    shared_maneuvers: list[SharedManeuver]
     recorded: int
     rows: np.ndarray
     records: np.ndarray
@@ -181,7 +181,7 @@ class TableAtLevel:
         table: Table,
         ranges: Table | None = None,
     ) -> "TableAtLevel | None":
-        """Learn it; arguments as of `together`. None if the gear in the middle is not found."""
+        """Compute it; arguments as of `simulate_table`. None if the gear in the middle is not found."""
         scene, asked, fidelity = scene_named(name), fidelity, model_at(level, fidelity)
         assert scene.test is not None
         try:
@@ -197,14 +197,14 @@ class TableAtLevel:
             return None
         if weighted and not reference.test.load_mass > 0:
             return None
-        families = []
+        shared_maneuvers = []
         for maneuver in [*maneuvers, *([beside] if beside else [])]:
-            family = Family.of(maneuver.halved(level - 1), reference, fidelity, some, ranges)
-            if family is None:
+            shared = SharedManeuver.of(maneuver.halved(level - 1), reference, fidelity, some, ranges)
+            if shared is None:
                 return None
-            families.append(family)
+            shared_maneuvers.append(shared)
         alike = not any(path.startswith(WITH_MASS) for path in table)
-        return cls(scene, families, len(maneuvers), rows, records, alike)
+        return cls(scene, shared_maneuvers, len(maneuvers), rows, records, alike)
 
     @property
     def test(self) -> SteadyTest:
@@ -301,18 +301,18 @@ class _GearsAtLevel:
     def of(cls, table: TableAtLevel, chosen: np.ndarray, gears: list[SteeringGear]) -> "_GearsAtLevel":
         """Follow the chosen gears over all maneuvers; those found in each."""
         recorded = table.recorded
-        ways = [FamilyRecord.of(family, table.records, chosen) for family in table.families]
-        kept = np.logical_and.reduce([way.surely_ok() for way in ways])
+        followed = [FollowedGears.of(shared, table.records, chosen) for shared in table.shared_maneuvers]
+        kept = np.logical_and.reduce([each.surely_ok() for each in followed])
         some = [gears[i] for i in np.flatnonzero(kept).tolist()]
-        joined = one_after_another([way.whole(kept) for way in ways[:recorded]])
-        beside = ways[recorded].whole(kept) if len(ways) > recorded else {}
-        records = ways[0].records[kept]
+        joined = one_after_another([each.whole(kept) for each in followed[:recorded]])
+        beside = followed[recorded].whole(kept) if len(followed) > recorded else {}
+        records = followed[0].records[kept]
         gain, load = records["mesh"]["flank"]["gain"], records["load"]["force"][:, 0]
         counters = {
-            name: np.sum([way.counts[name] for way in ways[:recorded]], axis=0)[kept]
-            for name in ways[0].counts
+            name: np.sum([each.counts[name] for each in followed[:recorded]], axis=0)[kept]
+            for name in followed[0].counts
         }
-        record = SteadyRecord(table.families[0].gear, joined, beside, gain, np.abs(load))
+        record = SteadyRecord(table.shared_maneuvers[0].gear, joined, beside, gain, np.abs(load))
         return cls(table, chosen[kept], some, record, counters)
 
     def some(self, kept: np.ndarray) -> "_GearsAtLevel":
@@ -335,19 +335,19 @@ class _GearsAtLevel:
 
     def bars(self, coarse: "_GearsAtLevel") -> tuple[dict[str, np.ndarray], np.ndarray]:
         """Return the half widths of the metrics' bars (n,), and whose main metric inertia leaves as it is."""
-        scene, family, values = self.table.scene, self.table.families[0], self.summary
+        scene, shared, values = self.table.scene, self.table.shared_maneuvers[0], self.summary
         signals, gain = self.record.signals, self.record.gain[:, None]
         bars = error_bars(self.metrics, signals, values, coarse.record.signals, coarse.summary)
         preload = np.array([gear.yoke.preload for gear in self.gears])[:, None]
-        middle = replace(MovedMasses.of(family.gear), gain=gain, preload=preload)
+        middle = replace(MovedMasses.of(shared.gear), gain=gain, preload=preload)
         masses = middle if self.table.alike else of_many([MovedMasses.of(gear) for gear in self.gears])
-        start = family.start
-        findings = {} if family.maneuver.closes else {"start_unsettled": start.unsettled_behind}
+        start = shared.start
+        findings = {} if shared.maneuver.closes else {"start_unsettled": start.unsettled_behind}
         findings["unsettled_mean"] = unsettled_share(start, signals)
         recorded = signals, values, findings
-        terms, measured = bar_terms(scene, family.fidelity, self.metrics, *recorded, masses)
-        seen = Seen(family.gear, numbers=measured)
-        holds = np.logical_and.reduce([rule.within(seen, SAFE) for rule in OF_BARS])
+        terms, measured = bar_terms(scene, shared.fidelity, self.metrics, *recorded, masses)
+        given = RuleInput(shared.gear, numbers=measured)
+        holds = np.logical_and.reduce([rule.within(given, SAFE) for rule in OF_BARS])
         none = np.zeros(len(self.gears))
         return {name: bars[name] + terms.get(name, none) for name in bars}, holds
 
@@ -361,21 +361,26 @@ class _GearsAtLevel:
             return self.some(holds).described(coarse.some(holds), names)
         summary, test = dict(self.summary), self.table.test
         of_test, signals = test.remarks(self.record), self.record.signals
-        noted = [[*met, *own] for met, own in zip(self._limits_met(), of_test, strict=True)]
+        remarks_of_gears = [[*met, *own] for met, own in zip(self._limits_met(), of_test, strict=True)]
         if test.formulas is not None:
-            figures = [test.formulas(each) for each in self.gears]
-            for name in dict.fromkeys(name for own in figures for name in own):
-                summary[name] = np.array([own.get(name, np.nan) for own in figures])
+            by_formula = [test.formulas(each) for each in self.gears]
+            for name in dict.fromkeys(name for own in by_formula for name in own):
+                summary[name] = np.array([own.get(name, np.nan) for own in by_formula])
         wanted = signals if names is None else names
         kept = {name: signals[name] for name in wanted if name in signals}
         ended = np.ones(len(self.gears), dtype=bool)
-        return [(self.table.rows[self.chosen], GearTable(ended, summary, bars, self.counters, noted, kept))]
+        return [
+            (
+                self.table.rows[self.chosen],
+                GearTable(ended, summary, bars, self.counters, remarks_of_gears, kept),
+            )
+        ]
 
     def _limits_met(self) -> list[list[Remark]]:
         """Remarks on each gear by the function that remarks on single runs, where there is a cause."""
         signals = self.record.signals
-        seen = Seen(self.gears[0], signals=signals)
-        within = np.logical_and.reduce(np.broadcast_arrays(*(rule.within(seen) for rule in REMARKS)))
+        given = RuleInput(self.gears[0], signals=signals)
+        within = np.logical_and.reduce(np.broadcast_arrays(*(rule.within(given) for rule in REMARKS)))
         return [
             [] if within[i] else list(remarks(gear, signals_of_some(signals, i)))
             for i, gear in enumerate(self.gears)

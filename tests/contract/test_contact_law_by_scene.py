@@ -7,20 +7,20 @@ from rps_exudyn.pages.report.result_sheet import sheet_of
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import SCENE_NAMES, scene_named
-from rps_exudyn.scenes.law_by_scene import FLANK_DEVIATIONS, SERIES, with_law
+from rps_exudyn.scenes.contact_law import FLANK_DEVIATIONS, LAW_OF_SERIES, resolve_contact_law
 
 GEAR, EQUILIBRIA = SteeringGear(), Fidelity.preset("quasi-static")
 
 
 def law(gear: SteeringGear, model: str, needed: str, varied: tuple[str, ...] = ()) -> str:
-    return with_law(gear, Fidelity.preset(model), needed, varied).mesh.law  # type: ignore[arg-type]
+    return resolve_contact_law(gear, Fidelity.preset(model), needed, varied).mesh.law  # type: ignore[arg-type]
 
 
 def test_loads_and_impacts_need_teeth_that_bend() -> None:
     assert GEAR.mesh.law == "by-scene"
     bending = {name for name in SCENE_NAMES if scene_named(name).law == "teeth"}
     assert bending == {"load-test", "yoke-impact"}
-    assert SERIES == "teeth"
+    assert LAW_OF_SERIES == "teeth"
 
 
 @pytest.mark.parametrize("path", FLANK_DEVIATIONS)
@@ -40,8 +40,8 @@ def test_named_law_stays() -> None:
     """As in a file of an earlier version, whatever the scene needs."""
     for named in ("line", "teeth"):
         gear = GEAR.replace({"mesh.law": named})
-        assert with_law(gear, EQUILIBRIA, "teeth") is gear
-        assert with_law(gear, EQUILIBRIA, "line") is gear
+        assert resolve_contact_law(gear, EQUILIBRIA, "teeth") is gear
+        assert resolve_contact_law(gear, EQUILIBRIA, "line") is gear
 
 
 def test_result_and_sheet_name_the_law() -> None:

@@ -38,7 +38,7 @@ from rps_exudyn.results.judged_row import JudgedRow, Verdict
 from rps_exudyn.results.limit import Limit
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY
-from rps_exudyn.scenes.law_by_scene import SERIES, with_law
+from rps_exudyn.scenes.contact_law import LAW_OF_SERIES, resolve_contact_law
 from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
 from rps_exudyn.scenes.rack_lift import SCENE as RACK_LIFT
 from rps_exudyn.simulate.run import simulate
@@ -55,7 +55,7 @@ TURNING = {
     "variation_on_centre": "torque_on_centre_variation",
     "variation_off_centre": "torque_off_centre_variation",
 }
-"""Requirement -> figure of a run that turns the pinion freely."""
+"""Requirement -> metric of a run that turns the pinion freely."""
 BandOf = Callable[[SteeringGear], Band]
 
 
@@ -162,7 +162,7 @@ def judge(
 
 def law_of_sheet(gear: SteeringGear) -> str:
     """Return the contact law of the sheet's runs."""
-    return with_law(gear, FOR_MEANS, SERIES).mesh.contact_law
+    return resolve_contact_law(gear, FOR_MEANS, LAW_OF_SERIES).mesh.contact_law
 
 
 @dataclass(frozen=True)
@@ -224,12 +224,12 @@ class _Judged:
 
     def of_band(self, name: str, metric: str, band: Band) -> RequirementRow:
         """Judge a metric by its band: the share of its runs; failed ones keep nothing."""
-        if metric not in band.figures:
+        if metric not in band.metrics:
             raise InputError(f"the runs give no {metric}.")
         limit, numbers = self.limits[name], band.drawn.numbers[metric]
         known = numbers[np.isfinite(numbers)]
         share = float(np.count_nonzero(limit.keeps(known)) / numbers.size)
-        found, missing = band.figures[metric], numbers.size - known.size
+        found, missing = band.metrics[metric], numbers.size - known.size
         cause = next(iter(band.drawn.failures), "")
         remark = f"{missing} of {numbers.size} samples failed, most often {cause}" if missing else ""
         values = band.nominal.summary[metric], found.low, found.high

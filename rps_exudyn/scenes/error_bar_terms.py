@@ -23,8 +23,8 @@ from rps_exudyn.results.quantities import (
     LOSS_SHARES,
     LOST_MOTIONS,
     RACK_RANGES,
-    SPREADS,
     SUMMARY,
+    VARIATIONS,
     WANDERING,
 )
 from rps_exudyn.scenes.checks.neglected_inertia import (
@@ -42,7 +42,7 @@ from rps_exudyn.scenes.scene_run import Signals
 from rps_exudyn.scenes.sizes import size_of, sizes
 
 DRIVES = {
-    "pinion_torque": {name for name in SPREADS | EXTREMES if name.startswith("torque_")}
+    "pinion_torque": {name for name in VARIATIONS | EXTREMES if name.startswith("torque_")}
     - {"torque_tooth_order"},
     "rack_force": {"push_force_peak_to_peak"},
 }
@@ -94,9 +94,9 @@ def bar_terms(
             total[name] = total[name] + share
     measured = {"work_missing": missing}
     if leaves_inertia_out:  # the share of the main metric, or of the forces of its run, that the terms are
-        unit, figure = SUMMARY[scene.figure].unit, values.get(scene.figure, 0.0)
-        main = np.maximum(np.abs(figure), of_run.get(unit, 0.0))
-        measured["moved_by_inertia"] = total.get(scene.figure, 0.0) / np.where(main > 0, main, np.inf)
+        unit, main_metric = SUMMARY[scene.main_metric].unit, values.get(scene.main_metric, 0.0)
+        main = np.maximum(np.abs(main_metric), of_run.get(unit, 0.0))
+        measured["moved_by_inertia"] = total.get(scene.main_metric, 0.0) / np.where(main > 0, main, np.inf)
     return total, measured
 
 
@@ -130,7 +130,7 @@ def _share(work: Any, signals: Signals) -> Any:
 def _start(findings: Mapping[str, Any], size: Terms, of_run: Terms) -> Terms:
     """What the force of the record, and that over its first tooth pitch, depend on where the motion began."""
     mean, first = (findings.get(name, 0.0) for name in ("unsettled_mean", "start_unsettled"))
-    varying = SPREADS | EXTREMES | FIRST_ORDERS
+    varying = VARIATIONS | EXTREMES | FIRST_ORDERS
 
     def moved(name: str) -> Any:
         return (first if name in varying else mean) * np.maximum(

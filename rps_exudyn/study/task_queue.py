@@ -1,6 +1,6 @@
 """Cases handed to an executor: in groups where many gears go through `batch` at once, else singly.
 
-A group is sized by what its predecessors took, so that it ends in some seconds and the last ones are small.
+A group is sized by what its predecessors took: it ends in some seconds, and the last ones are small.
 One that does not answer, because its process died or its time was over, is done again case by case: then each
 has a time limit of its own, and what is wrong with one of them harms no other.
 
@@ -20,19 +20,19 @@ from rps_exudyn.results.block import CaseRecord
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.cases.case_group import CaseGroup
 from rps_exudyn.simulate.cases.task import Answer, Executor, Task
-from rps_exudyn.simulate.together import UNSUPPORTED, can_exist, fewest, unsupported_reason
+from rps_exudyn.simulate.gear_table import UNSUPPORTED, can_exist, fewest, unsupported_reason
 from rps_exudyn.study.definition import FIDELITY, Case, Description, Study, settings_of
 
 FEWEST = 64  # cases of a design, from which groups pay
 QUANTILES = 65  # of a parameter's values, which describe how it varies
 LARGEST = 1024  # cases of a group
 SMALLEST, SHARES = 8, 4  # least cases of a group; and of what is left, for each worker, one share is the most
-SMALLEST_TOGETHER, SHARES_TOGETHER = 256, 2  # each group of gears begins by following some to learn from
+SMALLEST_TOGETHER, SHARES_TOGETHER = 256, 2  # each group of gears begins by following a few
 OF_LIMIT = 4  # groups that fit into one case's time limit: a group has no more time than a case
 
 
 @dataclass(frozen=True)
-class Dispatch:
+class GroupPlan:
     """How the cases of a study are done.
 
     Attributes:
@@ -48,29 +48,29 @@ class Dispatch:
     single_run_reason: str = ""
 
 
-def dispatch_of(study: Study, description: Description) -> Dispatch:
+def group_plan_of(study: Study, description: Description) -> GroupPlan:
     """Return how the cases of a design are done, however many of them are missing."""
     gear, fidelity, scene = study.base.steering_gear, study.base.fidelity, description.scene
     paths = [path for axis in study.axes for path in (*axis.paths, *axis.along)]
     if not (  # many cases of one model, each of them steady and cheap
-        study.wanted is None
+        study.accuracy_goal is None
         and len(description.hashes) >= FEWEST
         and scene_named(scene).steady
         and fidelity.solver in ("equilibrium", "closed-form")
         and fidelity.mesh != "general-contact"
         and not any(path.startswith(FIDELITY) for path in paths)
     ):
-        return Dispatch(False)
+        return GroupPlan(False)
     if reason := unsupported_reason(scene, gear, fidelity, {}):
-        return Dispatch(True, single_run_reason=reason)
+        return GroupPlan(True, single_run_reason=reason)
     settings = [settings_of(study.axes, case.values) for case in description.cases]
     table = {path: np.array([each[path] for each in settings]) for path in settings[0]}
     if reason := unsupported_reason(scene, gear, fidelity, table):
-        return Dispatch(True, single_run_reason=reason)
+        return GroupPlan(True, single_run_reason=reason)
     ranges = {path: _allowed(gear, fidelity, path, values) for path, values in table.items()}
     if not all(ranges.values()) or len(settings) < fewest(table):
-        return Dispatch(True, single_run_reason=UNSUPPORTED["few"])
-    return Dispatch(True, ranges)
+        return GroupPlan(True, single_run_reason=UNSUPPORTED["few"])
+    return GroupPlan(True, ranges)
 
 
 def _allowed(gear: SteeringGear, fidelity: Fidelity, path: str, values: np.ndarray) -> list[float]:
@@ -83,11 +83,11 @@ def _allowed(gear: SteeringGear, fidelity: Fidelity, path: str, values: np.ndarr
     return list(some)
 
 
-class Handover(Iterator[Task]):
+class TaskQueue(Iterator[Task]):
     """Yields tasks, also after it has ended, where an answer brought new ones.
 
     Attributes:
-        dispatch: how the cases are done.
+        plan: how the cases are done.
         through_batch: number of cases that were answered in groups; all others were done singly.
         in_loop: number of those that were computed together.
     """
@@ -98,10 +98,10 @@ class Handover(Iterator[Task]):
         self._study, self._description = study, description
         self._given: dict[Task, list[Case]] = {}
         self._again: deque[Case] = deque()  # one by one
-        self._apart: set[str] = set()  # hashes of cases that are simulated without learning from others
+        self._apart: set[str] = set()  # hashes of cases that are simulated without others
         self._left = deque(missing)
-        self.dispatch = dispatch_of(study, description)
-        together = self.dispatch.ranges is not None
+        self.plan = group_plan_of(study, description)
+        together = self.plan.ranges is not None
         self._smallest = SMALLEST_TOGETHER if together else SMALLEST
         self._least = self._smallest if together else 1  # fewer would be simulated one by one
         self._shares = (SHARES_TOGETHER if together else SHARES) * executor.workers
@@ -114,7 +114,7 @@ class Handover(Iterator[Task]):
             return self._task([self._again.popleft()])
         if not self._left:
             raise StopIteration
-        size = min(self._size, len(self._left)) if self.dispatch.grouped else 1
+        size = min(self._size, len(self._left)) if self.plan.grouped else 1
         return self._task([self._left.popleft() for _ in range(size)])
 
     @property
@@ -127,8 +127,8 @@ class Handover(Iterator[Task]):
     def _task(self, cases: list[Case]) -> Task:
         study, about = self._study, self._description
         settings = {case.hash: settings_of(study.axes, case.values) for case in cases}
-        ranges = None if cases[0].hash in self._apart else self.dispatch.ranges
-        goal = None if study.wanted is None else (study.wanted, study.time_limit)
+        ranges = None if cases[0].hash in self._apart else self.plan.ranges
+        goal = None if study.accuracy_goal is None else (study.accuracy_goal, study.time_limit)
         group = CaseGroup(about.scene, study.base, settings, about.signals, ranges, goal)
         task = Task(group.records, group.warm_up)
         self._given[task] = cases
@@ -137,7 +137,7 @@ class Handover(Iterator[Task]):
     def records(self, task: Task, answer: Answer) -> list[tuple[Case, CaseRecord]]:
         """Return each case of a task with its record; a group without any is handed over again, singly.
 
-        A single case that failed by itself while it learned from others is simulated without them.
+        A single case that failed by itself, its motion predicted from others, is simulated without them.
         """
         cases = self._given.pop(task)
         records: list[CaseRecord] | None = answer.value
@@ -146,10 +146,10 @@ class Handover(Iterator[Task]):
                 cost = answer.wall_s / len(cases)
                 self._cost = cost if self._cost is None else (self._cost + cost) / 2
                 self.through_batch += len(cases)
-            self.in_loop += sum(record.found_together for record in records)
+            self.in_loop += sum(record.in_loop for record in records)
             return list(zip(cases, records, strict=True))
         first, *others = cases
-        together = self.dispatch.ranges is not None and first.hash not in self._apart
+        together = self.plan.ranges is not None and first.hash not in self._apart
         if others or (together and answer.failed_by_itself):
             self._again.extend(cases)
             self._apart.update([] if others else [first.hash])

@@ -2,7 +2,7 @@
 
     line     means of free motion, on flanks without deviations
     teeth    loads, impacts and ripple: scenes that declare it (`Scene.law`), the scatter of a series
-             (`SERIES`), and every gear whose flanks have deviations
+             (`LAW_OF_SERIES`), and every gear whose flanks have deviations
 
 A model without teeth that bend, of formulas or of spheres, has `line`. A result names the law that it was
 made with in the parameters of its gear.
@@ -15,8 +15,8 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import BY_SCENE, SteeringGear
 
 Gear = TypeVar("Gear", bound=SteeringGear)
-NeededLaw = Literal["line", "teeth"]
-SERIES: NeededLaw = "teeth"
+ContactLaw = Literal["line", "teeth"]
+LAW_OF_SERIES: ContactLaw = "teeth"
 """Law of bands, requirement sheets and studies of uncertain inputs: by `line` the quantiles of the torque's
 variation over a series are a fifth too small."""
 FLANK_DEVIATIONS = (
@@ -33,7 +33,9 @@ FLANK_DEVIATIONS = (
 """Parameters that shift load along a flank or from tooth to tooth, which takes the right stiffness."""
 
 
-def with_law(gear: Gear, fidelity: Fidelity, needed: NeededLaw, varied: Collection[str] = ()) -> Gear:
+def resolve_contact_law(
+    gear: Gear, fidelity: Fidelity, needed: ContactLaw, varied: Collection[str] = ()
+) -> Gear:
     """Return the gear with the contact law that is modelled in place of by-scene.
 
     Args:
