@@ -152,9 +152,9 @@ class GearOptions:
 
     def tables(self) -> dict[str, Any]:
         """The tables of the gear's file; {} without one."""
-        from rps_exudyn.parameters.declaration import read_toml
+        from rps_exudyn.parameters.gear import SteeringGear
 
-        return read_toml(self.gear) if self.gear else {}
+        return SteeringGear.tables_in(self.gear) if self.gear else {}
 
 
 @Parameter(name="*")

@@ -231,8 +231,16 @@ class Table(BaseModel):
         Raises:
             InputError: unreadable file, no TOML, or parameters that are wrong (all of them at once).
         """
-        tables = beside(read_toml(path), Path(path).parent, named_files(cls))
-        return cls.from_tables(tables, settings, where=str(path))
+        return cls.from_tables(cls.tables_in(path), settings, where=str(path))
+
+    @classmethod
+    def tables_in(cls, path: str | Path) -> dict[str, Any]:
+        """Return the tables of a TOML file; files that it names are sought beside it.
+
+        Raises:
+            InputError: unreadable file, or no TOML.
+        """
+        return beside(read_toml(path), Path(path).parent, named_files(cls))
 
     @classmethod
     def from_tables(

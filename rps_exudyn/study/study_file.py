@@ -172,7 +172,7 @@ class _StudyKeys(Keys):
             )
             return {}
         with self.gathering():
-            tables = read_toml(folder / given)
+            tables = SteeringGear.tables_in(self.file.parent / given)
             if "fidelity" in tables:
                 self.wrong("gear", "has a table fidelity, which is no part of a gear; put it under [set].")
             return tables
