@@ -35,7 +35,7 @@ from rps_exudyn.base.units import short, shown, to_si
 from rps_exudyn.inference.uncertainty.joint import correlated, read_pairs
 from rps_exudyn.parameters.declaration import read_toml
 from rps_exudyn.parameters.fidelity import PRESETS, preset_table
-from rps_exudyn.parameters.gear import CORRELATION
+from rps_exudyn.parameters.gear import CORRELATION, SteeringGear
 from rps_exudyn.results.block import Keep
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes import SCENE_NAMES

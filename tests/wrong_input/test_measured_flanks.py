@@ -99,10 +99,8 @@ def test_file_is_sought_beside_the_gear_and_kept_in_its_result(
 def test_models_without_measured_flanks_refuse_them(tmp_path: Path) -> None:
     rack = write_grid(tmp_path / "r.csv", rack_axes(GEAR, 5, 5), lambda y, z: 0 * y - 2e-6)
     gear = GEAR.replace({"rack.deviation": rack})
-    for model, said in (
-        ("closed-form", "leave out rack.deviation"),
-        ("full", "the largest of rack.deviation"),
-    ):
+    sentences = {"closed-form": "leave out rack.deviation", "full": "the largest of rack.deviation"}
+    for model, said in sentences.items():
         refused = rps.run("free-pinion-torque", gear, fidelity=model)
         assert refused.status is rps.Status.INVALID
         assert said in refused.message
