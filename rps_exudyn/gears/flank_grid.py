@@ -37,7 +37,7 @@ from rps_exudyn.parameters.named_file import named_content
 LARGEST_BEND = 0.1  # |dev''| rho: the depth across the line of contact stays a parabola to as much
 LARGEST = 1e-4  # of a deviation [m], as of all other errors of the flanks
 FEWEST = 4  # places along each coordinate: a cubic needs them
-MOST = 400  # intervals along each, of places that are not even
+MOST = 400  # intervals along each; more places are thinned out
 EVEN = 1e-4  # of an interval, within which places are taken for even
 FLANKS = {"drive": (0,), "coast": (1,), "both": (0, 1)}
 COORDINATES = {"pinion": (("roll", "diameter"), ("face",)), "rack": (("height",), ("across",))}
@@ -262,9 +262,12 @@ def _rows(content: bytes, part: str) -> dict[str, np.ndarray]:
         ]
     except UnicodeDecodeError:
         raise ValueError("is not UTF-8 text") from None
-    table = list(csv.reader(io.StringIO("\n".join(lines))))
-    if len(table) < 2:
+    if len(lines) < 2:
         raise ValueError("has no rows")
+    text, between = "\n".join(lines), next((each for each in ";\t" if each in lines[0]), ",")
+    if between == ";":  # of spreadsheets whose decimal mark is a comma
+        text = text.replace(",", ".")
+    table = list(csv.reader(io.StringIO(text), delimiter=between))
     names = [each.partition("[")[0].strip() for each in table[0]]
     known = {"tooth", "flank", "deviation", *(name for each in COORDINATES[part] for name in each)}
     if unknown := [name for name in names if name not in known]:
@@ -366,7 +369,7 @@ def _even(values: np.ndarray, places: np.ndarray, axis: int) -> tuple[np.ndarray
     """Values at even places along an axis, the first place and the step between them."""
     gaps, count = np.diff(places), len(places) - 1
     low, span = float(places[0]), float(places[-1] - places[0])
-    if np.ptp(gaps) <= EVEN * gaps.mean():
+    if np.ptp(gaps) <= EVEN * gaps.mean() and count <= MOST:
         return values, low, span / count
     from scipy.interpolate import CubicSpline  # a third of a second to load
 

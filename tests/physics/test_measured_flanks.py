@@ -153,8 +153,12 @@ def test_uneven_places_and_diameters_make_the_same_surface(tmp_path: Path) -> No
     files = {
         "even": write_grid(tmp_path / "even.csv", even, surface),
         "uneven": write_grid(tmp_path / "uneven.csv", {"roll": roll, "face": face}, surface),
+        "dense": write_grid(tmp_path / "dense.csv", pinion_axes(LINE, 600), surface),
         "diameter": write_grid(tmp_path / "d.csv", {"diameter": diameter, "face": face}, by_diameter),
     }
+    text = Path(files["even"]).read_text(encoding="utf-8").replace(",", ";").replace(".", ",")
+    files["spreadsheet"] = str(tmp_path / "s.csv")
+    Path(files["spreadsheet"]).write_text(text, encoding="utf-8")
     q, z = np.meshgrid(np.linspace(Q_FORM, Q_TIP, 50), np.linspace(-HALF_FACE, HALF_FACE, 50))
     for file in files.values():
         grid = measured_flanks(LINE.replace({"pinion.deviation": file})).pinion
