@@ -59,7 +59,10 @@ def named_content(text: str, parameter: str) -> tuple[Path, bytes]:
     found = _MARKED.fullmatch(text)
     assert found is not None
     path = Path(found["path"])
-    content = content_of(path)
+    try:
+        content = content_of(path)
+    except InputError as error:
+        raise InputError(f"{parameter}: {error}") from None
     if _mark(content) != found["mark"]:
         raise InputError(
             f"{parameter} names {path} with the content {found['mark']}; the file has the content "
