@@ -8,6 +8,7 @@ too, would press the rack's teeth through the pinion's.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,12 +28,14 @@ ROUND = np.array([1, 3, 10, 30, 100, 300, 1000])
 Pose = tuple[np.ndarray, np.ndarray]  # rotation (3, 3) and origin (3,) [m] in the housing frame
 
 
-@dataclass(frozen=True)
-class Factors:
+class Factors(NamedTuple):
     """By how much deflections are magnified."""
 
     displacement: float = 1.0
     tilt: float = 1.0
+
+
+AS_COMPUTED = Factors()
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,9 +94,8 @@ class Motion:
         """A deflection, magnified about its mean, shape (frames,)."""
         return self.signals[name].mean() + factor * self.deviation(name)
 
-    def poses(self, frame: int, factors: Factors | None = None) -> dict[str, Pose]:
+    def poses(self, frame: int, factors: Factors = AS_COMPUTED) -> dict[str, Pose]:
         """The pose of each part at one instant."""
-        factors = factors or Factors()
         pair, upright = GearPair.of(self.gear), np.eye(3)
         axis, bush = pair.bar_axis_height, self.gear.bush
         lift = self.magnified("plunger_displacement", factors.displacement)[frame]
@@ -121,17 +123,10 @@ class Motion:
 
 def exploded(gear: SteeringGear) -> dict[str, np.ndarray]:
     """How far each part stands from its place in the exploded view, shape (3,) [m]."""
-    yoke = gear.yoke
-    step = 0.35 * (plunger_ends(gear)[1] + yoke.plunger_length)
-    return {
-        "pinion": np.array([0.0, -1.2 * step, 0.0]),
-        "bearings": np.array([0.0, -1.2 * step, 0.0]),
-        "rack": np.zeros(3),
-        "plunger": np.array([0.0, 1.1 * step, 0.0]),
-        "spring": np.array([0.0, 2.1 * step, 0.0]),
-        "yokenut": np.array([0.0, 3.0 * step, 0.0]),
-        "bush": np.array([-0.35 * gear.bush.distance, 0.0, 0.0]),
-    }
+    step = 0.35 * (plunger_ends(gear)[1] + gear.yoke.plunger_length)
+    steps = {"pinion": -1.2, "bearings": -1.2, "rack": 0.0, "plunger": 1.1, "spring": 2.1, "yokenut": 3.0}
+    away = {name: np.array([0.0, count * step, 0.0]) for name, count in steps.items()}
+    return away | {"bush": np.array([-0.35 * gear.bush.distance, 0.0, 0.0])}
 
 
 def chosen_frames(signals: Mapping[str, np.ndarray]) -> np.ndarray:

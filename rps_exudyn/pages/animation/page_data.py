@@ -36,8 +36,8 @@ def page_data(motion: Motion, parts: list[PicturePart], lines: ContactLines | No
     """Everything that the page's script reads."""
     pair, signals = GearPair.of(motion.gear), motion.signals
     most, steps = motion.largest_factors, np.diff(signals["pinion_angle"])
-    half_way = Factors(*(float(np.round(np.sqrt(value))) for value in vars(most).values()))  # in decades
-    choices = [Factors(), *([half_way] if max(vars(most).values()) > 10 else []), most]
+    half_way = Factors(*(float(np.round(np.sqrt(value))) for value in most))  # in decades
+    choices = [Factors(), *([half_way] if max(most) > 10 else []), most]
     one_way = bool((steps > 0).all() or (steps < 0).all())
     return {
         "frames": motion.frames,
@@ -50,17 +50,11 @@ def page_data(motion: Motion, parts: list[PicturePart], lines: ContactLines | No
         "origin": pair.pinion_origin.tolist(),
         "axis": pair.bar_axis_height,
         "bushPlace": motion.gear.bush.distance + motion.gear.bush.length / 2,
-        "factors": [list(vars(each).values()) for each in choices],
+        "factors": [list(each) for each in choices],
         "arrows": [
-            {
-                "signal": each.signal,
-                "label": each.label,
-                "part": each.part,
-                "point": each.point.tolist(),
-                "direction": each.direction.tolist(),
-                "colour": each.colour,
-                "unit": SIGNALS[each.signal].display,
-            }
+            vars(each)
+            | {"point": each.point.tolist(), "direction": each.direction.tolist()}
+            | {"unit": SIGNALS[each.signal].display}
             for each in arrows(motion)
         ],
         "torquePlace": [0.45 * motion.gear.pinion.shaft_length, 0.75 * motion.gear.pinion.shaft_diameter],

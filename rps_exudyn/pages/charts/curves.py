@@ -21,6 +21,11 @@ NOT_SIMULATED = "not simulated (test.path = there-and-back does)"
 RESIDUAL, HEIGHT_OF_RESIDUAL = "residual", 1.6  # name and height [in] of its panel
 HEIGHT_OF_ONE_WAY = 0.8  # of the panel of both directions
 LONGEST_NAME = 40  # letters of a file's name in a legend
+MOST_DOTS = 250  # of a measured curve, evenly chosen; more hide each other
+_GREY: Any = {"linestyle": "none", "color": style.COLOURS["measured"], "marker": "o", "zorder": 1.8}
+MEASURED_DOTS = _GREY | {"markersize": 3, "markeredgewidth": 0.6, "markerfacecolor": "none"}
+OTHER_DOTS = _GREY | {"markersize": 2, "markeredgewidth": 0, "markerfacecolor": style.COLOURS["measured"]}
+"""Measured points are hollow; those of the other direction are small and filled."""
 
 
 def over_angle(axes: Axes, signals: Signals, name: str, axis: str, colour: str) -> None:
@@ -192,6 +197,5 @@ def draw_dots(axes: Axes, x: np.ndarray, y: np.ndarray, direction: int, label: s
     """Draw measured points by the marks of their direction; the axes hold also those that are left out."""
     if x.size:
         axes.update_datalim([(x.min(), y.min()), (x.max(), y.max())])
-    some = slice(None, None, max(1, -(-x.size // style.MOST_DOTS)))
-    look = style.MEASURED_DOTS | (style.OTHER_DOTS if direction < 0 else {})
+    some, look = style.thinned(x.size, MOST_DOTS), OTHER_DOTS if direction < 0 else MEASURED_DOTS
     axes.plot(x[some], y[some], label=label, **look)

@@ -88,21 +88,6 @@ THEME = {
 }
 """Name of a colour in style sheets -> it on a light and on a dark screen."""
 
-MEASURED_DOTS: Any = {
-    "linestyle": "none",
-    "color": COLOURS["measured"],
-    "marker": "o",
-    "markersize": 3,
-    "markeredgewidth": 0.6,
-    "markerfacecolor": "none",
-    "zorder": 1.8,
-}
-"""Measured points are hollow; those of the other direction are small and filled."""
-
-OTHER_DOTS: Any = {"markersize": 2, "markeredgewidth": 0, "markerfacecolor": COLOURS["measured"]}
-
-MOST_DOTS = 250  # of a measured curve, evenly chosen; more hide each other
-
 REFERENCE_LINE: Any = {"color": COLOURS["reference"], "linewidth": 1, "linestyle": "--", "zorder": 1}
 
 LETTERS = 12.5  # of a headline in an inch
@@ -158,6 +143,11 @@ def line(
     look: Any = {"linestyle": DASHES.get(colour, "-"), "linewidth": _LOOK["lines.linewidth"]}
     axes.plot(x, quantity.displayed(y), label=label, color=COLOURS[colour], **look)
     axes.set_ylabel(quantity.axis_label(name))
+
+
+def thinned(count: int, most: int) -> slice:
+    """Which of so many points are drawn: every n-th, at most about `most`."""
+    return slice(None, None, max(1, -(-count // most)))
 
 
 def name_curves(axes: Axes) -> None:
