@@ -66,6 +66,7 @@ def draw(
         InputError: the file cannot be written.
     """
     figure = scene_figure(result, measured, from_zero=from_zero)
+    style.fix_margins(figure)
     if path is not None:
         style.save(figure, path)
     return figure
