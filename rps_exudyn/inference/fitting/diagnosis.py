@@ -43,13 +43,9 @@ def refusals(problem: Problem, model: LevelModel, state: FitState) -> list[Refus
         "half the torque difference changes with the weight although no flank lifts: friction depends on the "
         "load, or the runs differ by more than the declared repeatability"
     )
+    by_levels = "levels of the tests contradict each other"
     checks = (
-        (
-            _data_probability(model, state),
-            UNLIKELY,
-            "chi-squared",
-            "levels of the tests contradict each other",
-        ),
+        (_data_probability(model, state), UNLIKELY, "chi-squared", by_levels),
         (_load_probability(problem, model, state), BY_CHANCE, "weights", by_load),
     )
     said = "no parameter counts as found: {} (probability {:.2g}, limit {:g})"

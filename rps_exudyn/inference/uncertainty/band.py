@@ -18,16 +18,9 @@ import numpy as np
 
 from rps_exudyn.analysis.passes import Signals
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.inference.uncertainty import statistics
 from rps_exudyn.inference.uncertainty.samples import Samples, runs_at
-from rps_exudyn.inference.uncertainty.statistics import (
-    LEVELS,
-    Contributions,
-    NumericalError,
-    Polynomials,
-    Quantiles,
-    numerical_error,
-    quantiles,
-)
+from rps_exudyn.inference.uncertainty.statistics import LEVELS, Contributions, Quantiles
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -69,13 +62,13 @@ class Drawn:
         return sum(self.failures.values())
 
     @cached_property
-    def numerical(self) -> dict[str, NumericalError]:
+    def numerical(self) -> dict[str, statistics.NumericalError]:
         """Numerical errors of the figures that have bars."""
         found = {}
         for name, bars in self.bars.items():
             known = np.isfinite(self.numbers[name])
             if known.any():
-                found[name] = numerical_error(self.numbers[name][known], bars[known])
+                found[name] = statistics.numerical_error(self.numbers[name][known], bars[known])
         return found
 
 
@@ -318,21 +311,21 @@ def figure_quantiles(drawn: Drawn) -> dict[str, Quantiles]:
     for name, numbers in drawn.numbers.items():
         known = numbers[np.isfinite(numbers)]
         if known.size >= LEAST_OK:
-            found[name] = quantiles(known, failed=numbers.size - known.size)
+            found[name] = statistics.quantiles(known, failed=numbers.size - known.size)
     return found
 
 
 def contributions_of(drawn: Drawn) -> dict[str, Contributions]:
     """Return the contributions to every figure for which there are enough samples."""
     found, groups = {}, drawn.samples.inputs.groups
-    fitted: dict[bytes, Polynomials] = {}  # most figures are known of the same samples
+    fitted: dict[bytes, statistics.Polynomials] = {}  # most figures are known of the same samples
     for name, numbers in drawn.numbers.items():
         known = np.isfinite(numbers)
         if not known.any():
             continue
         key = known.tobytes()
         if key not in fitted:
-            fitted[key] = Polynomials.at(drawn.samples.quantile[known], groups)
+            fitted[key] = statistics.Polynomials.at(drawn.samples.quantile[known], groups)
         if each := fitted[key].contributions(numbers[known]):
             found[name] = each
     return found

@@ -186,7 +186,8 @@ def _remove_names(axes: Axes) -> None:
 
 def _end_of(axes: Axes, handle: Any) -> float:
     """Height of a curve's or band's right end, over the axes' height."""
-    transform, points = handle.get_transform(), np.empty((0, 2))
+    points = np.empty((0, 2))
+    transform = handle.get_transform() if hasattr(handle, "get_transform") else axes.transData
     if hasattr(handle, "get_xydata"):
         points = handle.get_xydata()
     elif hasattr(handle, "get_offsets") and len(handle.get_offsets()) > 1:
