@@ -80,7 +80,6 @@ class FittedPass:
     model: np.ndarray
     half_band: np.ndarray
     noise: float  # standard deviation of a point
-    unit: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -269,7 +268,7 @@ class Fit:
             model = block.at(values, each.direction, each.angle - self.offset) + zero
             band, by_angle = np.full(each.angle.size, half), test.of_kind.by_angle
             measured = name, test.title, by_angle, each.direction, each.angle, each.value
-            drawn.append(FittedPass(*measured, model, band, white, test.unit))
+            drawn.append(FittedPass(*measured, model, band, white))
         return drawn
 
     @property

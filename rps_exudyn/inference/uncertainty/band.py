@@ -64,12 +64,12 @@ class Drawn:
     @cached_property
     def numerical(self) -> dict[str, statistics.NumericalError]:
         """Numerical errors of the figures that have bars."""
-        found = {}
-        for name, bars in self.bars.items():
-            known = np.isfinite(self.numbers[name])
-            if known.any():
-                found[name] = statistics.numerical_error(self.numbers[name][known], bars[known])
-        return found
+        known = {name: np.isfinite(self.numbers[name]) for name in self.bars}
+        return {
+            name: statistics.numerical_error(self.numbers[name][some], self.bars[name][some])
+            for name, some in known.items()
+            if some.any()
+        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -285,9 +285,8 @@ class _Seen:
                 kind = alike(status, () if result is None else result.codes, message)
                 self.failures[row] = kind, f"{status}: {message}"
             elif result is None:
-                self.rows[row] = [
-                    float(summary[name][i]) if name in summary else np.nan for name in self.names
-                ]
+                figures = {name: float(column[i]) for name, column in summary.items()}
+                self.rows[row] = [figures.get(name, np.nan) for name in self.names]
                 assert part.found is not None
                 self._add_curve(row, part.found.signals_of(i), self.nominal.gear)
             else:
@@ -307,12 +306,10 @@ class _Seen:
 
 def figure_quantiles(drawn: Drawn) -> dict[str, Quantiles]:
     """Return the quantiles of every figure that enough samples have."""
-    found = {}
-    for name, numbers in drawn.numbers.items():
-        known = numbers[np.isfinite(numbers)]
-        if known.size >= LEAST_OK:
-            found[name] = statistics.quantiles(known, failed=numbers.size - known.size)
-    return found
+    known = {name: numbers[np.isfinite(numbers)] for name, numbers in drawn.numbers.items()}
+    count = len(drawn.samples)
+    enough = {name: numbers for name, numbers in known.items() if numbers.size >= LEAST_OK}
+    return {name: statistics.quantiles(numbers, count - numbers.size) for name, numbers in enough.items()}
 
 
 def contributions_of(drawn: Drawn) -> dict[str, Contributions]:

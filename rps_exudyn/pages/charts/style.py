@@ -411,13 +411,14 @@ def _save_pixels(figure: Figure, path: Path) -> None:
 # --- Headline of a result's picture: scene and its figures, the gear, and its failure in words
 
 
-def head(figure: Figure, result: Result, subject: str, figures: Mapping[str, str]) -> None:
-    """Write the headline; `figures` are the summary's names -> labels, skipped if they are not in it."""
+def head(figure: Figure, result: Result, subject: str, figures: Mapping[str, str]) -> Figure:
+    """The figure with its headline; `figures` are names -> labels of the summary, as far as it has them."""
     parts = [subject] + [
         f"{label} {rounded_metric(result, name)}" for name, label in figures.items() if name in result.summary
     ]
     failure = "" if result.status is Status.OK else f"{result.status}: {result.message}"
     title(figure, f"{' · '.join(parts)}\n{about(result)}", failure)
+    return figure
 
 
 def scene_of(result: Result) -> str:

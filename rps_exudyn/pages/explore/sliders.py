@@ -112,12 +112,8 @@ SLOW = 0.25  # scenes that take longer show a preview while a slider moves [s]
 DRAFT = "draft while a slider moves, without error bars"
 MOST_POINTS = 3000  # of a curve
 SIZES = (
-    "transverse_contact_ratio",
-    "overlap_ratio",
-    "tip_diameter",
-    "root_diameter",
-    "undercut_margin",
-    "crest_width",
+    *("transverse_contact_ratio", "overlap_ratio", "tip_diameter", "root_diameter"),
+    *("undercut_margin", "crest_width"),
 )
 Answer = dict[str, Any]
 

@@ -40,14 +40,8 @@ if TYPE_CHECKING:
 
 
 def result_page(result: Result, path: Path, more: Sequence[Section] = (), band: Band | None = None) -> Sheet:
-    """The sheet of a result in the file `path`: number, curve, losses; folded below, everything else.
-
-    Args:
-        result: what was simulated.
-        path: its file.
-        more: sections behind the losses.
-        band: of uncertain inputs, of which `result` is the nominal run.
-    """
+    """The sheet of a result in the file `path`: number, curve, losses, `more`; folded below, everything else.
+    The result is the nominal run of the `band` of uncertain inputs."""
     compared = compared_with_own(result)
     sheet = sheet_of(result, compared, band)
     is_free, heading = result.scene == FREE_TURNING_SCENE.name, "Curves"

@@ -37,13 +37,8 @@ LEAST_SHARE = 0.005  # of the work lost, below which a part is not named
 def sheet_of(
     result: Result, compared: "Sequence[AgainstMeasured] | None" = None, band: "Band | None" = None
 ) -> Sheet:
-    """Return the sheet of a result.
-
-    Args:
-        result: what was simulated.
-        compared: its comparison with a measured torque, where it has one.
-        band: of uncertain inputs, of which `result` is the nominal run.
-    """
+    """Return the sheet of a result, with its comparison with a measured torque, and with the band of
+    uncertain inputs of which it is the nominal run."""
     title = scene_named(result.scene).title if is_scene(result.scene) else result.scene
     gear, medians = result.gear.replace({"mesh.law": BY_SCENE}), band.inputs if band is not None else {}
     shown = gear_shown(gear, medians) + (f"; {len(medians)} inputs at their medians" if medians else "")

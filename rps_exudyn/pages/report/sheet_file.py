@@ -18,15 +18,16 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of, write_json
 from rps_exudyn.pages.report.html import write_page
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results import page_blocks as blocks
-from rps_exudyn.results.page_blocks import Picture, Pictures
+from rps_exudyn.results import page_blocks
+from rps_exudyn.results.page_blocks import CodeText, Columns, Facts, Fold, Judged, Picture, Pictures, Shares
 from rps_exudyn.results.sheet import Block, Grid, Row, Section, Sheet, Text
 
 KEY = "sheet"
 DEEPEST = 4  # folds in folds
-_KINDS: Sequence[type[Block]] = (Text, blocks.Warning, blocks.CodeText, blocks.Facts, Grid, blocks.Judged)
-_KINDS = (*_KINDS, blocks.Shares, Pictures, blocks.Fold, blocks.Columns)
-_ADAPTERS: dict[str, TypeAdapter[Any]] = {each.__name__.lower(): TypeAdapter(each) for each in _KINDS}
+_ADAPTERS: dict[str, TypeAdapter[Any]] = {
+    each.__name__.lower(): TypeAdapter(each)
+    for each in (Text, page_blocks.Warning, CodeText, Facts, Grid, Judged, Shares, Pictures, Fold, Columns)
+}
 _ROWS = TypeAdapter(list[Row])
 _PLACES = ("", "wide-only", "narrow")
 WIDEST = 20.0  # of a picture [in]

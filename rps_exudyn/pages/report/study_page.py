@@ -55,10 +55,6 @@ def study_page(store: Store) -> Sheet:
     is_uncertain = description.design == UNCERTAIN_DESIGN
     with suppress(InputError):  # what is set for all cases is no gear by itself
         gear = SteeringGear().replace(dict(description.base))
-    extremes = [
-        Fold(words(name), list(_extremes_of(table, store, name)), is_open=True)
-        for name in ranked(table)[:LEADING]
-    ]
     return Sheet(
         title=description.title or description.name,
         lead=f"{description.scene} · fidelity {description.fidelity.get('name', '')} · {_progress(table)}",
@@ -71,7 +67,7 @@ def study_page(store: Store) -> Sheet:
             *_sensitivity(table),
             *_remarks(table),
             Section("Failed cases", list(_failed(table)), is_folded=not (failed or table.skipped)),
-            Section("Best and worst cases", extremes or [Text(EQUAL)], is_folded=True),
+            Section("Best and worst cases", list(_extremes(table, store)), is_folded=True),
             Section("Outcome", list(_outcome(table)), is_folded=True),
             Section("What was run", list(_what(table)), is_folded=True),
             Section("All cases", list(_all_cases(table, store)), is_folded=True),
@@ -297,6 +293,13 @@ def _ends(name: str) -> dict[str, str]:
         return {"highest": "highest (best)", "median": "median", "lowest": "lowest (worst)"}
     best, worst = (" (best)", " (worst)") if name.startswith("torque") else ("", "")
     return {"lowest": f"lowest{best}", "median": "median", "highest": f"highest{worst}"}
+
+
+def _extremes(table: CaseTable, store: Store) -> Iterable[Block]:
+    names = ranked(table)[:LEADING]
+    yield from (Fold(words(name), list(_extremes_of(table, store, name)), is_open=True) for name in names)
+    if not names:
+        yield Text(EQUAL)
 
 
 def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[Block]:
