@@ -49,11 +49,8 @@ def refusals(problem: Problem, model: LevelModel, state: FitState) -> list[Refus
         (_load_probability(problem, model, state), BY_CHANCE, "weights", by_load),
     )
     said = "no parameter counts as found: {} (probability {:.2g}, limit {:g})"
-    return [
-        Refusal(name, said.format(what, probability, limit))
-        for probability, limit, name, what in checks
-        if probability < limit
-    ]
+    failed = [check for check in checks if check[0] < check[1]]
+    return [Refusal(name, said.format(what, chance, limit)) for chance, limit, name, what in failed]
 
 
 def _data_probability(model: LevelModel, state: FitState) -> float:

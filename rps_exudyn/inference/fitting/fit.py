@@ -100,9 +100,8 @@ def fit(
         if np.shape(prior) != (2,) or np.asarray(prior).dtype.kind not in "if":
             raise InputError(f"the prior of {path} is {shown(prior)}; it must be (value, deviation), in SI.")
     check_kind("like", like, Fit | Series | None, "the fit of another gear")
-    measurement = (
-        files if isinstance(files, Measurement) else bench_tests.read_measurement(files, columns, gear)
-    )
+    read = bench_tests.read_measurement
+    measurement = files if isinstance(files, Measurement) else read(files, columns, gear)
     check_sizes(measurement, gear)
     free = (*USUAL, *free) if free and {*free} <= {*SHAPE_PARAMETERS} else free
     free, warnings = identifiable_parameters(measurement, gear, list(free))
@@ -326,11 +325,8 @@ def doubts(curve: MeasuredTorque, gear: SteeringGear) -> list[str]:
 
 
 def _wrong_sizes(measurement: Measurement, gear: SteeringGear) -> list[str]:
-    return [
-        f"{name} {why}"
-        for name, passes in _by_file(measurement)
-        for why in (*_sizes(passes, gear), *_travels(passes, gear))
-    ]
+    files = _by_file(measurement)
+    return [f"{name} {why}" for name, each in files for why in (*_sizes(each, gear), *_travels(each, gear))]
 
 
 def _by_file(measurement: Measurement) -> Iterator[tuple[str, list[MeasuredPass]]]:

@@ -403,12 +403,10 @@ def unexplained(problem: Problem, shape: FitState) -> str:
     Noise that keeps its sign over some degrees looks the same; three runs or a dial gauge decide.
     """
     passes = [each for each in problem.measurement.passes if each.test.of_kind.by_angle]
-    squares = [
-        float(row.weights @ row.deviation**2 / row.weights.sum()) / white_noise(each) ** 2
-        for each, row in zip(passes, shape.rows, strict=True)
-    ]
+    squares = [float(row.weights @ row.deviation**2 / row.weights.sum()) for row in shape.rows]
+    parts = [SOFT * (each / white_noise(of) ** 2) for each, of in zip(squares, passes, strict=True)]
     points = sum(each.value.size for each in passes)
-    misfit = float(np.sqrt(np.mean([SOFT * square for square in squares])))
+    misfit = float(np.sqrt(np.mean(parts)))
     if shape.converged and misfit < 1 + CHANCE / np.sqrt(points):
         return ""
     return (

@@ -187,9 +187,8 @@ def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: fl
     groups = _alike(per_run)
     angles = [group[0].angle for group in groups]
     effects = [_limited(np.ones((angle.size, 1)), angle, span, orders) for angle in angles]
-    functionals = [
-        np.linalg.pinv(each)[0] for each in effects
-    ]  # weights (k,) of the parts: their sum is the level
+    # Weights (k,) of the parts whose sum is the level, beside the waves of turn and teeth
+    functionals = [np.linalg.pinv(each)[0] for each in effects]
     levels = _means(groups, functionals, 0)
     value = float(levels.mean())
     law = noise.averaged_law(
@@ -294,9 +293,8 @@ def _regression(
 
 def _means(groups: Sequence[Sequence[Parts]], functionals: Sequence[np.ndarray], row: int) -> np.ndarray:
     """The weighted sum of a row of the parts, of each run: shape (runs,)."""
-    return np.array(
-        [g @ each.values[row] for g, group in zip(functionals, groups, strict=True) for each in group]
-    )
+    pairs = zip(functionals, groups, strict=True)
+    return np.array([g @ each.values[row] for g, group in pairs for each in group])
 
 
 def _drift(law: AveragedLaw, runs: int) -> float:

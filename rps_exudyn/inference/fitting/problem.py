@@ -158,13 +158,9 @@ class Problem:
 
     def moved(self, state: FitState, step: np.ndarray) -> FitState:
         """The state after a step (size,), its model's values by its slopes."""
-        count = len(self.unknowns)
-        return replace(
-            state,
-            u=state.u + step[:count],
-            offset=state.offset + float(step[count]),
-            values=state.values + state.slopes @ step[:count],
-        )
+        of_u, turned = step[:-1], float(step[-1])
+        values = state.values + state.slopes @ of_u
+        return replace(state, u=state.u + of_u, offset=state.offset + turned, values=values)
 
 
 def linearised(problem: Problem, state: FitState) -> FitState:

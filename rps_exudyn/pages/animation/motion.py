@@ -5,7 +5,7 @@ over the record, the displacements by one factor and the angles by another: the 
 too, would press the rack's teeth through the pinion's.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -81,10 +81,8 @@ class Motion:
     @cached_property
     def largest_factors(self) -> Factors:
         """The round factors that make the deflections visible without taking the bodies apart."""
-        return Factors(
-            _round_factor(SHOWN_LIFT, [self.deviation(name) for name in DISPLACEMENTS]),
-            _round_factor(SHOWN_TILT, [self.deviation(name) for name in TILTS]),
-        )
+        limits = {SHOWN_LIFT: DISPLACEMENTS, SHOWN_TILT: TILTS}
+        return Factors(*(_round_factor(shown, map(self.deviation, names)) for shown, names in limits.items()))
 
     def deviation(self, name: str) -> np.ndarray:
         """A signal less its mean, shape (frames,)."""
@@ -139,7 +137,7 @@ def chosen_frames(signals: Mapping[str, np.ndarray]) -> np.ndarray:
     return np.unique(np.concatenate([even, extremes]))
 
 
-def _round_factor(shown: float, deviations: list[np.ndarray]) -> float:
+def _round_factor(shown: float, deviations: Iterable[np.ndarray]) -> float:
     """The largest round factor by which the largest deviation stays below `shown`."""
     largest = max(float(np.abs(each).max()) for each in deviations)
     if largest == 0.0:

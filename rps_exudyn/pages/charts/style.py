@@ -413,9 +413,8 @@ def _save_pixels(figure: Figure, path: Path) -> None:
 
 def head(figure: Figure, result: Result, subject: str, figures: Mapping[str, str]) -> Figure:
     """The figure with its headline; `figures` are names -> labels of the summary, as far as it has them."""
-    parts = [subject] + [
-        f"{label} {rounded_metric(result, name)}" for name, label in figures.items() if name in result.summary
-    ]
+    known = {name: label for name, label in figures.items() if name in result.summary}
+    parts = [subject, *(f"{label} {rounded_metric(result, name)}" for name, label in known.items())]
     failure = "" if result.status is Status.OK else f"{result.status}: {result.message}"
     title(figure, f"{' · '.join(parts)}\n{about(result)}", failure)
     return figure

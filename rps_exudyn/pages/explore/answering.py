@@ -108,8 +108,9 @@ class Answering:
 
     def _add(self, kind: str) -> None:
         """Have one process more for a kind of answers."""
-        self._begun.append(Processes(1, LONGEST if kind == CURVE else LONGEST_REQUESTED))
-        self._free[kind].put(self._begun[-1])
+        made = Processes(1, LONGEST if kind == CURVE else LONGEST_REQUESTED)
+        self._begun.append(made)
+        self._free[kind].put(made)
 
     def __enter__(self) -> "Answering":
         return self

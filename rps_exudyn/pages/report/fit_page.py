@@ -95,11 +95,9 @@ def _rows(fit: Fit) -> Iterable[Row]:
         yield Row("no estimate", "the fit did not converge: these values are its last iteration")
     if fit.advice and fit.advice.tests:
         yield Row("next test", listed([findings.test_words(test) for test in fit.advice.tests]))
-    doubts = [
-        *(each.sentence for each in fit.refusals),
-        *beyond_the_teeth(fit.problem.measurement, fit.given),
-        *fit.problem.measurement.late,
-    ]
+    measurement = fit.problem.measurement
+    doubts = [*(each.sentence for each in fit.refusals), *beyond_the_teeth(measurement, fit.given)]
+    doubts += measurement.late
     for level in (each for each in fit.levels if each.test.of_kind.by_angle):
         doubts += encoder_doubts(level, fit.given.pinion.teeth)
     if doubts:

@@ -48,19 +48,19 @@ def result_page(result: Result, path: Path, more: Sequence[Section] = (), band: 
     if result.signals and is_scene(result.scene):
         heading = words(scene_named(result.scene).signal).capitalize() + " over the pinion's angle" * is_free
     beside = [*_losses(result), *_ripple(result)]
-    notices = list(_notices(result))
+    sections = [
+        Section("Outcome", list(_notices(result))),
+        Section(heading, list(_curves(result, band))),
+        *([Section("", [Columns(beside)])] if len(beside) > 1 else beside),
+        *([] if band is None else _scatter(band)),
+        *more,
+        Section("Details", list(_details(result, compared, path))),
+    ]
     return Sheet(
         title=scene_of(result),
         lead=f"{path.name} · {about(result)} · {result.provenance['date'][:10]}",
         rows=[row for row in sheet.rows if row.value not in (REMARK, WORK_LOST)],
-        sections=[
-            *([Section("Outcome", notices)] if notices else []),
-            Section(heading, list(_curves(result, band))),
-            *([Section("", [Columns(beside)])] if len(beside) > 1 else beside),
-            *([] if band is None else _scatter(band)),
-            *more,
-            Section("Details", list(_details(result, compared, path))),
-        ],
+        sections=[each for each in sections if each.blocks],
         gear=result.gear,
         result=result,
     )
@@ -76,22 +76,20 @@ def gear_page(gear: SteeringGear, path: Path) -> Sheet:
     changed, numbers = gear.changes(), report.numbers
     differing = Fold("Parameters that differ from the defaults", [html.parameter_grid(changed)], is_open=True)
     every = {item.path: gear.value_at(item.path) for item in SteeringGear.declared()}
+    details = [
+        Fold("Geometry", [_sizes(numbers)]),
+        Fold("All parameters of gear and test", [html.parameter_grid(every)]),
+        Fold("Simulate it", [CodeText(f"rps-exudyn run --gear {path}")]),
+    ]
+    sections = [
+        Section("Warnings", [Warning(text) for text in report.warnings]),
+        Section("Details", [differing, *details] if changed else details),
+    ]
     return Sheet(
         title="Gear",
         lead=f"{path.name} · {repr(gear).strip('<>').removeprefix('SteeringGear: ')}",
         rows=[Row(GEOMETRY[name].show(numbers[name]), GEOMETRY[name].long_name) for name in HEAD_SIZES],
-        sections=[
-            *([Section("Warnings", [Warning(text) for text in report.warnings])] if report.warnings else []),
-            Section(
-                "Details",
-                [
-                    *([differing] if changed else []),
-                    Fold("Geometry", [_sizes(numbers)]),
-                    Fold("All parameters of gear and test", [html.parameter_grid(every)]),
-                    Fold("Simulate it", [CodeText(f"rps-exudyn run --gear {path}")]),
-                ],
-            ),
-        ],
+        sections=[each for each in sections if each.blocks],
         gear=gear,
     )
 
@@ -116,9 +114,8 @@ def side_by_side(results: Mapping[Path, Result]) -> Sheet:
     for parameter in dict.fromkeys(name for changed in settings.values() for name in changed):
         values = [result.gear.value_at(parameter) for result in results.values()]
         if len({repr(value) for value in values}) > 1:
-            rows.append(
-                [parameter, *(html.parameter_grid({parameter: value}).rows[0][1] for value in values)]
-            )
+            shown = [html.parameter_grid({parameter: value}).rows[0][1] for value in values]
+            rows.append([parameter, *shown])
     grid = Grid(["", *names.values()], rows)
     return Sheet("Results side by side", f"{len(results)} files", sections=[Section("Numbers", [grid])])
 
@@ -204,9 +201,8 @@ def _scatter(band: Band) -> Iterable[Section]:
         for name, each in band.figures.items()
     ]
     grid = Grid(("quantity", "5 %", "median", "95 %", "numerical error"), rows)
-    yield Section(
-        "Scatter", [*map(Warning, causes), *found, Fold(f"Quantiles of {len(rows)} quantities", [grid])]
-    )
+    fold = Fold(f"Quantiles of {len(rows)} quantities", [grid])
+    yield Section("Scatter", [*map(Warning, causes), *found, fold])
 
 
 def _curves(result: Result, band: Band | None) -> Iterable[Block]:

@@ -92,9 +92,8 @@ def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
     summary, first = result.summary, scene_named(result.scene).figure if is_scene(result.scene) else ""
     others = [name for name in LABELS if name not in (first, *REPEATED)]
     names = [name for name in (first, *others) if name in summary]
-    names = names[:1] + [
-        name for name in names[1:] if rounding.rounded(SUMMARY[name], summary[name])[:2] != "0 "
-    ]
+    shown = {name: rounding.rounded(SUMMARY[name], summary[name]) for name in names[1:]}
+    names = [*names[:1], *(name for name in shown if not shown[name].startswith("0 "))]
     law, names = law_error(result.gear, result.fidelity), names[:MOST_METRICS]
     largest: dict[str, float] = {}  # unit -> number whose unit all others of it have
     for name in names:
@@ -108,11 +107,8 @@ def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
         if band is not None and name in band.figures:
             found = band.figures[name]
             about += f"; {rounding.rounded_range(quantity, found.low, found.high, like)} in 90 % of gears"
-        yield Row(
-            rounding.rounded_metric(result, name, like),
-            about,
-            rounding.is_vague(value, result.errors.get(name)),
-        )
+        vague = rounding.is_vague(value, result.errors.get(name))
+        yield Row(rounding.rounded_metric(result, name, like), about, vague)
 
 
 def loss_shares(result: Result) -> dict[str, float]:

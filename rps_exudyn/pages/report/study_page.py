@@ -55,24 +55,25 @@ def study_page(store: Store) -> Sheet:
     is_uncertain = description.design == UNCERTAIN_DESIGN
     with suppress(InputError):  # what is set for all cases is no gear by itself
         gear = SteeringGear().replace(dict(description.base))
+    sections = [
+        Section("", list(_unfinished(table))),
+        Section("Main effects and response surfaces", list(_effects(table))),
+        Section("Bands", list(band_blocks(table, ranked(table))) if is_uncertain else []),
+        Section("Sensitivity indices", list(_sensitivity(table))),
+        Section("Remarks", list(_remarks(table))),
+        Section("Failed cases", list(_failed(table)), is_folded=not (failed or table.skipped)),
+        Section("Best and worst cases", list(_extremes(table, store)), is_folded=True),
+        Section("Outcome", list(_outcome(table)), is_folded=True),
+        Section("What was run", list(_what(table)), is_folded=True),
+        Section("All cases", list(_all_cases(table, store)), is_folded=True),
+        Section("Provenance", list(_provenance(table)), is_folded=True),
+    ]
     return Sheet(
         title=description.title or description.name,
         lead=f"{description.scene} · fidelity {description.fidelity.get('name', '')} · {_progress(table)}",
         rows=list(study_rows(table)),
         gear=gear,
-        sections=[
-            *_unfinished(table),
-            Section("Main effects and response surfaces", list(_effects(table))),
-            *([Section("Bands", list(band_blocks(table, ranked(table))))] if is_uncertain else []),
-            *_sensitivity(table),
-            *_remarks(table),
-            Section("Failed cases", list(_failed(table)), is_folded=not (failed or table.skipped)),
-            Section("Best and worst cases", list(_extremes(table, store)), is_folded=True),
-            Section("Outcome", list(_outcome(table)), is_folded=True),
-            Section("What was run", list(_what(table)), is_folded=True),
-            Section("All cases", list(_all_cases(table, store)), is_folded=True),
-            Section("Provenance", list(_provenance(table)), is_folded=True),
-        ],
+        sections=[each for each in sections if each.blocks],
     )
 
 
@@ -81,17 +82,14 @@ def _progress(table: CaseTable) -> str:
     return f"{count(len(table.cases), 'case')}: {', '.join(parts)}" if parts else "no cases"
 
 
-def _unfinished(table: CaseTable) -> Iterable[Section]:
-    warnings = []
+def _unfinished(table: CaseTable) -> Iterable[Block]:
     if pending := int((table.status == PENDING).sum()):
-        warnings.append(
+        yield Warning(
             f"Not finished: {pending} of {len(table.cases)} cases are still to run. The page shows the "
             "others; the same command continues where it stopped."
         )
     if files := len(table.skipped):
-        warnings.append(f"{files} files could not be read and count as missing; see Failed cases.")
-    if warnings:
-        yield Section("", [Warning(text) for text in warnings])
+        yield Warning(f"{files} files could not be read and count as missing; see Failed cases.")
 
 
 def _what(table: CaseTable) -> Iterable[Block]:
@@ -258,19 +256,15 @@ def _effect_row(axis: Axis, effect: MainEffect, name: str) -> list[str]:
     return [named(axis.name), *levels, *means]
 
 
-def _sensitivity(table: CaseTable) -> list[Section]:
-    design = table.description.design
-    if design not in sensitivity.DESIGNS:
-        return []
+def _sensitivity(table: CaseTable) -> Iterable[Block]:
+    if (design := table.description.design) not in sensitivity.DESIGNS:
+        return
     kinds = sensitivity.KINDS[design]
-    found: list[Block] = [Facts(list(kinds.items()))]
-    for name in ranked(table):
-        try:
-            found.append(_indices(table, name, list(kinds)))
-        except InputError as error:
-            found.append(Text(" ".join(error.problems)))
-            break
-    return [Section("Sensitivity indices", found)]
+    yield Facts(list(kinds.items()))
+    try:
+        yield from (_indices(table, name, list(kinds)) for name in ranked(table))
+    except InputError as error:
+        yield Text(" ".join(error.problems))
 
 
 def _indices(table: CaseTable, name: str, kinds: Sequence[str]) -> Grid:
@@ -388,22 +382,23 @@ def _settings(table: CaseTable, case: Case, digits: int = 6) -> list[str]:
     return [show_value(axis, case.values[axis.name], digits) for axis in table.description.axes]
 
 
-def _remarks(table: CaseTable) -> list[Section]:
-    """The section of remarks; none without remarks."""
+def _remarks(table: CaseTable) -> Iterable[Block]:
     rows: list[Sequence[Cell]] = [
         [count(len(each.cases), "case"), each.example, _links(table, each)]
         for each in groups(table.remarked())
     ]
     if not rows:
-        return []
-    limited, about = int(table.limited.sum()), Text("Completed, with warnings.")
+        return
+    limited = int(table.limited.sum())
     if 0 < limited < table.ok.sum():
-        about = Warning(
+        yield Warning(
             f"{count(limited, 'case')} of {int(table.ok.sum())} met a limit of the gear, where a contact "
             "opens or closes: numbers have a kink there. Charts show these cases as diamonds; lines and "
             "colours are not carried from one side to the other."
         )
-    return [Section("Remarks", [about, Grid(("how many", "remark of the first", _which(table)), rows)])]
+    else:
+        yield Text("Completed, with warnings.")
+    yield Grid(("how many", "remark of the first", _which(table)), rows)
 
 
 def _failed(table: CaseTable) -> Iterable[Block]:
