@@ -80,7 +80,8 @@ def load_figure(result: Result) -> Figure:
     axes[3].set_ylabel("mesh stiffness\nalong X [N/µm]")
     style.widen(axes[3], 0.2 * float(along_x.max()))
     style.angle_axis(axes[-1])
-    return head(figure, result, "Loads on the lines of contact", {})
+    head(figure, result, "Loads on the lines of contact", {})
+    return figure
 
 
 def _forces(axes: Axes, loads: LoadDistribution, side: int) -> None:
@@ -145,4 +146,5 @@ def pattern_figure(result: Result) -> Figure:
         panel.set_facecolor("#f2f2f2")
     axes[0].set_ylabel("length of roll from the base circle [mm]")
     figure.colorbar(shown, ax=axes, label="largest pressure [MPa]", pad=0.01)
-    return head(figure, result, "Contact pattern over one tooth pitch", {})
+    head(figure, result, "Contact pattern over one tooth pitch", {})
+    return figure

@@ -102,7 +102,8 @@ def torque_figure(result: Result, measured: MeasuredTorque | None = None) -> Fig
                 name = "_" if law else "mean"  # the band's name has it
                 panel.axes.axhline(_TORQUE.displayed(mean), **style.REFERENCE_LINE, label=name)
         style.name_curves(panel.axes)
-    return head(figure, result, scene_of(result), _BOTH_WAYS if both_ways else _ONE_WAY)
+    head(figure, result, scene_of(result), _BOTH_WAYS if both_ways else _ONE_WAY)
+    return figure
 
 
 def _means_in(panel: Panel, result: Result, both_ways: bool) -> list[float]:
@@ -147,7 +148,8 @@ def rack_push_figure(result: Result, measured: MeasuredTorque | None = None) -> 
     """The picture, without the lift if the fidelity has none; a measured pinion torque is not drawn."""
     figure, panels = panels_over_angle(result, _RACK_PUSH_PANELS)
     style.name_directions(panels[0].axes, {colour: label for label, colour in DIRECTIONS.values()})
-    return head(figure, result, scene_of(result), _RACK_PUSH_METRICS)
+    head(figure, result, scene_of(result), _RACK_PUSH_METRICS)
+    return figure
 
 
 # --- Picture of a load test: torque that raises the weight and torque that holds it while it is lowered
@@ -188,7 +190,8 @@ def load_test_figure(result: Result, measured: MeasuredTorque | None = None) -> 
     known = {
         name: label for name, label in _LOAD_TEST_METRICS.items() if 0 <= result.summary.get(name, 0) <= 1
     }
-    return head(figure, result, scene_of(result) + " · self-locking" * locking, known)
+    head(figure, result, scene_of(result) + " · self-locking" * locking, known)
+    return figure
 
 
 # --- Picture of reversals: the loop of torque over angle, below it how the rack stays behind
@@ -214,7 +217,8 @@ def reversal_figure(result: Result, measured: MeasuredTorque | None = None) -> F
         add_measured(axes[0], measured, result.signals)
     style.name_curves(axes[0])
     style.angle_axis(axes[-1])
-    return head(figure, result, scene_of(result), _REVERSAL_METRICS)
+    head(figure, result, scene_of(result), _REVERSAL_METRICS)
+    return figure
 
 
 # --- Picture of steering feel: the loop of torque over the wheel's angle, below it how the pinion lags
@@ -245,7 +249,8 @@ def steering_feel_figure(result: Result, measured: MeasuredTorque | None = None)
     style.name_curves(axes[0])
     style.angle_axis(axes[-1])
     axes[-1].set_xlabel(SIGNALS["wheel_angle"].axis_label("wheel angle"))
-    return head(figure, result, scene_of(result), _FEEL_METRICS)
+    head(figure, result, scene_of(result), _FEEL_METRICS)
+    return figure
 
 
 # --- Picture of the rack's lift over the torque on the pinion, the rack held
@@ -267,7 +272,8 @@ def lift_figure(result: Result, measured: MeasuredTorque | None = None) -> Figur
         _named_lines(axes, torque, moved, _LIFT_CURVES, "displacement from rest", "rack_y")
     _mark_clearance(axes, result, "yoke clearance")
     style.abscissa(axes, SIGNALS["pinion_torque"].axis_label("torque on the pinion"))
-    return head(figure, result, scene_of(result), _LIFT_METRICS)
+    head(figure, result, scene_of(result), _LIFT_METRICS)
+    return figure
 
 
 # --- Picture of the radial play: how far the rack's end yields to a force across it, along Y and along Z
@@ -285,7 +291,8 @@ def play_figure(result: Result, measured: MeasuredTorque | None = None) -> Figur
             _yielding(panel, result, f"end_force_{axis}", f"{part}_{axis}", along, colour, label)
     style.name_curves(axes[0])
     style.abscissa(axes[-1], "force across the rack's end [N]")
-    return head(figure, result, scene_of(result), _PLAY_METRICS)
+    head(figure, result, scene_of(result), _PLAY_METRICS)
+    return figure
 
 
 _SHAFT_METRICS = {"input_shaft_play_radial": "radial play", "input_shaft_play_axial": "axial play"}
@@ -301,7 +308,8 @@ def shaft_play_figure(result: Result, measured: MeasuredTorque | None = None) ->
     forces = [np.abs(each).max() for name, each in result.signals.items() if "shaft_force_" in name]
     largest = max(forces, default=1.0)
     axes[-1].set_xlim(-largest, largest)  # the panels share it, and the axial force is the smallest
-    return head(figure, result, scene_of(result), _SHAFT_METRICS)
+    head(figure, result, scene_of(result), _SHAFT_METRICS)
+    return figure
 
 
 def _yielding(
@@ -350,7 +358,8 @@ def impact_figure(result: Result, measured: MeasuredTorque | None = None) -> Fig
             panel.set_xlim(*window)
         close[0].tick_params(labelbottom=False)
         close[0].set_title("the shaded part", loc="left", fontsize=10)
-    return head(figure, result, scene_of(result), _IMPACT_METRICS)
+    head(figure, result, scene_of(result), _IMPACT_METRICS)
+    return figure
 
 
 def impacts_shown(result: Result) -> tuple[float, float] | None:
@@ -395,7 +404,8 @@ def rattle_figure(result: Result, measured: MeasuredTorque | None = None) -> Fig
     _named_lines(axes[2], time, signals, _RATTLE_CURVES, "displacement", "rack_y")
     _mark_clearance(axes[2], result, "yokenut")
     style.abscissa(axes[-1], TIME)
-    return head(figure, result, scene_of(result), _RATTLE_METRICS)
+    head(figure, result, scene_of(result), _RATTLE_METRICS)
+    return figure
 
 
 # --- Picture of stick-slip: torque at the wheel over time, below it how fast the pinion turns
@@ -423,4 +433,5 @@ def stick_slip_figure(result: Result, measured: MeasuredTorque | None = None) ->
     axes[1].axhline(wheel, **style.REFERENCE_LINE, label="wheel")
     style.name_curves(axes[1])
     style.abscissa(axes[-1], TIME)
-    return head(figure, result, scene_of(result), _STICK_SLIP_METRICS)
+    head(figure, result, scene_of(result), _STICK_SLIP_METRICS)
+    return figure

@@ -90,11 +90,12 @@ THEME = {
 
 REFERENCE_LINE: Any = {"color": COLOURS["reference"], "linewidth": 1, "linestyle": "--", "zorder": 1}
 
-NUMBERS, LABEL_LINE = 0.72, 0.17  # widths at an ordinate, of its numbers and of a line of its label [in]
+NUMBERS, LABEL_LINE = 0.7, 0.17  # widths at an ordinate, of its numbers and of a line of its label [in]
 ABSCISSA, GAP, EDGE = 0.46, 0.1, 0.06  # below a panel with a label, around others, of the picture [in]
 LETTERS = 12.5  # of a headline in an inch
 LINE_HEIGHT = 0.2  # of a sentence over the axes [in]
 POINTS = 72  # to an inch
+FAILURE = "failure"  # mark of the text about it
 NAME, NAME_SIZE, NAME_LETTERS = "name", 9, 20  # mark and size of a curve's name, letters of its lines
 NAME_LINE, NAME_GAP = 0.16, 0.35  # height of a line of it [in], and its distance to the next in lines
 NAMES_FROM = 6.0  # narrower pictures have no room for names beside curves [in]
@@ -298,6 +299,7 @@ def title(figure: Figure, headline: str, failure: str = "") -> None:
         axes = figure.axes[0]
         look: Any = {"loc": "left", "fontsize": 10, "color": COLOURS["failure"]}
         text = axes.set_title("\n".join(said), pad=6 + POINTS * _height_of_legend(axes), **look)
+        text.set_gid(FAILURE)
         text.set_parse_math(False)
         _heighten(figure, LINE_HEIGHT * len(said))
 
@@ -324,6 +326,8 @@ def fix_margins(figure: Figure) -> None:
         tall = free * share / sum(shares)
         top -= above + tall
         axes.set_position((left / width, top / height, 1 - (left + beside) / width, tall / height))
+        for failure in axes.findobj(lambda each: each.get_gid() == FAILURE):
+            failure.set(x=(EDGE - left) / (width - left - beside))  # below the headline
         top -= below
 
 
@@ -411,13 +415,12 @@ def _save_pixels(figure: Figure, path: Path) -> None:
 # --- Headline of a result's picture: scene and its figures, the gear, and its failure in words
 
 
-def head(figure: Figure, result: Result, subject: str, figures: Mapping[str, str]) -> Figure:
-    """The figure with its headline; `figures` are names -> labels of the summary, as far as it has them."""
+def head(figure: Figure, result: Result, subject: str, figures: Mapping[str, str]) -> None:
+    """Write the headline; `figures` are names -> labels of the summary, as far as it has them."""
     known = {name: label for name, label in figures.items() if name in result.summary}
     parts = [subject, *(f"{label} {rounded_metric(result, name)}" for name, label in known.items())]
     failure = "" if result.status is Status.OK else f"{result.status}: {result.message}"
     title(figure, f"{' · '.join(parts)}\n{about(result)}", failure)
-    return figure
 
 
 def scene_of(result: Result) -> str:
