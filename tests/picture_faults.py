@@ -23,6 +23,8 @@ from matplotlib.patches import Patch
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
+from rps_exudyn.pages.charts.style import NAME
+
 TOLERANCE = 1.0  # [pixels]; a line of 1 point is 1.4 pixels wide at 100 pixels to an inch
 TOUCHING = 0.12  # of the size of letters, by which the frames of lines of text may overlap
 HALF_BLANK = 0.1  # of the size of letters, that is free beside a text
@@ -182,3 +184,10 @@ def _too_small(figure: Figure) -> Iterator[str]:
     share = sum(areas) / (figure.bbox.width * figure.bbox.height)
     if share < SMALLEST:
         yield f"all axes together have {100 * share:.0f} % of the figure's area"
+
+
+def names_of(axes: Axes) -> list[str]:
+    """Return the names beside the curves, from above, each in one line."""
+    found = [each for each in axes.texts if each.get_gid() == NAME]
+    found.sort(key=lambda each: -float(each.xy[1]))  # type: ignore[attr-defined]
+    return [each.get_text().replace("\n", " ") for each in found]

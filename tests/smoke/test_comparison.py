@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
+from picture_faults import names_of
 from rps_exudyn.analysis.result_comparison import compare
-from rps_exudyn.pages.charts import style
 from rps_exudyn.pages.charts.analyses import comparison_figure
 from rps_exudyn.results.result import Result
 
@@ -112,7 +112,7 @@ def test_picture_has_both_torques_and_their_difference(made_up_result: Result) -
     signals = made_up_result.signals | {"pinion_torque": made_up_result["pinion_torque"] + 0.006}
     compared = compare(made_up_result, dataclasses.replace(made_up_result, signals=signals))
     both, apart = comparison_figure(compared, ("a", "b")).axes
-    assert sorted(style.names_of(both)) == ["a", "b"]
+    assert sorted(names_of(both)) == ["a", "b"]
     np.testing.assert_allclose(both.lines[1].get_ydata(), signals["pinion_torque"])
     np.testing.assert_allclose(apart.lines[0].get_ydata(), 1.0)
     assert apart.get_ylabel() == "difference [% of mean]"

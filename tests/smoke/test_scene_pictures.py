@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from benchmarks.charts import losses_figure, map_to_scale, spectrum_figure, torques_figure
+from picture_faults import names_of
 from rps_exudyn.analysis.measured import compare_with_measured
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.pages.charts import style
@@ -82,7 +83,7 @@ def test_failed_and_simple_results_are_drawn_too(
 def test_both_directions_are_drawn_against_their_motion(there_and_back: Result) -> None:
     torque = torque_figure(there_and_back).axes[0]
     assert torque.get_ylabel() == "torque against the motion [N m]"
-    assert style.names_of(torque) == ["towards +X", "towards -X"]
+    assert names_of(torque) == ["towards +X", "towards -X"]
     for line, level in zip(torque.lines, (0.6, 0.58), strict=True):
         assert np.mean(line.get_ydata()) == pytest.approx(level, abs=1e-3)
 
@@ -95,7 +96,7 @@ def test_measured_curve_of_a_load_test_has_the_sense_of_the_simulated(
     there_and_back: Result, measured: MeasuredTorque
 ) -> None:
     (torque,) = load_test_figure(there_and_back, measured).axes
-    assert "measured: bench" in style.names_of(torque)
+    assert "measured: bench" in names_of(torque)
     levels = [np.mean(line.get_ydata()) for line in measured_lines(torque)]
     assert levels == pytest.approx([0.61, -0.61])
 
@@ -115,7 +116,7 @@ def test_both_directions_of_a_measured_torque_have_a_panel_each(
         assert 0.5 < low < high < 0.7
         (line,) = measured_lines(axes)
         assert np.mean(line.get_ydata()) == pytest.approx(0.61)
-        labels = style.names_of(axes)
+        labels = names_of(axes)
         assert "measured: bench" in labels
         assert ("simulated" if direction in recorded else NOT_SIMULATED) in labels
 
@@ -136,7 +137,7 @@ def test_samples_just_after_a_reversal_are_marked_and_scale_no_axis(
     ]
     assert all(np.ptp(axes.get_ylim()) < 0.15 for axes in panels)
     marked = AT_REVERSAL.format(lag - 1)  # the first of them still stands at the turn
-    assert (marked in style.names_of(panels[1])) == (lag > 0)
+    assert (marked in names_of(panels[1])) == (lag > 0)
     (_, back) = compare_with_measured(curve, there_and_back.signals, 6)
     assert back.measured["torque_mean"] == pytest.approx(-0.61)
 
@@ -241,7 +242,7 @@ def test_losses_are_stacked_to_the_torque(there_and_back: Result) -> None:
 
 def test_several_results_are_distinguished(there_and_back: Result) -> None:
     (axes,) = torques_figure({"one": there_and_back, "two": there_and_back}, "Both").axes
-    assert style.names_of(axes) == ["one", "two"]
+    assert names_of(axes) == ["one", "two"]
     assert len({line.get_color() for line in axes.lines}) == 2
 
 

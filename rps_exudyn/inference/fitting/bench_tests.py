@@ -144,9 +144,8 @@ def named_test(text: str) -> tuple[BenchTest, Path]:
         return BenchTest("free"), Path(text)
     kind, load, file = found["kind"], found["load"], Path(found["file"])
     if KINDS[kind].weighted != (load is not None):
-        raise InputError(
-            f"{text} must state a weight exactly if it is a load test: {LOAD_TEST.name}@80kg=FILE."
-        )
+        example = f"{LOAD_TEST.name}@80kg=FILE"
+        raise InputError(f"{text} must state a weight exactly if it is a load test: {example}.")
     try:
         mass = units.to_si(load, "kg") if load else 0.0
     except ValueError as error:
@@ -284,10 +283,8 @@ def _are_whole(found: Sequence[MeasuredPass]) -> list[bool]:
     """Which passes cover most of what the longest one their way covers."""
     covered = np.array([np.ptp(each.angle) for each in found])
     senses = np.array([each.direction for each in found])
-    return [
-        bool(angle > WHOLE * covered[senses == sense].max())
-        for angle, sense in zip(covered, senses, strict=True)
-    ]
+    longest = {sense: covered[senses == sense].max() for sense in set(senses.tolist())}
+    return [bool(np.ptp(each.angle) > WHOLE * longest[each.direction]) for each in found]
 
 
 def _measured_pass(test: BenchTest, run: int, turned: Pass, after: float = 0.0) -> MeasuredPass:
@@ -379,13 +376,11 @@ def _factors(found: Sequence[MeasuredPass], name: str) -> tuple[dict[int, int], 
     """
     for sense in (1, -1):
         of_direction = [float(each.value.mean()) for each in found if each.direction == sense]
-        if of_direction and -min(of_direction) > UNSIGNED * max(of_direction) > 0 > min(of_direction) * max(
-            of_direction
-        ):
+        low, high = min(of_direction, default=0.0), max(of_direction, default=0.0)
+        if -low > UNSIGNED * high > 0:
             raise InputError(
                 f"{name} has passes in one direction of the angle whose torques have opposite signs, "
-                f"{max(of_direction):.3g} and {min(of_direction):.3g} in SI; the angle must decrease where "
-                f"the motion goes back."
+                f"{high:.3g} and {low:.3g} in SI; the angle must decrease where the motion goes back."
             )
     means = _means(found)
     if len(means) == 2 and means[1] * means[-1] > 0:

@@ -43,21 +43,14 @@ def refusals(problem: Problem, model: LevelModel, state: FitState) -> list[Refus
         "half the torque difference changes with the weight although no flank lifts: friction depends on the "
         "load, or the runs differ by more than the declared repeatability"
     )
+    by_levels = "levels of the tests contradict each other"
     checks = (
-        (
-            _data_probability(model, state),
-            UNLIKELY,
-            "chi-squared",
-            "levels of the tests contradict each other",
-        ),
+        (_data_probability(model, state), UNLIKELY, "chi-squared", by_levels),
         (_load_probability(problem, model, state), BY_CHANCE, "weights", by_load),
     )
     said = "no parameter counts as found: {} (probability {:.2g}, limit {:g})"
-    return [
-        Refusal(name, said.format(what, probability, limit))
-        for probability, limit, name, what in checks
-        if probability < limit
-    ]
+    failed = [check for check in checks if check[0] < check[1]]
+    return [Refusal(name, said.format(what, chance, limit)) for chance, limit, name, what in failed]
 
 
 def _data_probability(model: LevelModel, state: FitState) -> float:

@@ -36,9 +36,7 @@ def shown(path: str, value: float) -> str:
 
 def level_sentence(fit: Fit) -> str:
     """The mean free torque with both its intervals; empty where no pinion was turned freely."""
-    if fit.level is None:
-        return ""
-    return f"{_level(fit.level)}, 95 % of the gear; {_of_run(fit.level)})"
+    return f"{_level(fit.level)}, 95 % of the gear; {_of_run(fit.level)})" if fit.level else ""
 
 
 def _level(level: LevelEstimate) -> str:
@@ -121,6 +119,12 @@ def open_sentences(fit: Fit) -> Iterator[str]:
         yield from _apart_sentences(fit, left)
     if said := repeats_sentence(fit):
         yield said
+
+
+def level_sentences(fit: Fit) -> list[str]:
+    """What the tests determine of the level, and what they leave open."""
+    said = [level_sentence(fit)] if fit.level else []
+    return [*said, *open_sentences(fit)]
 
 
 def _apart_sentences(fit: Fit, left: list[str]) -> Iterator[str]:
@@ -236,11 +240,11 @@ def fit_as_dict(fit: Fit) -> dict[str, Any]:
 
 def gear_text(fit: Fit, gear_file: str) -> str:
     """The gear file with what its values rest on at its head, and the samples that bands take at its end."""
-    said = [level_sentence(fit), *open_sentences(fit)]
+    said = level_sentences(fit)
     said += [f"{path} {value}: {verdict}" for path, value, _, _, verdict in rows(fit)]
     if not fit.converged:
         said.insert(0, "THE FIT DID NOT CONVERGE: these values are its last iteration.")
-    head = "".join(f"# {sentence}\n" for sentence in said if sentence)
+    head = "".join(f"# {sentence}\n" for sentence in said)
     names = ", ".join(dict.fromkeys(each.name for each in fit.passes))
     samples = posterior_table(fit.gear, fit.posterior) if fit.posterior else ""
     return f"# Fitted to {names}.\n{head}{gear_file}{samples}"

@@ -18,13 +18,8 @@ from rps_exudyn.analysis.measured import TURN
 from rps_exudyn.base.errors import InputError, check_kind
 from rps_exudyn.base.units import shown
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.inference.fitting.bench_tests import (
-    BenchTest,
-    MeasuredPass,
-    Measurement,
-    measurement_of,
-    read_measurement,
-)
+from rps_exudyn.inference.fitting import bench_tests
+from rps_exudyn.inference.fitting.bench_tests import MeasuredPass, Measurement
 from rps_exudyn.inference.fitting.fitted import Fit, runout_in, with_runout_of
 from rps_exudyn.inference.fitting.level import levels_of
 from rps_exudyn.inference.fitting.level_fit import AGREED, LevelModel, fitted_levels, stepped
@@ -105,7 +100,8 @@ def fit(
         if np.shape(prior) != (2,) or np.asarray(prior).dtype.kind not in "if":
             raise InputError(f"the prior of {path} is {shown(prior)}; it must be (value, deviation), in SI.")
     check_kind("like", like, Fit | Series | None, "the fit of another gear")
-    measurement = files if isinstance(files, Measurement) else read_measurement(files, columns, gear)
+    read = bench_tests.read_measurement
+    measurement = files if isinstance(files, Measurement) else read(files, columns, gear)
     check_sizes(measurement, gear)
     free = (*USUAL, *free) if free and {*free} <= {*SHAPE_PARAMETERS} else free
     free, warnings = identifiable_parameters(measurement, gear, list(free))
@@ -229,10 +225,8 @@ def _searched(problem: Problem, gear: SteeringGear, before: Series | None, use_p
             u = with_runout_of(free, problem, u)
         shape, others = fit_shape(problem, gear, u, search=before is None)
         begin[: len(of_level)] = shape.u[of_level]
-    model, state, gear, offset = _fit_levels(
-        problem, model, gear, begin, shape, use_prior, corrected=before is not None
-    )
-    by_law = np.zeros(len(unknowns))
+    fitted_to = _fit_levels(problem, model, gear, begin, shape, use_prior, corrected=before is not None)
+    (model, state, gear, offset), by_law = fitted_to, np.zeros(len(unknowns))
     return Fit(problem, given, gear, model, state, shape, others, use_prior, *offset, by_law)
 
 
@@ -250,9 +244,7 @@ def _fit_levels(
     """Fit the levels beside the shape's end; return model, state, fitted gear, and the angle's offset."""
     if shape is not None:
         held = settings_of(problem.unknowns, shape.u)
-        gear = gear.replace(
-            {path: value for path, value in held.items() if path.startswith(SHAPE_PARAMETERS)}
-        )
+        gear = gear.replace({path: held[path] for path in held if path.startswith(SHAPE_PARAMETERS)})
         model = replace(model, gear=gear)
 
     def offset_of(values: np.ndarray | None) -> tuple[float, float]:
@@ -325,7 +317,7 @@ def check_sizes(measurement: Measurement, gear: SteeringGear) -> None:
 def doubts(curve: MeasuredTorque, gear: SteeringGear) -> list[str]:
     """Return what speaks against a free torque as it was read: wrong units, a channel that is late."""
     try:
-        measurement = measurement_of([(BenchTest("free"), curve)])
+        measurement = bench_tests.measurement_of([(bench_tests.BenchTest("free"), curve)])
     except InputError as error:
         return [problem.removesuffix(".") for problem in error.problems]
     wrong = _wrong_sizes(measurement, gear)
@@ -333,11 +325,8 @@ def doubts(curve: MeasuredTorque, gear: SteeringGear) -> list[str]:
 
 
 def _wrong_sizes(measurement: Measurement, gear: SteeringGear) -> list[str]:
-    return [
-        f"{name} {why}"
-        for name, passes in _by_file(measurement)
-        for why in (*_sizes(passes, gear), *_travels(passes, gear))
-    ]
+    files = _by_file(measurement)
+    return [f"{name} {why}" for name, each in files for why in (*_sizes(each, gear), *_travels(each, gear))]
 
 
 def _by_file(measurement: Measurement) -> Iterator[tuple[str, list[MeasuredPass]]]:

@@ -7,19 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from rps_exudyn.inference.fitting import identifiability
 from rps_exudyn.inference.fitting.diagnosis import Refusal, notes, refusals
-from rps_exudyn.inference.fitting.identifiability import (
-    NARROWED,
-    WANTED,
-    Advice,
-    Combination,
-    LevelData,
-    MoreRuns,
-    advice_of,
-    combination_of,
-    logarithmic_slopes,
-    more_runs,
-)
 from rps_exudyn.inference.fitting.level import LevelEstimate, Runout, Wave, runout_of
 from rps_exudyn.inference.fitting.level_fit import LevelModel, stepped
 from rps_exudyn.inference.fitting.noise import NORMAL
@@ -91,7 +80,6 @@ class FittedPass:
     model: np.ndarray
     half_band: np.ndarray
     noise: float  # standard deviation of a point
-    unit: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,9 +162,8 @@ class Fit:
         if self.runout is not None:
             found += _runouts(self, self.runout)
         if self.shape_state is not None:
-            shapes = [
-                with_others(each, self.other_shapes) for each in shape_estimates(self, self.shape_state)
-            ]
+            shapes = shape_estimates(self, self.shape_state)
+            shapes = [with_others(each, self.other_shapes) for each in shapes]
             doubt = unexplained(self.problem, self.shape_state)
             found += [replace(each, verdict=Verdict.UNEXPLAINED) for each in shapes] if doubt else shapes
         return found
@@ -187,10 +174,7 @@ class Fit:
         Raises:
             KeyError: it was not fitted.
         """
-        for each in self.estimates:
-            if each.path == path:
-                return each
-        raise KeyError(path)
+        return {each.path: each for each in self.estimates}[path]
 
     @property
     def found(self) -> list[str]:
@@ -203,7 +187,7 @@ class Fit:
         return not any(each.verdict is Verdict.OPEN and each.path in LEVEL for each in self.estimates)
 
     @property
-    def combinations(self) -> list[Combination]:
+    def combinations(self) -> list[identifiability.Combination]:
         """Products that the data determine where they do not determine each factor."""
         if self.is_separable:
             return []
@@ -211,7 +195,7 @@ class Fit:
         unclear = [each.path for each in self.estimates if each.verdict in unsure and each.path in LEVEL]
         where = [paths.index(path) for path in unclear]
         prior = np.array([self.model.unknowns[j].sd for j in where])
-        found = combination_of(unclear, self.ended.covariance[np.ix_(where, where)], prior)
+        found = identifiability.combination_of(unclear, self.ended.covariance[np.ix_(where, where)], prior)
         return [found] if found else []
 
     @cached_property
@@ -236,25 +220,23 @@ class Fit:
         return np.asarray(covariance / np.outer(spread, spread))
 
     @cached_property
-    def advice(self) -> Advice | None:
+    def advice(self) -> identifiability.Advice | None:
         """The tests that would determine most of the rest."""
         if self.is_separable:
             return None
         paths, rows, tests = (*LEVEL, *NUISANCES), self.problem.rows, self.problem.measurement.tests
-        by_test = {test: logarithmic_slopes(self.gear, test, paths) for test in tests}
-        slopes = np.array(
-            [direction @ by_test[test] for test, direction in zip(rows.tests, rows.directions, strict=True)]
-        )
-        data = LevelData(paths, slopes.T @ np.linalg.solve(rows.covariance, slopes))
-        return advice_of(self.gear, data, tests)
+        by_test = {test: identifiability.logarithmic_slopes(self.gear, test, paths) for test in tests}
+        slopes = rows.of_means(by_test)
+        data = identifiability.LevelData(paths, slopes.T @ np.linalg.solve(rows.covariance, slopes))
+        return identifiability.advice_of(self.gear, data, tests)
 
     @cached_property
-    def repeats(self) -> MoreRuns | None:
+    def repeats(self) -> identifiability.MoreRuns | None:
         """How many more runs of all tests narrow the intervals; None of one test."""
         half_intervals = {
             each.path: (each.interval[1] - each.interval[0]) / 2 / each.value
             for each in self.estimates
-            if each.path in WANTED and each.verdict in (Verdict.FOUND, Verdict.BY_PRIOR)
+            if each.path in identifiability.WANTED and each.verdict in (Verdict.FOUND, Verdict.BY_PRIOR)
         }
         if len(self.levels) < 2 or not half_intervals:
             return None
@@ -267,7 +249,7 @@ class Fit:
             deviations = np.sqrt(np.diag(np.linalg.inv(information)))
             return {each.path: float(deviations[j]) for j, each in enumerate(self.model.unknowns)}
 
-        return more_runs(half_intervals, runs, repeated)
+        return identifiability.more_runs(half_intervals, runs, repeated)
 
     @cached_property
     def passes(self) -> list[FittedPass]:
@@ -286,7 +268,7 @@ class Fit:
             model = block.at(values, each.direction, each.angle - self.offset) + zero
             band, by_angle = np.full(each.angle.size, half), test.of_kind.by_angle
             measured = name, test.title, by_angle, each.direction, each.angle, each.value
-            drawn.append(FittedPass(*measured, model, band, white, test.unit))
+            drawn.append(FittedPass(*measured, model, band, white))
         return drawn
 
     @property
@@ -374,7 +356,7 @@ def shape_estimates(fit: Fit, state: FitState) -> list[Estimate]:
 
 def _shape_verdict(unknown: Unknown, sd: float, differs: bool) -> Verdict:
     """What is said of an unknown of this standard deviation, which differs from zero or not."""
-    if unknown.needs_shape_fit and sd > NARROWED * unknown.sd:
+    if unknown.needs_shape_fit and sd > identifiability.NARROWED * unknown.sd:
         return undetermined(sd, unknown.sd)
     return Verdict.NOT_ZERO if differs else Verdict.MAYBE_ZERO
 
@@ -405,9 +387,8 @@ def _vector(
 
 def with_others(each: Estimate, others: Sequence[OtherShape]) -> Estimate:
     """Return an estimate whose interval also holds other ends that explain the curves as well."""
-    values = [
-        other.settings[each.path] for other in others if other.worse < AS_GOOD and each.path in other.settings
-    ]
+    as_good = [other.settings for other in others if other.worse < AS_GOOD]
+    values = [settings[each.path] for settings in as_good if each.path in settings]
     if not values:
         return each
     low, high = min(*values, each.interval[0]), max(*values, each.interval[1])
@@ -422,12 +403,10 @@ def unexplained(problem: Problem, shape: FitState) -> str:
     Noise that keeps its sign over some degrees looks the same; three runs or a dial gauge decide.
     """
     passes = [each for each in problem.measurement.passes if each.test.of_kind.by_angle]
-    squares = [
-        float(row.weights @ row.deviation**2 / row.weights.sum()) / white_noise(each) ** 2
-        for each, row in zip(passes, shape.rows, strict=True)
-    ]
+    squares = [float(row.weights @ row.deviation**2 / row.weights.sum()) for row in shape.rows]
+    parts = [SOFT * (each / white_noise(of) ** 2) for each, of in zip(squares, passes, strict=True)]
     points = sum(each.value.size for each in passes)
-    misfit = float(np.sqrt(np.mean([SOFT * square for square in squares])))
+    misfit = float(np.sqrt(np.mean(parts)))
     if shape.converged and misfit < 1 + CHANCE / np.sqrt(points):
         return ""
     return (
@@ -492,12 +471,10 @@ def runout_in(
     if shape is not None and not unexplained(problem, shape):
         return runout_of(replace(free[0], first=_wave_of_shape(problem, shape, preload)), preload, preload_sd)
     seen = free[0].first
-    assert seen is not None
-    if not use_prior or not seen.size:
+    if not use_prior or seen is None or not seen.size:
         return runout_of(free[0], preload, preload_sd)
-    size = float(
-        np.hypot(components[0].before, components[1].before)
-    )  # in whatever direction the curve shows
+    cos, sin = (each.before for each in components)
+    size = float(np.hypot(cos, sin))  # in whatever direction the curve shows
     prior = Wave(preload * size * seen.vector / seen.size, preload * components[0].sd)
     found = runout_of(free[0], preload, preload_sd, prior)
     return found and replace(found, angle_sd=seen.sd / seen.size)
@@ -572,7 +549,7 @@ def _verdict(unknown: Unknown, direction: np.ndarray, end: FitState, wide: FitSt
     narrow = np.exp(NORMAL * widened + abs(law)) - 1 <= WIDEST[unknown.path]
     if still and narrow and end.converged and wide.converged:
         return Verdict.FOUND
-    return Verdict.BY_PRIOR if sd < NARROWED * unknown.sd else undetermined(sd, unknown.sd)
+    return Verdict.BY_PRIOR if sd < identifiability.NARROWED * unknown.sd else undetermined(sd, unknown.sd)
 
 
 def _estimate(

@@ -169,13 +169,9 @@ class MoreRuns:
 def more_runs(
     halves: Mapping[str, float], runs: int, deviations: Callable[[int], Mapping[str, float]]
 ) -> MoreRuns | None:
-    """Return what repeats would reach; None where all that is wanted is reached.
-
-    Args:
-        halves: path -> half of the 95 % interval as it is, of the value.
-        runs: of each test that there are.
-        deviations: of the logarithms after so many runs of each test.
-    """
+    """Return what repeats would reach beyond the `runs` of each test that there are; None where all that is
+    wanted is reached. `halves` are path -> half of the 95 % interval as it is, of the value; `deviations` are
+    those of the logarithms after so many runs of each test."""
     missed = {path: half for path, half in halves.items() if half > WANTED[path]}
     if not missed:
         return None

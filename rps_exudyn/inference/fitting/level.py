@@ -14,20 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.inference.fitting import noise
 from rps_exudyn.inference.fitting.bench_tests import BenchTest, MeasuredPass
-from rps_exudyn.inference.fitting.noise import (
-    NORMAL,
-    AveragedLaw,
-    Parts,
-    Regression,
-    averaged_law,
-    covers,
-    is_regular,
-    parts_of,
-    resolution_of,
-    waves,
-    white_deviation,
-)
+from rps_exudyn.inference.fitting.noise import NORMAL, AveragedLaw, Parts, Regression, covers, waves
 
 REPEATABILITY = 0.02  # of a run's level, declared: known to 35 % ...
 DECLARED = 4.0  # ... which is as good as from so many degrees of freedom (GUM G.4.2)
@@ -159,13 +148,13 @@ def _runs(test: BenchTest, passes: Sequence[MeasuredPass], gain: float) -> tuple
         cleaned, spikes, steps, shown, white = [], 0, [], [], []
         for each in passes_of_run:
             angle, value = each.every_row
-            step = resolution_of(value)
-            regular = is_regular(value, step)
+            step = noise.resolution_of(value)
+            regular = noise.is_regular(value, step)
             cleaned.append((angle[regular] / (gain if test.pushed else 1.0), value[regular]))
             spikes += int((~regular).sum())
             steps.append(step)
             shown += [step] if np.ptp(value) > 0 else []
-            white.append(white_deviation(value[regular]))
+            white.append(noise.white_deviation(value[regular]))
         runs.append(_Run(tuple(cleaned), spikes, tuple(shown or steps), not shown, float(np.mean(white))))
     return runs, directions
 
@@ -180,7 +169,7 @@ def _parts(test: BenchTest, runs: Sequence[_Run]) -> list[Parts]:
             f"{np.degrees(max(high - low, 0.0)):.3g} of {np.degrees(shortest):.3g} deg; measure the same "
             "range forth and back, and in each run."
         )
-    found = [parts_of(run.passes, low, high) for run in runs]
+    found = [noise.parts_of(run.passes, low, high) for run in runs]
     if len(runs[0].passes) == 1:
         return found
     means = [each.values for each in found]
@@ -196,13 +185,13 @@ def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: fl
         per_run = [replace(each, values=directions[0] * each.values) for each in per_run]
     span, orders = per_run[0].span, (1, 2, teeth, 2 * teeth)
     groups = _alike(per_run)
-    functionals = []  # weights (k,) of the parts whose sum is the level, beside the waves of turn and teeth
-    for angle in [group[0].angle for group in groups]:
-        effects = _limited(np.ones((angle.size, 1)), angle, span, orders)
-        functionals.append(np.asarray(np.linalg.pinv(effects)[0]))
+    angles = [group[0].angle for group in groups]
+    effects = [_limited(np.ones((angle.size, 1)), angle, span, orders) for angle in angles]
+    # Weights (k,) of the parts whose sum is the level, beside the waves of turn and teeth
+    functionals = [np.linalg.pinv(each)[0] for each in effects]
     levels = _means(groups, functionals, 0)
     value = float(levels.mean())
-    law = averaged_law(
+    law = noise.averaged_law(
         [_regression(group, 1, span, (1, teeth, 2 * teeth), bent=False) for group in groups] if both else [],
         [_regression(group, 0, span, orders, bent=True) for group in groups],
         abs(value),
@@ -211,7 +200,7 @@ def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: fl
         len(group) * np.einsum("k,lkj,j->l", g, each.regression.parts.laws.covariance, g)
         for g, group, each in zip(functionals, groups, law.differences, strict=True)
     )
-    noise = law.half_interval(np.asarray(variances)) / count / NORMAL
+    noise_sd = law.half_interval(np.asarray(variances)) / count / NORMAL
     drift = _drift(law, count)
     step, white = min(min(run.steps) for run in runs), float(np.mean([run.white for run in runs]))
     dithered = float(np.exp(-2 * (np.pi * white / step) ** 2)) if step else 0.0
@@ -219,7 +208,7 @@ def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: fl
     kind = "noise correlated over some degrees" if lasts else "white noise within the run"
     steps = f"steps of {step:.3g} {test.unit.replace('*', ' ')}" if step else "no steps are seen"
     rows = [
-        BudgetRow("noise", NORMAL * noise, True, f"{kind}, by restricted likelihood"),
+        BudgetRow("noise", NORMAL * noise_sd, True, f"{kind}, by restricted likelihood"),
         BudgetRow("resolution", NORMAL * step / np.sqrt(12) * dithered, True, steps),
         BudgetRow("drift", NORMAL * drift, True, "slope of the half sum along the travel"),
     ]
@@ -243,7 +232,7 @@ def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: fl
         directions=directions,
         runs=count,
         budget=tuple(rows),
-        noise_sd=noise,
+        noise_sd=noise_sd,
         drift_sd=drift,
         repeat_sd=0.0,
         run_levels=levels,
@@ -304,9 +293,8 @@ def _regression(
 
 def _means(groups: Sequence[Sequence[Parts]], functionals: Sequence[np.ndarray], row: int) -> np.ndarray:
     """The weighted sum of a row of the parts, of each run: shape (runs,)."""
-    return np.array(
-        [g @ each.values[row] for g, group in zip(functionals, groups, strict=True) for each in group]
-    )
+    pairs = zip(functionals, groups, strict=True)
+    return np.array([g @ each.values[row] for g, group in pairs for each in group])
 
 
 def _drift(law: AveragedLaw, runs: int) -> float:

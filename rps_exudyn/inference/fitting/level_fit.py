@@ -49,12 +49,7 @@ class LevelModel:
         nuisances = nuisances_of(list(self.unknowns), u)
         tests = dict.fromkeys(self.rows.tests)
         means = {test: formula_means(gear_in(test, gear, nuisances), test) for test in tests}
-        return np.array(
-            [
-                direction @ means[test]
-                for test, direction in zip(self.rows.tests, self.rows.directions, strict=True)
-            ]
-        )
+        return self.rows.of_means(means)
 
     def at(self, u: np.ndarray) -> np.ndarray:
         """The corrected rows, shape (rows,)."""

@@ -196,7 +196,6 @@ class _Solved:
     normal: np.ndarray  # (cells, p, p)
     left: np.ndarray  # V^-1 (y - X b), (cells, k, runs)
     by_place: np.ndarray  # V^-1 x, (cells, k)
-    by_effects: np.ndarray  # V^-1 X, (cells, k, p)
 
 
 def _solved(regression: Regression, tilted: bool) -> _Solved:
@@ -220,7 +219,7 @@ def _solved(regression: Regression, tilted: bool) -> _Solved:
     logs = logs + np.linalg.slogdet(normal)[1]
     left = by_values - by_effects @ coefficients
     log, squares = y.shape[1] * logs, np.maximum(squares, 0.0)
-    return _Solved(regression, log, squares, coefficients, normal, left, inverse[:, :, -1], by_effects)
+    return _Solved(regression, log, squares, coefficients, normal, left, inverse[:, :, -1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -291,12 +290,9 @@ def averaged_law(sums: Sequence[Regression], differences: Sequence[Regression], 
     the scale from below, `SMALLEST` of it."""
     by_cell = [_solved(each, True) for each in sums]
     by_law = [_solved(each, False) for each in differences]
-    cells = len(LAWS) * TILTS.size
-    squares, logs = np.zeros(cells), np.zeros(cells)
-    for each in by_cell:
-        squares, logs = squares + each.squares, logs + each.log
-    for each in by_law:
-        squares, logs = squares + np.repeat(each.squares, TILTS.size), logs + np.repeat(each.log, TILTS.size)
+    parts = [(each.squares, each.log) for each in by_cell]
+    parts += [(each.squares.repeat(TILTS.size), each.log.repeat(TILTS.size)) for each in by_law]
+    squares, logs = sum(part[0] for part in parts), sum(part[1] for part in parts)
     freedom = max(1, sum(each.freedom for each in (*sums, *differences)))
     variance = np.maximum(squares / freedom, (SMALLEST * level) ** 2)
     likelihood = -0.5 * freedom * np.log(variance) - 0.5 * logs

@@ -46,16 +46,14 @@ def read_minutes(path: str | Path) -> dict[str, Minutes]:
         if kind not in KINDS or not isinstance(table, Mapping):
             problems.append(f"{path}: [{kind}] is no test; there are {', '.join(KINDS)}.")
             continue
-        times = {"setup": found[kind].setup, "run": found[kind].run}
+        times = dict(vars(found[kind]))
         for key, value in table.items():
             number = isinstance(value, int | float) and not isinstance(value, bool)
             if key not in times:
                 problems.append(f"{path}: {kind}.{key} is no time; there are setup and run, in minutes.")
             elif not (number and 0 <= value < 1e5) or (key == "run" and not value > 0):
-                problems.append(
-                    f"{path}: {kind}.{key} is {value!r}; it must be a number of minutes, from 0 (run: more "
-                    "than 0) to 100000."
-                )
+                allowed = "a number of minutes, from 0 (run: more than 0) to 100000"
+                problems.append(f"{path}: {kind}.{key} is {value!r}; it must be {allowed}.")
             else:
                 times[key] = float(value)
         found[kind] = Minutes(**times)
@@ -81,10 +79,8 @@ def parse_targets(texts: Sequence[str]) -> dict[str, float]:
         if path not in LEVEL:
             problems.append(f"{text}: {path or text} is no target; there are {', '.join(LEVEL)}.")
         elif not 0 < half <= LARGEST_WANTED:
-            problems.append(
-                f"{text}: write half of the 95 % interval, more than 0 and at most 100 %, for "
-                f"instance {path}=5%."
-            )
+            allowed = "half of the 95 % interval, more than 0 and at most 100 %"
+            problems.append(f"{text}: write {allowed}, for instance {path}=5%.")
         else:
             targets[path] = half
     if problems:
@@ -122,9 +118,8 @@ class Plan:
     @property
     def missed(self) -> dict[str, float]:
         """What is wanted and not reached by any number of runs: path -> half interval."""
-        return {
-            path: half for path, half in self.half_intervals.items() if half > self.targets.get(path, np.inf)
-        }
+        reached = self.half_intervals.items()
+        return {path: half for path, half in reached if half > self.targets.get(path, np.inf)}
 
 
 def plan(
@@ -217,10 +212,7 @@ class _Design:
                 on_progress(number + 1, len(tests))
         rows = expected_rows(means, dict.fromkeys(tests, 1))
         model = LevelModel.of(rows, unknowns, gear).corrected(u, rows.values)
-        changes = [
-            direction @ by_law[test] for test, direction in zip(rows.tests, rows.directions, strict=True)
-        ]
-        return cls(model, means, model.slopes(u), np.array(changes), minutes)
+        return cls(model, means, model.slopes(u), rows.of_means(by_law), minutes)
 
     def cost(self, runs: Runs) -> float:
         made = [(self.minutes[test.kind], count) for test, count in runs.items() if count]
@@ -245,11 +237,8 @@ class _Design:
         information, law = self.information(runs)
         sd = np.sqrt(np.diag(np.linalg.inv(information)))
         half = np.exp(NORMAL * sd + np.abs(law)) - 1
-        return {
-            each.path: float(one)
-            for each, one in zip(self.model.unknowns, half, strict=True)
-            if not each.is_nuisance
-        }
+        known = zip(self.model.unknowns, half.tolist(), strict=True)
+        return {each.path: one for each, one in known if not each.is_nuisance}
 
 
 def _reached(half_intervals: Mapping[str, float], targets: Mapping[str, float]) -> bool:

@@ -8,6 +8,8 @@ counts for bow and angle error alone.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -36,9 +38,13 @@ class LevelRows:
     def scaled(self) -> np.ndarray:
         """Which rows are friction, so that a model's error is one of their size, shape (rows,)."""
         weighted = np.array([test.of_kind.weighted for test in self.tests])
-        return (self.directions[:, 0] * self.directions[:, 1] < 0) | (
-            (self.directions == 0).any(axis=1) & ~weighted
-        )
+        is_one_way = (self.directions == 0).any(axis=1)
+        return (self.directions[:, 0] * self.directions[:, 1] < 0) | (is_one_way & ~weighted)
+
+    def of_means(self, means: Mapping[BenchTest, Any]) -> np.ndarray:
+        """The rows that means towards +X and -X of each test make, (2, ...) each: shape (rows, ...)."""
+        rows = zip(self.tests, self.directions, strict=True)
+        return np.array([direction @ means[test] for test, direction in rows])
 
 
 _Row = tuple[BenchTest, tuple[float, float], float, float]  # test, direction, value, its own variance
@@ -90,8 +96,7 @@ class PassRows:
     shape: np.ndarray  # derivative of the model without its mean, shape (n, size)
 
 
-def _nothing() -> np.ndarray:
-    return np.zeros(0)
+_nothing = partial(np.zeros, 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,12 +148,8 @@ class Problem:
 
     def rows_of(self, values: np.ndarray) -> np.ndarray:
         """The level rows of predicted values (m, ...), shape (rows, ...)."""
-        means = {
-            block.test: block.means(self.prediction.part(i, values))
-            for i, block in enumerate(self.prediction.blocks)
-        }
-        rows = zip(self.rows.tests, self.rows.directions, strict=True)
-        return np.array([np.tensordot(direction, means[test], axes=1) for test, direction in rows])
+        blocks, part = self.prediction.blocks, self.prediction.part
+        return self.rows.of_means({each.test: each.means(part(i, values)) for i, each in enumerate(blocks)})
 
     @property
     def needs_shape_fit(self) -> bool:
@@ -157,13 +158,9 @@ class Problem:
 
     def moved(self, state: FitState, step: np.ndarray) -> FitState:
         """The state after a step (size,), its model's values by its slopes."""
-        count = len(self.unknowns)
-        return replace(
-            state,
-            u=state.u + step[:count],
-            offset=state.offset + float(step[count]),
-            values=state.values + state.slopes @ step[:count],
-        )
+        of_u, turned = step[:-1], float(step[-1])
+        values = state.values + state.slopes @ of_u
+        return replace(state, u=state.u + of_u, offset=state.offset + turned, values=values)
 
 
 def linearised(problem: Problem, state: FitState) -> FitState:

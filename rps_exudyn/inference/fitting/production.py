@@ -156,13 +156,8 @@ def judge_lot(
     jobs: int = 1,
     on_progress: Callable[[int, int], None] | None = None,
 ) -> ProductionLot:
-    """Return what the free torques of a folder's files show, one gear a file, in the order of their names.
-
-    Args:
-        folder: files of text, MDF, TDMS or MAT.
-        gear: what is expected of all.
-        jobs: processes.
-        on_progress: called with files done and all.
+    """Return what the free torques of a folder's files (text, MDF, TDMS, MAT) show, one gear a file, in the
+    order of their names; `gear` is what is expected of all, `on_progress` is called with files done and all.
 
     Raises:
         InputError: no such folder, or fewer than `FEWEST` files that can be read.

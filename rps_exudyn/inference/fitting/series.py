@@ -73,15 +73,11 @@ def read_series(path: str | Path) -> Series:
     if set(content) - _FORMERLY != {"what", "law", *_LISTS} or content["what"] != WHAT:
         raise InputError(f"{path} is not a file that fit --series wrote.")
     try:
-        law, paths, tests = (
-            str(content["law"]),
-            tuple(map(str, content["paths"])),
-            tuple(map(str, content["tests"])),
-        )
+        paths, tests = (tuple(map(str, content[name])) for name in ("paths", "tests"))
         u, values, by_law = (np.asarray(content[name], dtype=float) for name in ("u", "values", "by_law"))
         finite = all(np.isfinite(each).all() for each in (u, values, by_law))
         if not finite or values.ndim != 1 or u.shape != (len(paths),) or by_law.shape != (len(paths),):
             raise ValueError
     except (TypeError, ValueError, OverflowError):  # no numbers, or too large ones
         raise InputError(f"{path} is damaged: its numbers do not belong to one fit.") from None
-    return Series(law, paths, tests, u, values, by_law)
+    return Series(str(content["law"]), paths, tests, u, values, by_law)

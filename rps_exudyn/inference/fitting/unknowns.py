@@ -93,9 +93,8 @@ def unknowns_of(
     free = list(dict.fromkeys(free))
     for path in (*free, *priors):
         if path not in FREEABLE:
-            raise InputError(
-                f"{path} cannot be fitted, because it has no prior; choose from {', '.join(FREEABLE)}."
-            )
+            choice = ", ".join(FREEABLE)
+            raise InputError(f"{path} cannot be fitted, because it has no prior; choose from {choice}.")
     found: list[Unknown] = []
     for path in sorted(free, key=FREEABLE.index):
         value = float(gear.value_at(path))

@@ -213,22 +213,14 @@ def _check_blocks(content: bytes) -> None:
 
 
 def _unpacked(data: memoryview, size: int) -> memoryview:
-    """Return what compressed data unpack to, beside so many bytes that a file has otherwise.
-
-    Raises:
-        MemoryError: all together are more than `LARGEST`.
-    """
+    """What compressed data unpack to; MemoryError if that and so many bytes else are more than `LARGEST`."""
     unpacked = memoryview(zlib.decompressobj().decompress(data, max(1, LARGEST + 1 - size)))
     _check_size(size + len(unpacked))
     return unpacked
 
 
 def _check_size(size: int) -> None:
-    """Refuse a file that would unpack to more than `LARGEST`.
-
-    Raises:
-        MemoryError: it would.
-    """
+    """Raise a MemoryError for a file that would unpack to more than `LARGEST`."""
     if not 0 <= size <= LARGEST:
         raise MemoryError
 

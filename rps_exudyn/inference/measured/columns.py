@@ -116,9 +116,7 @@ def most_frequent(counts: Iterable[int]) -> int:
 def known_columns(header: Sequence[str]) -> int:
     """Return how many quantities the cells of a header name, or have a unit of."""
     titles = _titles(header, [])
-    return sum(
-        any(t.is_named(quantity) or t.size(quantity) is not None for t in titles) for quantity in NAMES
-    )
+    return sum(any(t.is_named(name) or t.size(name) is not None for t in titles) for name in NAMES)
 
 
 def _titles(header: Sequence[str], below: Sequence[str]) -> list[Title]:
@@ -178,11 +176,10 @@ def find_columns(
     problems, found = [], []
     for quantity in wanted:
         try:
-            title = (
-                _chosen(where, table, quantity, chosen[quantity])
-                if quantity in chosen
-                else _found(where, table.titles, quantity)
-            )
+            if quantity in chosen:
+                title = _chosen(where, table, quantity, chosen[quantity])
+            else:
+                title = _found(where, table.titles, quantity)
             found.append(_with_unit(where, table, title, quantity))
         except InputError as error:
             problems += error.problems
@@ -205,11 +202,8 @@ def _found(where: str, titles: list[Title], quantity: str) -> Title:
             f"{EXAMPLES[quantity]}, or choose one: {choice.format('TITLE')}."
         )
     if len(fitting) > 1:
-        below = (
-            ""
-            if quantity in ("pinion_angle", "rack_displacement")
-            else "; if they are two directions, write one below the other"
-        )
+        is_driven = quantity in ("pinion_angle", "rack_displacement")
+        below = "" if is_driven else "; if they are two directions, write one below the other"
         raise InputError(
             f"{where} has {len(fitting)} columns that may be {quantity}: {_shown(fitting, ' and ')}; choose "
             f"one: {choice.format(fitting[0].name or fitting[0].index + 1)}{below}."
@@ -234,9 +228,9 @@ def _chosen(where: str, table: Table, quantity: str, choice: str) -> Title:
         alike = titles[index : index + 1] or [Title(index, title, title, "") for _ in table.rows[:1]]
     if len(alike) != 1:
         count = len(alike) or "no"
+        there_are = _shown(titles) or "no names"
         raise InputError(
-            f"{where} has {count} columns {short(title, 30)!r} for {quantity}; it has "
-            f"{_shown(titles) or 'no names'}."
+            f"{where} has {count} columns {short(title, 30)!r} for {quantity}; it has {there_are}."
         )
     found = alike[0]
     return Title(found.index, found.text, found.name, unit or found.unit)

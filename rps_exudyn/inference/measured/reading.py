@@ -24,6 +24,7 @@ from rps_exudyn.base.errors import InputError, are, check_kind, lines_in_words
 from rps_exudyn.base.files import content_of
 from rps_exudyn.base.units import short
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.inference.measured import turning
 from rps_exudyn.inference.measured.binary_files import Channels, channels_of
 from rps_exudyn.inference.measured.columns import MeasuredColumn, Row, Table, find_columns, known_columns
 from rps_exudyn.inference.measured.layout import SEPARATORS, table_in, text_of
@@ -35,15 +36,6 @@ from rps_exudyn.inference.measured.numbers import (
     is_number,
     is_placeholder,
     parsed,
-)
-from rps_exudyn.inference.measured.turning import (
-    NO_ANGLE,
-    angle_by_speed,
-    counted_on,
-    directions,
-    in_motion,
-    is_interleaved,
-    spread_evenly,
 )
 from rps_exudyn.parameters.gear import SteeringGear, check_gear
 from rps_exudyn.results.result import MeasuredTorque
@@ -106,9 +98,8 @@ def read_curve(
     channels = channels_of(path, content)
     table, encoding = _table(path, content, wanted) if channels is None else (channels.table, "")
     recording, instead = _columns_instead(table, wanted, chosen)
-    picked = find_columns(
-        path, table, recording, {each: chosen[each] for each in recording if each in chosen}
-    )
+    chosen = {each: chosen[each] for each in recording if each in chosen}
+    picked = find_columns(path, table, recording, chosen)
     values, first, notes, lines, beside = (
         _of_text(path, table, encoding, picked) if channels is None else _of_channels(path, channels, picked)
     )
@@ -121,14 +112,12 @@ def read_curve(
         beside.setdefault("speed", rack_speed if wanted[0] in PUSH else rack_speed / gain)
     if instead == "rack_displacement":
         if gain is None:
-            raise InputError(f"{path} holds the rack's travel {NO_ANGLE}")
+            raise InputError(f"{path} holds the rack's travel {turning.NO_ANGLE}")
         curve[0] /= gain
-        turn = 2e3 * np.pi * gain
-        notes.append(
-            f"the pinion angle follows from the rack's travel, {turn:.4g} mm per turn of the gear given"
-        )
+        turn = f"{2e3 * np.pi * gain:.4g} mm per turn of the gear given"
+        notes.append(f"the pinion angle follows from the rack's travel, {turn}")
     elif instead == "speed":
-        curve = np.array([angle_by_speed(path, beside, curve[0]), curve[0]])
+        curve = np.array([turning.angle_by_speed(path, beside, curve[0]), curve[0]])
         notes.append("the pinion angle is the sum of speed times time, from 0 on")
         if all((each >= 0).all() or (each <= 0).all() for each in (beside["speed"], curve[1])):
             notes.append(ONE_WAY)
@@ -139,28 +128,28 @@ def read_curve(
             "recorded."
         )
     if wanted[0] in TORQUE and not instead:
-        curve[0], turns = counted_on(curve[0])
+        curve[0], turns = turning.counted_on(curve[0])
         notes += [f"the angle restarts {turns} times and is continued from turn to turn"] if turns else []
     if not np.ptp(curve[0]) > 0 or not passes({"pinion_angle": curve[0]}):
         raise InputError(f"{path} holds one {driven} only; a curve covers a range of them.")
-    if is_interleaved(curve[1]):
+    if turning.is_interleaved(curve[1]):
         raise InputError(
             f"{path} has both directions of the motion in rows that alternate; write all rows of one way, "
             f"then those back, with a falling {driven}."
         )
-    words = directions(table)
+    words = turning.directions(table)
     if words and len({each.direction for each in passes({"pinion_angle": curve[0]})}) == 1:
         raise InputError(
             f"{path} has several directions ({', '.join(short(word, 20) for word in words)}), but its "
             "angle moves one way in all of them; it must decrease where the motion goes back."
         )
-    moves = in_motion(curve[0], beside.get("clock"))
+    moves = turning.in_motion(curve[0], beside.get("clock"))
     if not moves.all():
         resting = np.array(lines)[~moves].tolist()
         notes.append(f"{are(len(resting), 'row')} left out, {lines_in_words(resting)}, where the angle rests")
         left_out += (notes[-1],)
     curve, beside = curve[:, moves], {name: values[moves] for name, values in beside.items()}
-    curve[0], rows_of_step = spread_evenly(*curve)
+    curve[0], rows_of_step = turning.spread_evenly(*curve)
     if rows_of_step > 1:
         notes.append(f"{rows_of_step:.2g} rows of one {driven} are spread evenly to the next")
     signals = dict(zip(wanted, curve, strict=True))
@@ -204,10 +193,8 @@ def _of_channels(path: str | Path, channels: Channels, picked: list[MeasuredColu
     if missing:
         where = lines_in_words(missing).replace("line", "row")
         notes.append(f"{are(len(missing), 'row', ' without a value')} left out: {where}")
-    beside = {
-        name: size * channels.column(index, driven)[known]
-        for name, (index, size) in channels.table.beside.items()
-    }
+    others = channels.table.beside.items()
+    beside = {name: size * channels.column(index, driven)[known] for name, (index, size) in others}
     clock = channels.channels[driven].clock
     if clock is not None:
         beside.setdefault("clock", clock[known])
@@ -244,9 +231,8 @@ def _of_text(path: str | Path, table: Table, encoding: str, picked: list[Measure
     """
     cells = [table.column(column.index) for column in picked]
     form = _format(path, table, picked, cells)
-    values = np.array(
-        [form.column(each, ("", column.unit)) for each, column in zip(cells, picked, strict=True)]
-    )
+    units = [("", column.unit) for column in picked]
+    values = np.array([form.column(*each) for each in zip(cells, units, strict=True)])
     known = ~np.isnan(values)
     absent = np.array([_absent(*each) for each in zip(cells, values, strict=True)])
     is_kept = (known & ~absent).all(axis=0)
@@ -257,20 +243,17 @@ def _of_text(path: str | Path, table: Table, encoding: str, picked: list[Measure
     last = kept[-1] if kept else table.rows[-1][0]
     for i in text:
         _check_text(path, table, table.rows[i], [each[i] for each in cells], known[:, i], last)
+    left = {("row", " without a value"): missing, ("line", " without numbers"): lines[text].tolist()}
     notes = [
         f"{are(len(which), *words)} left out: {lines_in_words(which)}"
-        for which, words in (
-            (missing, ("row", " without a value")),
-            (lines[text].tolist(), ("line", " without numbers")),
-        )
+        for words, which in left.items()
         if which
     ]
     first = f"cells separated by {SEPARATORS.get(table.separator, table.separator)}, {form.words}"
     if named := _ENCODINGS.get(encoding, encoding.upper()):
         first = f"text in {named}, {first}"
-    beside = {
-        name: size * form.column(table.column(index))[is_kept] for name, (index, size) in table.beside.items()
-    }
+    others = table.beside.items()
+    beside = {name: size * form.column(table.column(index))[is_kept] for name, (index, size) in others}
     return _Read(values[:, is_kept], first, notes, kept, beside)
 
 

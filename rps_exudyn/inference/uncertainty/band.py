@@ -18,16 +18,9 @@ import numpy as np
 
 from rps_exudyn.analysis.passes import Signals
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.inference.uncertainty import statistics
 from rps_exudyn.inference.uncertainty.samples import Samples, runs_at
-from rps_exudyn.inference.uncertainty.statistics import (
-    LEVELS,
-    Contributions,
-    NumericalError,
-    Polynomials,
-    Quantiles,
-    numerical_error,
-    quantiles,
-)
+from rps_exudyn.inference.uncertainty.statistics import LEVELS, Contributions, Quantiles
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -70,14 +63,14 @@ class Drawn:
         return sum(self.failures.values())
 
     @cached_property
-    def numerical(self) -> dict[str, NumericalError]:
+    def numerical(self) -> dict[str, statistics.NumericalError]:
         """Numerical errors of the metrics that have bars."""
-        found = {}
-        for name, bars in self.bars.items():
-            known = np.isfinite(self.numbers[name])
-            if known.any():
-                found[name] = numerical_error(self.numbers[name][known], bars[known])
-        return found
+        known = {name: np.isfinite(self.numbers[name]) for name in self.bars}
+        return {
+            name: statistics.numerical_error(self.numbers[name][some], self.bars[name][some])
+            for name, some in known.items()
+            if some.any()
+        }
 
 
 @with_former_names(figures="metrics")
@@ -294,9 +287,8 @@ class _Seen:
                 kind = alike(status, () if result is None else result.codes, message)
                 self.failures[row] = kind, f"{status}: {message}"
             elif result is None:
-                self.rows[row] = [
-                    float(summary[name][i]) if name in summary else np.nan for name in self.names
-                ]
+                figures = {name: float(column[i]) for name, column in summary.items()}
+                self.rows[row] = [figures.get(name, np.nan) for name in self.names]
                 assert part.found is not None
                 self._add_curve(row, part.found.signals_of(i), self.nominal.gear)
             else:
@@ -316,25 +308,23 @@ class _Seen:
 
 def metric_quantiles(drawn: Drawn) -> dict[str, Quantiles]:
     """Return the quantiles of every metric that enough samples have."""
-    found = {}
-    for name, numbers in drawn.numbers.items():
-        known = numbers[np.isfinite(numbers)]
-        if known.size >= LEAST_OK:
-            found[name] = quantiles(known, failed=numbers.size - known.size)
-    return found
+    known = {name: numbers[np.isfinite(numbers)] for name, numbers in drawn.numbers.items()}
+    count = len(drawn.samples)
+    enough = {name: numbers for name, numbers in known.items() if numbers.size >= LEAST_OK}
+    return {name: statistics.quantiles(numbers, count - numbers.size) for name, numbers in enough.items()}
 
 
 def contributions_of(drawn: Drawn) -> dict[str, Contributions]:
     """Return the contributions to every metric for which there are enough samples."""
     found, groups = {}, drawn.samples.inputs.groups
-    fitted: dict[bytes, Polynomials] = {}  # most metrics are known of the same samples
+    fitted: dict[bytes, statistics.Polynomials] = {}  # most metrics are known of the same samples
     for name, numbers in drawn.numbers.items():
         known = np.isfinite(numbers)
         if not known.any():
             continue
         key = known.tobytes()
         if key not in fitted:
-            fitted[key] = Polynomials.at(drawn.samples.quantile[known], groups)
+            fitted[key] = statistics.Polynomials.at(drawn.samples.quantile[known], groups)
         if each := fitted[key].contributions(numbers[known]):
             found[name] = each
     return found

@@ -17,14 +17,8 @@ from annotated_types import Ge, Gt, Le, Lt
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
-from rps_exudyn.inference.uncertainty.joint import (
-    JointInputs,
-    Pair,
-    check_pairs,
-    check_posterior,
-    read_pairs,
-    read_posterior,
-)
+from rps_exudyn.inference.uncertainty import joint
+from rps_exudyn.inference.uncertainty.joint import JointInputs, Pair
 from rps_exudyn.parameters.declaration import Declared
 from rps_exudyn.parameters.distribution import Distribution, is_distribution
 from rps_exudyn.parameters.gear import CORRELATION, POSTERIOR, SteeringGear
@@ -129,7 +123,7 @@ def uncertain_inputs(
     inputs = inputs or ("own" if own or may_be_none else "series")
     if inputs not in SETS:
         raise InputError(f"the set of inputs is {inputs!r}; it must be one of {', '.join(SETS)}.")
-    joint, found = JointInputs.of(own), dict(own)
+    given, found = JointInputs.of(own), dict(own)
     for each in SETS[inputs]:
         if each.path not in own and (drawn := each.of(gear)) is not None:
             found[each.path] = drawn
@@ -140,13 +134,13 @@ def uncertain_inputs(
         )
     declared = {item.path: item for item in SteeringGear.declared()}
     problems = [line for path, each in found.items() for line in outside(declared[path], each)]
-    for path, samples in joint.posterior.items():
-        problems += check_posterior(samples, declared[path], gear.value_at(path))
-    if problems := problems + check_pairs(joint.pairs, found):
+    for path, samples in given.posterior.items():
+        problems += joint.check_posterior(samples, declared[path], gear.value_at(path))
+    if problems := problems + joint.check_pairs(given.pairs, found):
         raise InputError(problems)
     shared = GREASE if SETS[inputs] else {}
-    usual = {pair: each for pair, each in shared.items() if not check_pairs({pair: each}, found)}
-    return JointInputs(found, usual | dict(joint.pairs))
+    usual = {pair: each for pair, each in shared.items() if not joint.check_pairs({pair: each}, found)}
+    return JointInputs(found, usual | dict(given.pairs))
 
 
 # --- The distributions that the parameters of a gear carry, in its file or in settings
@@ -163,8 +157,8 @@ def carried(tables: Mapping[str, Any], settings: Mapping[str, Any]) -> JointInpu
     """
     found: dict[str, Distribution] = {}
     problems: list[str] = []
-    pairs = read_pairs(tables.get(CORRELATION, {}), CORRELATION, problems)
-    samples = read_posterior(tables.get(POSTERIOR, {}), problems)
+    pairs = joint.read_pairs(tables.get(CORRELATION, {}), CORRELATION, problems)
+    samples = joint.read_posterior(tables.get(POSTERIOR, {}), problems)
     if unknown := samples.keys() - {item.path for item in SteeringGear.declared() if item.unit is not None}:
         problems.append(f"{POSTERIOR} has {', '.join(sorted(unknown))}, which is no parameter with a number.")
     for item in SteeringGear.declared():

@@ -126,9 +126,8 @@ def correlated(unit: np.ndarray, names: Sequence[str], pairs: Mapping[Pair, floa
     at = [names.index(name) for name in used]
     matrix = np.array([[1.0 if a == b else pairs.get(frozenset((a, b)), 0.0) for a in used] for b in used])
     if np.linalg.eigvalsh(matrix)[0] < -1e-9:
-        raise InputError(
-            f"the correlations of {', '.join(used)} cannot be together; make some of them smaller."
-        )
+        pair = ", ".join(used)
+        raise InputError(f"the correlations of {pair} cannot be together; make some of them smaller.")
     scores = ndtri(np.clip(unit[:, at], LEAST_FRACTION, 1 - LEAST_FRACTION))
     for j in range(1, len(used)):  # each by those before it, as Cholesky's factor, which may be singular
         weights = np.linalg.pinv(matrix[:j, :j], hermitian=True) @ matrix[:j, j]

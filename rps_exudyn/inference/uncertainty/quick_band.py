@@ -10,16 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rps_exudyn.inference.uncertainty import statistics
 from rps_exudyn.inference.uncertainty.band import Band, Curves, OnProgress, nominal_result, runs_of
 from rps_exudyn.inference.uncertainty.samples import Samples
-from rps_exudyn.inference.uncertainty.statistics import (
-    LEVELS,
-    RESAMPLES,
-    SEED,
-    Polynomials,
-    Quantiles,
-    quantiles,
-)
+from rps_exudyn.inference.uncertainty.statistics import LEVELS, SEED
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -83,8 +77,8 @@ def quick_band(
     formula = formula_torques(gear, points)
     at_runs = done.drawn.numbers[METRIC] / formula_torques(gear, done.drawn.samples)
     means, resampled = _corrected(done.drawn.samples.quantile, at_runs, points.quantile, formula)
-    band, of_mean = done.band(nominal, inputs), quantiles(means, resampled=resampled)
-    mean = Polynomials.at(points.quantile, points.inputs.groups).contributions(means)
+    band, of_mean = done.band(nominal, inputs), statistics.quantiles(means, resampled=resampled)
+    mean = statistics.Polynomials.at(points.quantile, points.inputs.groups).contributions(means)
     return replace(
         band,
         method=f"closed form at {POINTS} points, corrected by {len(done.drawn.samples)} runs",
@@ -136,7 +130,7 @@ def _corrected(
     at, ratio = at[ok], ratio[ok]
     rng = np.random.default_rng(SEED)
     means = formula * _Correction.fitted(at, ratio).drawn(points, rng)
-    again = np.empty((RESAMPLES, len(formula)))
+    again = np.empty((statistics.RESAMPLES, len(formula)))
     for row in again:
         runs, chosen = rng.integers(0, len(ratio), len(ratio)), rng.integers(0, len(formula), len(formula))
         fitted = _Correction.fitted(at[runs], ratio[runs])
@@ -144,7 +138,7 @@ def _corrected(
     return means, again
 
 
-def _widened(of_mean: Quantiles, failed: int, runs: int) -> Quantiles:
+def _widened(of_mean: statistics.Quantiles, failed: int, runs: int) -> statistics.Quantiles:
     """Return the quantiles; where runs failed, none of the worst cases is known."""
     if not failed:
         return of_mean

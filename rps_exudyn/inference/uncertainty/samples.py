@@ -61,21 +61,12 @@ def runs_at(
     jobs: int = 1,
     time_limit: float = float("inf"),
 ) -> Generator[tuple[range, Batch]]:
-    """Yield the runs of the scene at the points, whatever their outcome, part by part as they end.
+    """Yield the runs of the scene at the points, whatever their outcome, part by part as they end: numbers of
+    the part's points, and its runs.
 
-    The numbers of a part depend neither on other parts nor on the number of processes. A part that does not
-    end is done again, run by run: in the same way, and where that takes too long by single runs.
-
-    Args:
-        scene: one of `scenes.SCENE_NAMES`.
-        gear: what the runs have in common.
-        fidelity: how all are modelled.
-        points: inputs of the runs.
-        jobs: number of processes.
-        time_limit: of a run, or of a part that is computed together [s].
-
-    Returns:
-        The numbers of a part's points, and its runs.
+    What a part gives depends neither on other parts nor on the number of processes. A part that does not end
+    is done again, run by run: in the same way, and where that takes too long by single runs. The time limit
+    [s] is that of a run, or of a part that is computed together.
     """
     values, count = points.values, len(points)
     singly = bool(unsupported_reason(scene, gear, fidelity, values)) or count < fewest(values)

@@ -48,13 +48,10 @@ class Quantiles:
 
 
 def quantiles(numbers: np.ndarray, failed: int = 0, resampled: np.ndarray | None = None) -> Quantiles:
-    """Return the quantiles of numbers of shape (n,), beside which `failed` samples gave none.
+    """Return the quantiles of finite numbers of shape (n,), beside which `failed` samples gave none.
 
-    Args:
-        numbers: finite, at least one.
-        failed: samples without a number.
-        resampled: the numbers drawn again, shape (resamples, n), where they are not independent of each
-            other; by default they are drawn with replacement.
+    `resampled` are the numbers drawn again, shape (resamples, n), where they depend on each other; by default
+    they are drawn with replacement.
     """
     if resampled is None:
         rng = np.random.default_rng(SEED)
@@ -139,11 +136,8 @@ class Polynomials:
         return cls(groups, degree, terms, np.linalg.pinv(terms))
 
     def contributions(self, numbers: np.ndarray) -> Contributions | None:
-        """Return what each group contributes to the variance; None for numbers that do not vary, or too few.
-
-        Args:
-            numbers: at the points, shape (n,), finite.
-        """
+        """Return what each group contributes to the variance of finite numbers at the points, shape (n,);
+        None if they do not vary, or are too few."""
         if not np.ptp(numbers) > 1e-9 * np.abs(numbers).max():
             return None
         if len(self.groups) == 1:  # nothing else varies

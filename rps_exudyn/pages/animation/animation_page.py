@@ -53,39 +53,40 @@ def page(result: Result) -> str:
 def rendered(
     result: Result, motion: Motion, parts: list[PicturePart], lines: ContactLines | None, picture: bytes
 ) -> str:
-    """The page of a result's motion as HTML.
-
-    Args:
-        result: whose motion it is.
-        motion: what moves.
-        parts: bodies.
-        lines: lines of contact, if any.
-        picture: still (WebP) for browsers without WebGL.
-    """
+    """The page of a result's motion as HTML; `picture` (WebP) is for browsers without WebGL."""
     data = page_data(motion, parts, lines)
     style, code = _style_and_script()
-    environment = Environment(
-        loader=FileSystemLoader(_FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True
+    return (
+        environment(_FOLDER)
+        .get_template("page.html")
+        .render(
+            title=f"{scene_of(result)}: animation",
+            lead=about(result),
+            notes=_notes(result, motion),
+            still=f"data:image/webp;base64,{base64.b64encode(picture).decode('ascii')}",
+            views=list(VIEWS),
+            factors=[
+                "as they are" if lift == tilt == 1 else f"lift × {lift:g}, tilt × {tilt:g}"
+                for lift, tilt in data["factors"]
+            ],
+            curves=data["curves"],
+            arrows=data["arrows"],
+            densest=None if lines is None else _LINE_LOAD.show(float(lines.load.max())),
+            remarks=list(_remarks(result, motion, lines)),
+            data=json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"),
+            script=code,
+            style=style,
+            script_hash=hash_of(code),
+            style_hash=hash_of(style),
+        )
     )
-    return environment.get_template("page.html").render(
-        title=f"{scene_of(result)}: animation",
-        lead=about(result),
-        notes=_notes(result, motion),
-        still=f"data:image/webp;base64,{base64.b64encode(picture).decode('ascii')}",
-        views=list(VIEWS),
-        factors=[
-            "as they are" if lift == tilt == 1 else f"lift × {lift:g}, tilt × {tilt:g}"
-            for lift, tilt in data["factors"]
-        ],
-        curves=data["curves"],
-        arrows=data["arrows"],
-        densest=None if lines is None else _LINE_LOAD.show(float(lines.load.max())),
-        remarks=list(_remarks(result, motion, lines)),
-        data=json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"),
-        script=code,
-        style=style,
-        script_hash=hash_of(code),
-        style_hash=hash_of(style),
+
+
+def environment(folder: Path) -> Environment:
+    """What renders the templates of a folder; all text is escaped."""
+    loader = FileSystemLoader(folder)
+    return Environment(
+        loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
 
 

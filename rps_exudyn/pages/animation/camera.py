@@ -75,16 +75,9 @@ def _distance(height: float) -> float:
 
 
 def in_front(camera: Camera, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Cut triangles off where they are nearer to the eye than `NEAR`.
-
-    Args:
-        camera: the eye.
-        corners: shape (n, 3, 3) [m].
-
-    Returns:
-        Weights of the three corners at each corner of what is left, shape (m, 3, 3), the triangle's number,
-        shape (m,), and the corners themselves, shape (m, 3, 3) [m].
-    """
+    """Cut triangles (n, 3, 3) [m] off where they are nearer to the eye than `NEAR`. Return the weights of the
+    three corners at each corner of what is left (m, 3, 3), the triangle's number (m,), and the corners
+    (m, 3, 3) [m]."""
     ahead = (camera.eye - corners) @ camera.towards_eye - NEAR
     inside = ahead > 0
     whole = np.flatnonzero(inside.all(axis=1))

@@ -74,10 +74,8 @@ class Drawing:
         tip = min(3.2 * thick, 0.6 * abs(length))
         neck, tail = head - tip * way, head - abs(length) * way
         colour = np.array(to_rgb(arrow.colour))
-        return [
-            _cone(tail, neck, 0.5 * thick, 0.5 * thick, colour),
-            _cone(neck, head, 1.3 * thick, 0.0, colour),
-        ]
+        shaft = _cone(tail, neck, 0.5 * thick, 0.5 * thick, colour)
+        return [shaft, _cone(neck, head, 1.3 * thick, 0.0, colour)]
 
     def acts_at(self, arrow: Arrow, frame: int = 0) -> np.ndarray:
         """Point at which a force acts [m]; forces of the teeth in the middle of their lines, by load."""
@@ -154,8 +152,6 @@ def _cone(
     middle = np.broadcast_to(start, a.shape)
     world = np.concatenate([np.stack([a, b, c], 1), np.stack([c, b, d], 1), np.stack([middle, b, a], 1)])
     flat = np.broadcast_to(-axis, a.shape)
-    normals = np.concatenate(
-        [np.stack([m, n, m], 1), np.stack([m, n, n], 1), np.stack([flat, flat, flat], 1)]
-    )
+    normals = np.concatenate([np.stack([m, n, m], 1), np.stack([m, n, n], 1), np.stack([flat] * 3, 1)])
     count = len(world)
     return world, normals, np.broadcast_to(colour, (count, 3)), np.full(count, UNCUT)

@@ -1,6 +1,7 @@
 """Picture of a gear: the mesh in three dimensions, the pinion's transverse section, and both in mesh."""
 
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -24,6 +25,8 @@ from rps_exudyn.parameters.gear import SteeringGear
 SHOWN = np.array([0.034, 0.026, 0.022])  # half the box around the mesh that the 3-D view shows [m]
 AZIMUTH, ELEVATION, DISTANCE = 0.46, -0.19, 0.15  # of the eye: from below, into the teeth [rad], [m]
 PIXELS = (900, 750)
+DASHES = dict.fromkeys(("base", "form"), (0, (6, 6)))  # over a circle that is often hardly smaller
+ROUND = np.linspace(0, 2 * np.pi, 361)  # angles of a circle [rad]
 CHORD_ERROR = 5e-6  # of the meshes drawn [m], far below a pixel
 
 
@@ -73,25 +76,17 @@ def _draw_view(axes: Axes, pair: GearPair, solids: dict[str, Solid]) -> None:
 def _draw_section(axes: Axes, pair: GearPair, report: GeometryReport) -> None:
     profile = 1e3 * transverse_profile(pair, 1e-6)
     axes.fill(*profile.T, facecolor=COLOURS["pinion"], alpha=0.45, edgecolor="black", linewidth=1)
-    angle = np.linspace(0, 2 * np.pi, 361)
-    circles = {
-        "tip": (report.tip_diameter, style.COLOURS["other"], "-"),
-        "root": (report.root_diameter, style.COLOURS["lift"], "-"),
-        "base": (
-            report.base_diameter,
-            style.COLOURS["failure"],
-            (0, (6, 6)),
-        ),  # over the root circle, often hardly larger
-        "reference": (report.reference_diameter, style.COLOURS["lift"], "-"),
-        "form": (
-            report.form_diameter,
-            style.COLOURS["bush"],
-            (0, (6, 6)),
-        ),  # over the reference circle, likewise
-    }
-    for name, (diameter, colour, dashes) in circles.items():
-        x, y, label = np.cos(angle), np.sin(angle), f"{name} circle, {diameter * 1e3:.3f} mm"
-        axes.plot(5e2 * diameter * x, 5e2 * diameter * y, color=colour, ls=dashes, linewidth=1, label=label)
+    for name, colour in {
+        "tip": "other",
+        "root": "lift",
+        "base": "failure",
+        "reference": "lift",
+        "form": "bush",
+    }.items():
+        diameter = getattr(report, f"{name}_diameter")
+        look: Any = {"color": style.COLOURS[colour], "linestyle": DASHES.get(name, "-"), "linewidth": 1}
+        x, y = 5e2 * diameter * np.cos(ROUND), 5e2 * diameter * np.sin(ROUND)
+        axes.plot(x, y, label=f"{name} circle, {diameter * 1e3:.3f} mm", **look)
     _finish_section(axes, "transverse section of the pinion")
 
 
@@ -105,29 +100,17 @@ def _draw_mesh(axes: Axes, pair: GearPair, solids: dict[str, Solid]) -> None:
         for polygon in _section(pair, solids[name]):
             axes.fill(*1e3 * polygon.T, facecolor=COLOURS[name], alpha=0.45, edgecolor="black", linewidth=1)
     pitch = 1e3 * pair.reference_radius
-    angle = np.linspace(0, 2 * np.pi, 361)
-    axes.plot(
-        pitch * np.cos(angle),
-        pitch * np.sin(angle),
-        color=style.COLOURS["lift"],
-        linewidth=0.8,
-        linestyle="-.",
-    )
-    axes.axhline(
-        pitch, color=style.COLOURS["lift"], linewidth=0.8, linestyle="-.", label="pitch circle and pitch line"
-    )
-    ends = np.array(path_on_involute(pair))
-    for side, name, colour in ((-1, "drive", "failure"), (1, "coast", "other")):
-        direction = np.array([-side * np.cos(pair.alpha_t), np.sin(pair.alpha_t)])
-        line = 1e3 * (np.array([0, pair.reference_radius]) + ends[:, None] * direction)
-        axes.plot(
-            *line.T, color=style.COLOURS[colour], linewidth=1.8, label=f"path of contact, {name} flanks"
-        )
-        touching = 1e3 * (np.array([0, pair.reference_radius]) + _contacts(pair, side)[:, None] * direction)
+    look: Any = {"color": style.COLOURS["lift"], "linewidth": 0.8, "linestyle": "-."}
+    axes.plot(pitch * np.cos(ROUND), pitch * np.sin(ROUND), **look)
+    axes.axhline(pitch, label="pitch circle and pitch line", **look)
+    ends, pitch_point = np.array(path_on_involute(pair)), np.array([0, pair.reference_radius])
+    for side, name, key in ((-1, "drive", "failure"), (1, "coast", "other")):
+        direction, colour = np.array([-side * np.cos(pair.alpha_t), np.sin(pair.alpha_t)]), style.COLOURS[key]
+        line = 1e3 * (pitch_point + ends[:, None] * direction)
+        axes.plot(*line.T, color=colour, linewidth=1.8, label=f"path of contact, {name} flanks")
+        touching = 1e3 * (pitch_point + _contacts(pair, side)[:, None] * direction)
         if len(touching):
-            axes.plot(
-                *touching.T, "o", color=style.COLOURS[colour], markersize=5, label=f"{name} flanks touch here"
-            )
+            axes.plot(*touching.T, "o", color=colour, markersize=5, label=f"{name} flanks touch here")
     axes.plot(0, pitch, "k+", markersize=9, label="pitch point")
     axes.set_xlim(-11.5e2 * pair.tip_radius, 11.5e2 * pair.tip_radius)
     axes.set_ylim(2e2 * pair.tip_radius, 2e2 * pair.tip_radius + 17e2 * pair.tip_radius)
@@ -144,9 +127,8 @@ def _contacts(pair: GearPair, side: int) -> np.ndarray:
     """Positions q on the path of contact where flanks touch at pinion angle 0 in the middle plane [m]."""
     start, end = path_on_involute(pair)
     tangent_point = np.pi / 2 - side * pair.alpha_t
-    lengths = np.array(
-        [float(Flank(pair, tooth, side).tangent_length(tangent_point, 0.0)) for tooth in range(pair.teeth)]
-    )
+    flanks = [Flank(pair, tooth, side) for tooth in range(pair.teeth)]
+    lengths = np.array([float(flank.tangent_length(tangent_point, 0.0)) for flank in flanks])
     pitch = 2 * np.pi * pair.base_radius / pair.teeth
     q = np.concatenate([lengths + turn * pitch * pair.teeth for turn in (-1, 0, 1)])
     q = q - pair.reference_radius * np.sin(pair.alpha_t)

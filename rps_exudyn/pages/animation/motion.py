@@ -5,9 +5,10 @@ over the record, the displacements by one factor and the angles by another: the 
 too, would press the rack's teeth through the pinion's.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,12 +28,14 @@ ROUND = np.array([1, 3, 10, 30, 100, 300, 1000])
 Pose = tuple[np.ndarray, np.ndarray]  # rotation (3, 3) and origin (3,) [m] in the housing frame
 
 
-@dataclass(frozen=True)
-class Factors:
+class Factors(NamedTuple):
     """By how much deflections are magnified."""
 
     displacement: float = 1.0
     tilt: float = 1.0
+
+
+AS_COMPUTED = Factors()
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,10 +81,8 @@ class Motion:
     @cached_property
     def largest_factors(self) -> Factors:
         """The round factors that make the deflections visible without taking the bodies apart."""
-        return Factors(
-            _round_factor(SHOWN_LIFT, [self.deviation(name) for name in DISPLACEMENTS]),
-            _round_factor(SHOWN_TILT, [self.deviation(name) for name in TILTS]),
-        )
+        limits = {SHOWN_LIFT: DISPLACEMENTS, SHOWN_TILT: TILTS}
+        return Factors(*(_round_factor(shown, map(self.deviation, names)) for shown, names in limits.items()))
 
     def deviation(self, name: str) -> np.ndarray:
         """A signal less its mean, shape (frames,)."""
@@ -91,9 +92,8 @@ class Motion:
         """A deflection, magnified about its mean, shape (frames,)."""
         return self.signals[name].mean() + factor * self.deviation(name)
 
-    def poses(self, frame: int, factors: Factors | None = None) -> dict[str, Pose]:
+    def poses(self, frame: int, factors: Factors = AS_COMPUTED) -> dict[str, Pose]:
         """The pose of each part at one instant."""
-        factors = factors or Factors()
         pair, upright = GearPair.of(self.gear), np.eye(3)
         axis, bush = pair.bar_axis_height, self.gear.bush
         lift = self.magnified("plunger_displacement", factors.displacement)[frame]
@@ -121,17 +121,10 @@ class Motion:
 
 def exploded(gear: SteeringGear) -> dict[str, np.ndarray]:
     """How far each part stands from its place in the exploded view, shape (3,) [m]."""
-    yoke = gear.yoke
-    step = 0.35 * (plunger_ends(gear)[1] + yoke.plunger_length)
-    return {
-        "pinion": np.array([0.0, -1.2 * step, 0.0]),
-        "bearings": np.array([0.0, -1.2 * step, 0.0]),
-        "rack": np.zeros(3),
-        "plunger": np.array([0.0, 1.1 * step, 0.0]),
-        "spring": np.array([0.0, 2.1 * step, 0.0]),
-        "yokenut": np.array([0.0, 3.0 * step, 0.0]),
-        "bush": np.array([-0.35 * gear.bush.distance, 0.0, 0.0]),
-    }
+    step = 0.35 * (plunger_ends(gear)[1] + gear.yoke.plunger_length)
+    steps = {"pinion": -1.2, "bearings": -1.2, "rack": 0.0, "plunger": 1.1, "spring": 2.1, "yokenut": 3.0}
+    away = {name: np.array([0.0, count * step, 0.0]) for name, count in steps.items()}
+    return away | {"bush": np.array([-0.35 * gear.bush.distance, 0.0, 0.0])}
 
 
 def chosen_frames(signals: Mapping[str, np.ndarray]) -> np.ndarray:
@@ -144,7 +137,7 @@ def chosen_frames(signals: Mapping[str, np.ndarray]) -> np.ndarray:
     return np.unique(np.concatenate([even, extremes]))
 
 
-def _round_factor(shown: float, deviations: list[np.ndarray]) -> float:
+def _round_factor(shown: float, deviations: Iterable[np.ndarray]) -> float:
     """The largest round factor by which the largest deviation stays below `shown`."""
     largest = max(float(np.abs(each).max()) for each in deviations)
     if largest == 0.0:

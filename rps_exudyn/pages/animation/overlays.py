@@ -73,11 +73,6 @@ class ContactLines:
     load: np.ndarray  # at the stations [N/m], shape (n, STATIONS)
     force: np.ndarray  # of the whole line, normal to the flank [N], shape (n,)
 
-    def force_on(self, side: int, frames: int) -> np.ndarray:
-        """Force of all lines of one side in each frame [N], shape (frames,)."""
-        chosen = self.side == side
-        return np.bincount(self.frame[chosen], self.force[chosen], minlength=frames)
-
 
 def contact_lines(motion: Motion) -> ContactLines | None:
     """The lines of a motion; None where the record has no deflections, or nothing touches.

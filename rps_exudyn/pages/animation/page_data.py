@@ -8,7 +8,7 @@ import numpy as np
 
 from rps_exudyn.base.units import pretty, words
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.pages.animation.camera import VIEWS, view
+from rps_exudyn.pages.animation.camera import VIEWS, Camera, view
 from rps_exudyn.pages.animation.motion import DISPLACEMENTS, TILTS, Factors, Motion, exploded
 from rps_exudyn.pages.animation.overlays import ContactLines, arrows
 from rps_exudyn.pages.animation.parts import COLOURS, PicturePart
@@ -16,16 +16,9 @@ from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.tooth_contact.line_loads import STATIONS
 
 CURVES = (
-    "pinion_torque",
-    "rack_force",
-    "rack_y",
-    "rack_roll",
-    "plunger_displacement",
-    "mesh_normal_force",
-    "mesh_pressure",
-    "seat_force",
-    "yokenut_force",
-    "load_force",
+    *("pinion_torque", "rack_force", "rack_y", "rack_roll", "plunger_displacement", "mesh_normal_force"),
+    *("mesh_pressure", "seat_force", "yokenut_force", "load_force"),
+    *("mesh_normal_force_drive", "mesh_normal_force_coast"),
 )
 """Signals that the page can draw, as far as the record has them; the first is drawn at once."""
 MOVING = ("pinion_angle", "rack_displacement", *DISPLACEMENTS, *TILTS)
@@ -36,8 +29,8 @@ def page_data(motion: Motion, parts: list[PicturePart], lines: ContactLines | No
     """Everything that the page's script reads."""
     pair, signals = GearPair.of(motion.gear), motion.signals
     most, steps = motion.largest_factors, np.diff(signals["pinion_angle"])
-    half_way = Factors(*(float(np.round(np.sqrt(value))) for value in vars(most).values()))  # in decades
-    choices = [Factors(), *([half_way] if max(vars(most).values()) > 10 else []), most]
+    half_way = Factors(*(float(np.round(np.sqrt(value))) for value in most))  # in decades
+    choices = [Factors(), *([half_way] if max(most) > 10 else []), most]
     one_way = bool((steps > 0).all() or (steps < 0).all())
     return {
         "frames": motion.frames,
@@ -50,33 +43,28 @@ def page_data(motion: Motion, parts: list[PicturePart], lines: ContactLines | No
         "origin": pair.pinion_origin.tolist(),
         "axis": pair.bar_axis_height,
         "bushPlace": motion.gear.bush.distance + motion.gear.bush.length / 2,
-        "factors": [list(vars(each).values()) for each in choices],
+        "factors": [list(each) for each in choices],
         "arrows": [
-            {
-                "signal": each.signal,
-                "label": each.label,
-                "part": each.part,
-                "point": each.point.tolist(),
-                "direction": each.direction.tolist(),
-                "colour": each.colour,
-                "unit": SIGNALS[each.signal].display,
-            }
+            vars(each)
+            | {"point": each.point.tolist(), "direction": each.direction.tolist()}
+            | {"unit": SIGNALS[each.signal].display}
             for each in arrows(motion)
         ],
         "torquePlace": [0.45 * motion.gear.pinion.shaft_length, 0.75 * motion.gear.pinion.shaft_diameter],
         "curves": _curves(signals),
         "lines": None if lines is None else _lines(lines, motion.frames),
-        "views": {
-            name: {
-                "azimuth": camera.azimuth,
-                "elevation": camera.elevation,
-                "distance": float(camera.distance),
-                "target": camera.target.tolist(),
-                "shaftCut": float(camera.shaft_cut),
-            }
-            for name, camera in ((name, view(name, motion.gear)) for name in VIEWS)
-        },
+        "views": {name: _view(view(name, motion.gear)) for name in VIEWS},
         "size": float(pair.tip_radius),
+    }
+
+
+def _view(camera: Camera) -> dict[str, Any]:
+    return {
+        "azimuth": camera.azimuth,
+        "elevation": camera.elevation,
+        "distance": float(camera.distance),
+        "target": camera.target.tolist(),
+        "shaftCut": float(camera.shaft_cut),
     }
 
 
@@ -101,7 +89,7 @@ def _curves(signals: Mapping[str, np.ndarray]) -> list[dict[str, Any]]:
             "unit": pretty(SIGNALS[name].display),
             "values": encoded(SIGNALS[name].displayed(signals[name]), "float32"),
         }
-        for name in (*CURVES, "mesh_normal_force_drive", "mesh_normal_force_coast")
+        for name in CURVES
         if name in signals
     ]
 

@@ -49,16 +49,11 @@ def picture_parts(gear: SteeringGear) -> list[PicturePart]:
         InputError: a gear that cannot be built.
     """
     solids = gear_solids(gear, CHORD_ERROR)
-    bush = bush_segment_solid(gear.replace({"bush.segments": 1}), CHORD_ERROR)
-    bodies = {
-        "pinion": (solids["pinion"].vertices, solids["pinion"].faces),
-        "rack": (solids["rack"].vertices, solids["rack"].faces),
-        "plunger": bored(solids["plunger"], gear),
-        "spring": coil(gear),
-        "yokenut": (solids["yokenut"].vertices, solids["yokenut"].faces),
-        "bush": (bush.vertices, bush.faces),
-    }
-    return [PicturePart(name, *with_normals(*mesh)) for name, mesh in bodies.items()]
+    solids["bush"] = bush_segment_solid(gear.replace({"bush.segments": 1}), CHORD_ERROR)
+    meshes = {name: (solid.vertices, solid.faces) for name, solid in solids.items()}
+    meshes |= {"plunger": bored(solids["plunger"], gear), "spring": coil(gear)}
+    bodies = [name for name in COLOURS if name != "bearings"]
+    return [PicturePart(name, *with_normals(*meshes[name])) for name in bodies]
 
 
 def bearing_rings(gear: SteeringGear) -> PicturePart:

@@ -49,9 +49,8 @@ def comparison_figure(comparison: ResultComparison, names: tuple[str, str]) -> F
         style.line(apart, angle, torque.difference, SIGNALS["pinion_torque"], "difference", "failure")
     apart.axhline(0, **style.REFERENCE_LINE)
     style.angle_axis(apart)
-    headline = f"Pinion torque of {names[1]} against {names[0]}"
-    figures = f"RMS {torque.shown(torque.rms)} · largest {torque.shown(torque.largest)}"
-    style.title(figure, f"{headline} · {figures}")
+    differences = f"RMS {torque.shown(torque.rms)} · largest {torque.shown(torque.largest)}"
+    style.title(figure, f"Pinion torque of {names[1]} against {names[0]} · {differences}")
     return figure
 
 
@@ -69,8 +68,7 @@ def load_figure(result: Result) -> Figure:
     Raises:
         InputError: the record has no pass, lacks the rack's motions, or its law has no load per length.
     """
-    runs = passes(result.signals)
-    if not runs:
+    if not (runs := passes(result.signals)):
         raise InputError("No load distribution: the pinion does not turn in this result.")
     loads = load_distribution(result.gear, runs[0].signals)
     figure, axes = style.panels([2.2, 2.2, 2.0, 2.0])
@@ -91,11 +89,10 @@ def _forces(axes: Axes, loads: LoadDistribution, side: int) -> None:
     whole = loads.force_on(side)
     lines = [line for line in loads.lines if line[0] == side]
     shown = [line for line in lines if loads.force_of(*line).max() > LEAST_FORCE * max(whole.max(), 1e-300)]
-    named = len(shown) <= len(style.SEVERAL)
     for k, (_, tooth) in enumerate(shown):
-        colour = style.SEVERAL[k % len(style.SEVERAL)]
-        first = "_" if k else f"{len(shown)} rack teeth, colours in turn"
-        label = f"rack tooth {tooth}" if named else first
+        colour, label = style.SEVERAL[k % len(style.SEVERAL)], f"rack tooth {tooth}"
+        if len(shown) > len(style.SEVERAL):
+            label = "_" if k else f"{len(shown)} rack teeth, colours in turn"
         axes.plot(angle, loads.force_of(side, tooth), color=colour, label=label)
     axes.plot(angle, whole, color="black", linewidth=0.8, linestyle="--", label="all")
     axes.set_ylabel(f"{FLANK_NAMES[side]} [N]")
@@ -127,8 +124,7 @@ def pattern_figure(result: Result) -> Figure:
     Raises:
         InputError: the record has no pass, or lacks the rack's motions.
     """
-    runs = passes(result.signals)
-    if not runs:
+    if not (runs := passes(result.signals)):
         raise InputError("No contact pattern: the pinion does not turn in this result.")
     signals = one_pitch(runs[0].signals, result.gear.pinion.teeth)
     patterns = contact_pattern(result.gear, signals)
@@ -144,11 +140,8 @@ def pattern_figure(result: Result) -> Figure:
         shown = panel.pcolormesh(face, roll, pressure, cmap="viridis", vmin=0, vmax=highest, rasterized=True)
         panel.axhline(MILLIMETRES * pitch, **style.REFERENCE_LINE)
         panel.text(face[-1], MILLIMETRES * pitch, "pitch line ", ha="right", va="bottom", fontsize=8.5)
-        panel.set_title(
-            f"{PATTERN_FLANKS[pattern.side]}: up to {pattern.pressure.max() * MEGAPASCAL:.0f} MPa",
-            loc="left",
-            fontsize=10,
-        )
+        most = f"up to {pattern.pressure.max() * MEGAPASCAL:.0f} MPa"
+        panel.set_title(f"{PATTERN_FLANKS[pattern.side]}: {most}", loc="left", fontsize=10)
         panel.set_xlabel("along the face [mm]")
         panel.set_facecolor("#f2f2f2")
     axes[0].set_ylabel("length of roll from the base circle [mm]")

@@ -21,19 +21,19 @@ NOT_SIMULATED = "not simulated (test.path = there-and-back does)"
 RESIDUAL, HEIGHT_OF_RESIDUAL = "residual", 1.6  # name and height [in] of its panel
 HEIGHT_OF_ONE_WAY = 0.8  # of the panel of both directions
 LONGEST_NAME = 40  # letters of a file's name in a legend
+MOST_DOTS = 250  # of a measured curve, evenly chosen; more hide each other
+_GREY: Any = {"linestyle": "none", "color": style.COLOURS["measured"], "marker": "o", "zorder": 1.8}
+MEASURED_DOTS = _GREY | {"markersize": 3, "markeredgewidth": 0.6, "markerfacecolor": "none"}
+OTHER_DOTS = _GREY | {"markersize": 2, "markeredgewidth": 0, "markerfacecolor": style.COLOURS["measured"]}
+"""Measured points are hollow; those of the other direction are small and filled."""
 
 
-def over_angle(axes: Axes, signals: Signals, name: str, axis: str, colour: str, label: str = "") -> None:
-    """Draw one signal: a curve in `colour`, or one per pass in the colour of its direction.
-
-    `axis` is the name at the axis, `label` the one in the legend of a record in one direction.
-    """
-    curves = [(turned.signals, DIRECTIONS[turned.direction][1], "") for turned in passes(signals)]
-    if len(curves) < 2:
-        curves = [(dict(signals), colour, label)]
-    for part, its_colour, its_label in curves:
+def over_angle(axes: Axes, signals: Signals, name: str, axis: str, colour: str) -> None:
+    """Draw one signal: a curve in `colour`, or one per pass in the colour of its direction."""
+    curves = [(turned.signals, DIRECTIONS[turned.direction][1]) for turned in passes(signals)]
+    for part, its_colour in curves if len(curves) > 1 else [(dict(signals), colour)]:
         angle = SIGNALS["pinion_angle"].displayed(part["pinion_angle"])
-        style.line(axes, angle, part[name], SIGNALS[name], axis, its_colour, its_label or None)
+        style.line(axes, angle, part[name], SIGNALS[name], axis, its_colour)
 
 
 class Panel(NamedTuple):
@@ -72,20 +72,17 @@ def panels_over_angle(
     figure, axes = style.panels(heights)
     drawn = [Panel(name, way, each) for (name, way, _), each in zip(shown, axes, strict=True)]
     for panel, (name, way, (label, colour, _, least)) in zip(axes, shown, strict=True):
+        both_ways = name == "pinion_torque" and len(passes(result.signals)) > 1
         if name == RESIDUAL:
             draw_residuals(panel, label, apart, len(ways) > 1)
-        elif name != "pinion_torque":
-            over_angle(panel, result.signals, name, label, colour)
         elif way:
             torque_one_way(panel, result.signals, measured, way)
+        elif both_ways:
+            torque_against_motion(panel, result.signals)
         else:
-            both_ways = len(passes(result.signals)) > 1
-            if both_ways:
-                torque_against_motion(panel, result.signals)
-            else:
-                over_angle(panel, result.signals, name, label, colour)
-            if measured is not None:
-                add_measured(panel, measured, result.signals, against_motion=both_ways)
+            over_angle(panel, result.signals, name, label, colour)
+        if measured is not None and name == "pinion_torque" and not way:
+            add_measured(panel, measured, result.signals, against_motion=both_ways)
         style.widen(panel, least)
     style.angle_axis(axes[-1])
     return figure, drawn
@@ -130,15 +127,8 @@ def torque_against_motion(axes: Axes, signals: Signals) -> None:
 def add_measured(
     axes: Axes, measured: MeasuredTorque, signals: Signals, *, against_motion: bool = False, only: int = 0
 ) -> None:
-    """Draw the points of a measured torque below the others.
-
-    Args:
-        axes: where.
-        measured: the curve.
-        signals: simulated ones, onto whose angles the measured ones are brought by whole turns.
-        against_motion: draw both directions on one side of zero.
-        only: direction that is drawn; 0: both.
-    """
+    """Draw the points of a measured torque below the others, brought onto the angles of the simulated one by
+    whole turns: of the direction `only` (0: both), both on one side of zero if `against_motion`."""
     label: str | None = f"measured: {short(measured.name, LONGEST_NAME)}"
     for turned in onto_simulated(measured, signals):
         if only in (0, turned.direction):
@@ -148,10 +138,8 @@ def add_measured(
             label = None
     if against_motion:
         pieces = onto_simulated(measured, signals, at_reversal=True)
-        angles = np.concatenate(
-            [np.empty(0), *(each.angle for each in pieces if only in (0, each.direction))]
-        )
-        draw_at_end(axes, SIGNALS["pinion_angle"].displayed(angles), -1, AT_REVERSAL)
+        angles = [np.empty(0), *(each.angle for each in pieces if only in (0, each.direction))]
+        draw_at_end(axes, SIGNALS["pinion_angle"].displayed(np.concatenate(angles)), -1, AT_REVERSAL)
 
 
 FOLDED, BINS = 121, 24  # points of a simulated pitch, and classes of a measured one
@@ -209,6 +197,5 @@ def draw_dots(axes: Axes, x: np.ndarray, y: np.ndarray, direction: int, label: s
     """Draw measured points by the marks of their direction; the axes hold also those that are left out."""
     if x.size:
         axes.update_datalim([(x.min(), y.min()), (x.max(), y.max())])
-    some = slice(None, None, max(1, -(-x.size // style.MOST_DOTS)))
-    look = style.MEASURED_DOTS | (style.OTHER_DOTS if direction < 0 else {})
+    some, look = style.thinned(x.size, MOST_DOTS), OTHER_DOTS if direction < 0 else MEASURED_DOTS
     axes.plot(x[some], y[some], label=label, **look)

@@ -19,16 +19,7 @@ from rps_exudyn.inference.fitting.production import Limits, ProductionLot
 from rps_exudyn.inference.fitting.unknowns import LEVEL
 from rps_exudyn.inference.uncertainty.band import Band
 from rps_exudyn.inference.uncertainty.statistics import LEVELS, Contributions
-from rps_exudyn.pages.charts import style
-from rps_exudyn.pages.charts.curves import (
-    AGAINST_MOTION,
-    DIRECTIONS,
-    HEIGHT_OF_RESIDUAL,
-    add_measured,
-    draw_at_end,
-    draw_dots,
-    draw_residuals,
-)
+from rps_exudyn.pages.charts import curves, style
 from rps_exudyn.pages.charts.style import scene_of
 from rps_exudyn.results.judged_row import Verdict
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
@@ -59,13 +50,13 @@ def band_curves(band: Band) -> Figure:
     if scene_named(band.nominal.scene).signal != "pinion_torque" or "pinion_torque" not in signals:
         measured = None
     left = [] if measured is None else residuals(measured, signals)
-    figure, axes = style.panels([HEIGHT, *([HEIGHT_OF_RESIDUAL] if left else [])], width=8.0)
+    figure, axes = style.panels([HEIGHT, *([curves.HEIGHT_OF_RESIDUAL] if left else [])])
     if measured is not None:
         only = sum({each.direction for each in passes(signals)})
-        add_measured(axes[0], measured, signals, only=only)
+        curves.add_measured(axes[0], measured, signals, only=only)
     _draw_curves(axes[0], band)
     if left:
-        draw_residuals(axes[1], "measured - simulated", left, against_motion=False)
+        curves.draw_residuals(axes[1], "measured - simulated", left, against_motion=False)
         axes[0].set_xlabel("")
         style.angle_axis(axes[1])
     return figure
@@ -86,23 +77,15 @@ def _draw_curves(axes: Axes, band: Band) -> None:
     angle = band.nominal.signals.get("pinion_angle")
     turns = angle is not None and bool(turning_points(angle))
     x = SIGNALS["pinion_angle"].displayed(angle) if turns else band.nominal.signals["time"]
-    curves = None if band.curves is None else quantity.displayed(band.curves.quantiles)
+    nominal, colour = quantity.displayed(band.nominal.signals[name]), style.COLOURS["torque"]
+    levels: Any = None if band.curves is None else quantity.displayed(band.curves.quantiles)
     for part in _parts(x):
-        if curves is not None:
-            for low, high, opacity in BANDS:
-                label = f"{100 * (LEVELS[high] - LEVELS[low]):.0f} % of the gears" if not part.start else None
-                axes.fill_between(
-                    x[part],
-                    curves[low][part],
-                    curves[high][part],
-                    color=style.COLOURS["torque"],
-                    alpha=opacity,
-                    linewidth=0,
-                    label=label,
-                )
-        nominal = quantity.displayed(band.nominal.signals[name])
+        for low, high, opacity in BANDS if levels is not None else ():
+            label = f"{100 * (LEVELS[high] - LEVELS[low]):.0f} % of the gears" if not part.start else None
+            look: Any = {"color": colour, "alpha": opacity, "linewidth": 0, "label": label}
+            axes.fill_between(x[part], levels[low][part], levels[high][part], **look)
         label = None if part.start else "inputs at their medians"
-        axes.plot(x[part], nominal[part], color=style.COLOURS["torque"], linewidth=1.2, label=label)
+        axes.plot(x[part], nominal[part], color=colour, linewidth=1.2, label=label)
     axes.set_ylabel(quantity.axis_label(name.replace("_", " ")))
     style.name_curves(axes)
     if turns:
@@ -126,7 +109,7 @@ def _draw_contributions(figure: Figure, shares: Contributions) -> None:
     rows = [*shown, ("all others", rest), ("acting together", shares.together)]
     above, (width, height) = list(figure.axes), figure.get_size_inches()
     figure.set_size_inches(width, height + HEIGHT_OF_SHARES)
-    heights = [HEIGHT, HEIGHT_OF_RESIDUAL][: len(above)]
+    heights = [HEIGHT, curves.HEIGHT_OF_RESIDUAL][: len(above)]
     grid = figure.add_gridspec(len(above) + 1, 1, height_ratios=[*heights, HEIGHT_OF_SHARES])
     for row, each in enumerate(above):
         each.set_subplotspec(grid[row])
@@ -144,29 +127,21 @@ def drift_figure(batch: ProductionLot, limits: Limits | None) -> Figure:
     """The levels of all gears in their order with their intervals, and below their moving average with the
     limits that 1 % of batches without drift exceed; `limits` of acceptance where a tolerance was given."""
     figure, (levels, average) = style.panels([2.8, 2.4])
-    place, drift = np.arange(1, len(batch.gears) + 1), batch.drift
-    levels.errorbar(
-        place,
-        [each.level for each in batch.gears],
-        yerr=[WIDE * each.sd for each in batch.gears],
-        fmt="o",
-        markersize=3,
-        linewidth=0.8,
-        color=style.COLOURS["torque"],
-        label="a gear, 95 % of its measurement",
-    )
+    place, drift, colour = np.arange(1, len(batch.gears) + 1), batch.drift, style.COLOURS["torque"]
+    known, halves = [each.level for each in batch.gears], [WIDE * each.sd for each in batch.gears]
+    look: Any = {"fmt": "o", "markersize": 3, "linewidth": 0.8, "label": "a gear, 95 % of its measurement"}
+    levels.errorbar(place, known, yerr=halves, color=colour, **look)
     for end in (limits.low, limits.high) if limits else ():
         if np.isfinite(end):
             levels.axhline(end, **style.REFERENCE_LINE)
     levels.set_ylabel("mean free torque\n[N m]")
-    average.fill_between(
-        place, drift.mean - drift.limit, drift.mean + drift.limit, label="limits", **style.BAND
-    )
+    low, high = drift.mean - drift.limit, drift.mean + drift.limit
+    average.fill_between(place, low, high, label="limits", **style.BAND)
     average.axhline(drift.mean, **style.REFERENCE_LINE)
-    average.plot(place, drift.average, color=style.COLOURS["torque"], label="moving average")
-    if drift.alarms.size:
-        beyond, colour = drift.alarms, style.COLOURS["failure"]
-        average.plot(place[beyond], drift.average[beyond], "o", markersize=4, color=colour, label="beyond")
+    average.plot(place, drift.average, color=colour, label="moving average")
+    if (beyond := drift.alarms).size:
+        failure = style.COLOURS["failure"]
+        average.plot(place[beyond], drift.average[beyond], "o", markersize=4, color=failure, label="beyond")
     average.set_ylabel("moving average\n[N m]")
     style.name_curves(levels)
     style.name_curves(average)
@@ -195,7 +170,7 @@ def curves_figure(fit: Fit, width: float = 8.0) -> Figure | None:
     noise = float(np.median([each.noise for each in turned]))
     for each in turned:
         _draw_pass(torque, left, each, FARTHEST * noise)
-    torque.set_ylabel(f"{AGAINST_MOTION}\n[N m]")
+    torque.set_ylabel(f"{curves.AGAINST_MOTION}\n[N m]")
     left.set_ylabel("measured - fitted\n[N m]")
     left.axhspan(-2 * noise, 2 * noise, **style.BAND)
     left.axhline(0.0, **style.REFERENCE_LINE)
@@ -211,20 +186,20 @@ def curves_figure(fit: Fit, width: float = 8.0) -> Figure | None:
 
 
 def _draw_pass(torque: Axes, left: Axes, each: FittedPass, farthest: float) -> None:
-    name, colour = DIRECTIONS[each.direction]
+    name, colour = curves.DIRECTIONS[each.direction]
     angle, sense = np.degrees(each.angle), each.direction
     deviation = each.value - each.model
     inside = np.abs(deviation) <= farthest
-    draw_dots(torque, angle[inside], sense * each.value[inside], sense, f"measured {name}")
+    curves.draw_dots(torque, angle[inside], sense * each.value[inside], sense, f"measured {name}")
     low, high = (sense * (each.model + sign * each.half_band) for sign in (-1, 1))
     torque.fill_between(angle, low, high, **{**style.BAND, "zorder": 1})
     look: Any = {"color": style.COLOURS[colour], "linestyle": style.DASHES.get(colour, "-"), "linewidth": 1.6}
     torque.plot(angle, sense * each.model, label=f"fitted {name}, 95 % band", **look)
-    draw_dots(left, angle[inside], deviation[inside], sense)
+    curves.draw_dots(left, angle[inside], deviation[inside], sense)
     for end, mark in ((1, "\u25b2"), (-1, "\u25bc")):
         beyond = f"{mark} {{}} beyond the axis {name}"
-        draw_at_end(left, angle[end * deviation > farthest], end, beyond)
-        draw_at_end(torque, angle[end * sense * deviation > farthest], end, beyond)
+        curves.draw_at_end(left, angle[end * deviation > farthest], end, beyond)
+        curves.draw_at_end(torque, angle[end * sense * deviation > farthest], end, beyond)
 
 
 def beliefs_figure(fit: Fit) -> Figure | None:

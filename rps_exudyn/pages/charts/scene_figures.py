@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rps_exudyn.analysis.impacts import Impact, find_impacts, split_at_repeats
+from rps_exudyn.analysis.impacts import find_impacts, split_at_repeats
 from rps_exudyn.analysis.passes import Signals, passes
 from rps_exudyn.analysis.rack_motion import transmission_error
 from rps_exudyn.gears.gear_pair import GearPair
@@ -66,6 +66,7 @@ def draw(
         InputError: the file cannot be written.
     """
     figure = scene_figure(result, measured, from_zero=from_zero)
+    style.fix_margins(figure)
     if path is not None:
         style.save(figure, path)
     return figure
@@ -186,10 +187,10 @@ def load_test_figure(result: Result, measured: MeasuredTorque | None = None) -> 
     style.name_curves(axes)
     style.angle_axis(axes)
     locking = result.summary.get("torque_reverse", 0.0) < 0
-    shown = {
-        name: label for name, label in _LOAD_TEST_METRICS.items() if 0 <= result.summary.get(name, 0.0) <= 1
+    known = {
+        name: label for name, label in _LOAD_TEST_METRICS.items() if 0 <= result.summary.get(name, 0) <= 1
     }
-    head(figure, result, scene_of(result) + " · self-locking" * locking, shown)
+    head(figure, result, scene_of(result) + " · self-locking" * locking, known)
     return figure
 
 
@@ -304,9 +305,8 @@ def shaft_play_figure(result: Result, measured: MeasuredTorque | None = None) ->
     for panel, (axis, along) in zip(axes, _SHAFT_AXES.items(), strict=True):
         _yielding(panel, result, f"shaft_force_{axis}", f"shaft_end_{axis}", along, "torque")
     style.abscissa(axes[-1], "force on the input shaft's end [N]")
-    largest = max(
-        (np.abs(result.signals[name]).max() for name in result.signals if "shaft_force_" in name), default=1.0
-    )
+    forces = [np.abs(each).max() for name, each in result.signals.items() if "shaft_force_" in name]
+    largest = max(forces, default=1.0)
     axes[-1].set_xlim(-largest, largest)  # the panels share it, and the axial force is the smallest
     head(figure, result, scene_of(result), _SHAFT_METRICS)
     return figure
@@ -351,7 +351,13 @@ def impact_figure(result: Result, measured: MeasuredTorque | None = None) -> Fig
     _mark_clearance(axes[-1], result, "yokenut")
     style.abscissa(axes[-1], TIME)
     if window is not None:
-        _look_closer(axes, window)
+        whole, *close = axes
+        style.abscissa(whole, TIME)
+        whole.axvspan(*window, **style.BAND)
+        for panel in close:
+            panel.set_xlim(*window)
+        close[0].tick_params(labelbottom=False)
+        close[0].set_title("the shaded part", loc="left", fontsize=10)
     head(figure, result, scene_of(result), _IMPACT_METRICS)
     return figure
 
@@ -363,32 +369,16 @@ def impacts_shown(result: Result) -> tuple[float, float] | None:
     found = find_impacts(time, force, result["plunger_displacement"]) if time.size > 1 else []
     if not found:
         return None
-    first = last = max(range(len(found)), key=lambda i: found[i].peak_force)
-    while first > 0 and found[first].start - _end(found[first - 1]) < GROUP_GAP:
-        first -= 1
-    while last + 1 < len(found) and found[last + 1].start - _end(found[last]) < GROUP_GAP:
-        last += 1
-    begin, end = found[first].start, _end(found[last])
+    begins = np.array([each.start for each in found])
+    ends = begins + [each.duration for each in found]
+    group = np.cumsum([0, *(begins[1:] - ends[:-1] >= GROUP_GAP)])
+    chosen = group == group[np.argmax([each.peak_force for each in found])]
+    begin, end = begins[chosen][0], ends[chosen][-1]
     if end - begin > WIDEST_GROUP * np.ptp(time):
         return None
     margin = GROUP_MARGIN * (end - begin)
     low, high = max(begin - margin, time[0]), min(end + margin, time[-1])
     return MILLISECONDS * float(low), MILLISECONDS * float(high)
-
-
-def _end(impact: Impact) -> float:
-    return impact.start + impact.duration
-
-
-def _look_closer(axes: list[Axes], window: tuple[float, float]) -> None:
-    """Let the first panel keep the whole record with the window shaded, and the others show the window."""
-    whole, *close = axes
-    style.abscissa(whole, TIME)
-    whole.axvspan(*window, **style.BAND)
-    for panel in close:
-        panel.set_xlim(*window)
-    close[0].tick_params(labelbottom=False)
-    close[0].set_title("the shaded part", loc="left", fontsize=10)
 
 
 # --- Picture of a rattling gear: forces of road and yokenut over time, below them the plunger and the rack

@@ -20,7 +20,7 @@ from rps_exudyn.results.result import Result
 
 WIDTH, FIRST_HEIGHT, HEIGHT = 5.2, 2.2, 1.5  # [in]; readable on a phone
 COLOURS = ("torque", "other", "lift", "roll", "failure", "reference")
-MOST_TOGETHER = len(COLOURS)
+MOST_TOGETHER, MOST_PANELS = len(COLOURS), 3
 STRAIGHT = 0.01  # a curve is straight if it deviates from a line by less than this fraction of its span
 STILL = 1e-6  # a signal stands still if its span is less than this fraction of it
 
@@ -42,19 +42,18 @@ def signals_figure(result: Result) -> Figure | None:
     return _drawn(panels, over) if panels else None
 
 
-def overlaid_figure(results: Mapping[str, Result], most_panels: int = 3) -> Figure | None:
+def overlaid_figure(results: Mapping[str, Result]) -> Figure | None:
     """The picture of the first curved signals of several results, by their labels; None without any."""
     recorded = {label: result for label, result in results.items() if result.signals}
     over = abscissa(list(recorded.values()))
     curved = {name for result in recorded.values() for name in curved_signals(result, over)}
-    names = [name for name in SIGNALS if name in curved][:most_panels]
     panels = [
         [
             (name, result[over], result[name], colour, label)
             for colour, (label, result) in zip(COLOURS, recorded.items(), strict=False)
             if name in result.signals
         ]
-        for name in names
+        for name in [name for name in SIGNALS if name in curved][:MOST_PANELS]
     ]
     return _drawn(panels, over) if panels else None
 
@@ -110,8 +109,7 @@ def _common(names: Sequence[str]) -> str:
 
 
 def _drawn(panels: Sequence[Panel], over: str) -> Figure:
-    heights = [FIRST_HEIGHT] + [HEIGHT] * (len(panels) - 1)
-    figure, axes = style.panels(heights, WIDTH)
+    figure, axes = style.panels([FIRST_HEIGHT] + [HEIGHT] * (len(panels) - 1), WIDTH)
     for place, panel in zip(axes, panels, strict=True):
         for name, x, values, colour, label in panel:
             style.line(place, SIGNALS[over].displayed(x), values, SIGNALS[name], "", colour, label)

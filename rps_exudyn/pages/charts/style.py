@@ -88,26 +88,14 @@ THEME = {
 }
 """Name of a colour in style sheets -> it on a light and on a dark screen."""
 
-MEASURED_DOTS: Any = {
-    "linestyle": "none",
-    "color": COLOURS["measured"],
-    "marker": "o",
-    "markersize": 3,
-    "markeredgewidth": 0.6,
-    "markerfacecolor": "none",
-    "zorder": 1.8,
-}
-"""Measured points are hollow; those of the other direction are small and filled."""
-
-OTHER_DOTS: Any = {"markersize": 2, "markeredgewidth": 0, "markerfacecolor": COLOURS["measured"]}
-
-MOST_DOTS = 250  # of a measured curve, evenly chosen; more hide each other
-
 REFERENCE_LINE: Any = {"color": COLOURS["reference"], "linewidth": 1, "linestyle": "--", "zorder": 1}
 
+NUMBERS, LABEL_LINE = 0.7, 0.17  # widths at an ordinate, of its numbers and of a line of its label [in]
+ABSCISSA, GAP, EDGE = 0.46, 0.1, 0.06  # below a panel with a label, around others, of the picture [in]
 LETTERS = 12.5  # of a headline in an inch
 LINE_HEIGHT = 0.2  # of a sentence over the axes [in]
 POINTS = 72  # to an inch
+FAILURE = "failure"  # mark of the text about it
 NAME, NAME_SIZE, NAME_LETTERS = "name", 9, 20  # mark and size of a curve's name, letters of its lines
 NAME_LINE, NAME_GAP = 0.16, 0.35  # height of a line of it [in], and its distance to the next in lines
 NAMES_FROM = 6.0  # narrower pictures have no room for names beside curves [in]
@@ -137,11 +125,9 @@ def panels(
     inches."""
     with mpl.rc_context(_LOOK):
         figure = Figure(figsize=(width, sum(heights)), layout="constrained")
-        axes = figure.subplots(len(heights), 1, sharex=common_abscissa, squeeze=False, height_ratios=heights)[
-            :, 0
-        ]
-    figure.align_ylabels(axes)
-    return figure, list(axes)
+        rows = figure.subplots(len(heights), sharex=common_abscissa, squeeze=False, height_ratios=heights)
+    figure.align_ylabels(rows)
+    return figure, list(rows[:, 0])
 
 
 def line(
@@ -157,10 +143,14 @@ def line(
 
     `name` is for the axis, `label` for the legend.
     """
-    width = _LOOK["lines.linewidth"]
-    look: Any = {"color": COLOURS[colour], "linestyle": DASHES.get(colour, "-"), "linewidth": width}
-    axes.plot(x, quantity.displayed(y), label=label, **look)
+    look: Any = {"linestyle": DASHES.get(colour, "-"), "linewidth": _LOOK["lines.linewidth"]}
+    axes.plot(x, quantity.displayed(y), label=label, color=COLOURS[colour], **look)
     axes.set_ylabel(quantity.axis_label(name))
+
+
+def thinned(count: int, most: int) -> slice:
+    """Which of so many points are drawn: every n-th, at most about `most`."""
+    return slice(None, None, max(1, -(-count // most)))
 
 
 def name_curves(axes: Axes) -> None:
@@ -177,20 +167,13 @@ def name_curves(axes: Axes) -> None:
         return
     ends = np.array([_end_of(axes, handle) for handle in handles])
     order = np.argsort(-ends, kind="stable")
+    beside: Any = {"xycoords": "axes fraction", "xytext": (6, 0), "textcoords": "offset points"}
+    beside |= {"va": "center", "fontsize": NAME_SIZE, "annotation_clip": False}
     for k, place in zip(order, _spread(ends[order], heights[order]), strict=True):
         drawn = handles[k].get_color() if hasattr(handles[k], "get_color") else COLOURS["reference"]
         colour = to_hex(drawn).upper()
-        text = axes.annotate(
-            "\n".join(named[k]),
-            (1, place),
-            xycoords="axes fraction",
-            xytext=(6, 0),
-            textcoords="offset points",
-            va="center",
-            color=TEXT_COLOURS.get(colour, colour),
-            fontsize=NAME_SIZE,
-            annotation_clip=False,
-        )
+        colour = TEXT_COLOURS.get(colour, colour)
+        text = axes.annotate("\n".join(named[k]), (1, place), color=colour, **beside)
         text.set_gid(NAME)
         text.set_parse_math(False)
 
@@ -202,26 +185,20 @@ def _remove_names(axes: Axes) -> None:
         legend.remove()
 
 
-def names_of(axes: Axes) -> list[str]:
-    """The names beside the curves, from above, each in one line."""
-    found = [each for each in axes.texts if each.get_gid() == NAME]
-    found.sort(key=lambda each: -float(each.xy[1]))  # type: ignore[attr-defined]
-    return [each.get_text().replace("\n", " ") for each in found]
-
-
 def _end_of(axes: Axes, handle: Any) -> float:
     """Height of a curve's or band's right end, over the axes' height."""
+    points = np.empty((0, 2))
+    transform = handle.get_transform() if hasattr(handle, "get_transform") else axes.transData
     if hasattr(handle, "get_xydata"):
-        points = handle.get_transform().transform(handle.get_xydata())
+        points = handle.get_xydata()
     elif hasattr(handle, "get_offsets") and len(handle.get_offsets()) > 1:
-        points = axes.transData.transform(np.asarray(handle.get_offsets()))
+        transform, points = axes.transData, np.asarray(handle.get_offsets())
     elif hasattr(handle, "get_paths") and handle.get_paths():
-        points = handle.get_transform().transform(handle.get_paths()[0].vertices)
+        points = handle.get_paths()[0].vertices
     elif hasattr(handle, "get_path"):
-        points = handle.get_transform().transform(handle.get_path().vertices)
-    else:
-        points = np.empty((0, 2))
-    points = points[np.isfinite(points).all(axis=1)] if len(points) else points
+        points = handle.get_path().vertices
+    points = transform.transform(points)
+    points = points[np.isfinite(points).all(axis=1)]
     if not len(points):
         return 0.0
     last = points[points[:, 0] > points[:, 0].max() - 1.0]
@@ -231,12 +208,10 @@ def _end_of(axes: Axes, handle: Any) -> float:
 
 def _spread(places: np.ndarray, heights: np.ndarray) -> np.ndarray:
     """Middles of texts of these heights that do not overlap, near falling places, all from 0 to 1."""
-    found = places.copy()
-    top = 1.0
+    found, top, bottom = places.copy(), 1.0, 0.0
     for k, half in enumerate(heights / 2):
         found[k] = min(found[k], top - half)
         top = found[k] - half
-    bottom = 0.0
     for k, half in reversed(list(enumerate(heights / 2))):
         found[k] = max(found[k], bottom + half)
         bottom = found[k] + half
@@ -251,9 +226,8 @@ def legend_above(axes: Axes) -> None:
         width = axes.figure.get_figure(root=True).bbox_inches.width
         longest = max(len(label) for label in labels)
         columns = max(1, min(4, int(width / (LEGEND_MARK + LETTER * longest))))
-        legend = axes.legend(
-            loc="lower right", bbox_to_anchor=(1, 1), ncols=columns, borderpad=0, frameon=False
-        )
+        look: Any = {"borderpad": 0, "frameon": False}
+        legend = axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=columns, **look)
         for text in legend.get_texts():
             text.set_parse_math(False)  # a dollar in a name is a dollar
 
@@ -323,15 +297,38 @@ def title(figure: Figure, headline: str, failure: str = "") -> None:
     if failure:
         said = textwrap.wrap(failure, width=width)
         axes = figure.axes[0]
-        text = axes.set_title(
-            "\n".join(said),
-            loc="left",
-            fontsize=10,
-            color=COLOURS["failure"],
-            pad=6 + POINTS * _height_of_legend(axes),
-        )
+        look: Any = {"loc": "left", "fontsize": 10, "color": COLOURS["failure"]}
+        text = axes.set_title("\n".join(said), pad=6 + POINTS * _height_of_legend(axes), **look)
+        text.set_gid(FAILURE)
         text.set_parse_math(False)
         _heighten(figure, LINE_HEIGHT * len(said))
+
+
+def fix_margins(figure: Figure) -> None:
+    """Place the panels with margins for their texts, in a fraction of the time of matplotlib's own layouts,
+    which measure every text and every number twice."""
+    renderer, (width, height) = FigureCanvasAgg(figure).get_renderer(), figure.get_size_inches()
+    figure.set_layout_engine(None)
+    top, lines, beside, rooms = height - EDGE, 1, 0.2, []
+    for text in figure.texts:
+        text.set_y(top / height)
+        top -= LINE_HEIGHT * (text.get_text().count("\n") + 1)
+    for axes in figure.axes:
+        lines = max(lines, axes.get_ylabel().count("\n") + 1)
+        names = [each.get_window_extent(renderer).width for each in axes.texts if each.get_gid() == NAME]
+        beside = max(beside, max(names, default=0.0) / figure.dpi + 6 / POINTS + EDGE)
+        title = axes.get_title(loc="left")
+        over = GAP + _height_of_legend(axes) + LINE_HEIGHT * (title.count("\n") + 1) * bool(title)
+        rooms.append((over, ABSCISSA if axes.get_xlabel() else GAP))
+    left, free = NUMBERS + LABEL_LINE * lines, top - float(np.sum(rooms))
+    shares = [axes.get_position().height for axes in figure.axes]
+    for axes, (above, below), share in zip(figure.axes, rooms, shares, strict=True):
+        tall = free * share / sum(shares)
+        top -= above + tall
+        axes.set_position((left / width, top / height, 1 - (left + beside) / width, tall / height))
+        for failure in axes.findobj(lambda each: each.get_gid() == FAILURE):
+            failure.set(x=(EDGE - left) / (width - left - beside))  # below the headline
+        top -= below
 
 
 def footnote(figure: Figure, sentences: Sequence[str]) -> None:
@@ -344,8 +341,7 @@ def footnote(figure: Figure, sentences: Sequence[str]) -> None:
 
 
 def _heighten(figure: Figure, by: float) -> None:
-    width, height = figure.get_size_inches()
-    figure.set_size_inches(width, height + by)
+    figure.set_figheight(figure.get_figheight() + by)
 
 
 def _height_of_legend(axes: Axes) -> float:
@@ -357,8 +353,7 @@ def _height_of_legend(axes: Axes) -> float:
 
 
 def _wrapped(headline: str, width: int) -> str:
-    """The headline, broken between its parts if it is too long for one line of so many letters, and within a
-    part that is longer than a line."""
+    """The headline in lines of so many letters, broken between its parts, and within longer ones."""
     parts = [part if len(part) > width else part.replace(" ", "\xa0") for part in headline.split(" · ")]
     broken = textwrap.fill("\xa0· ".join(parts), width=width, break_on_hyphens=False)
     return broken.replace("\xa0", " ").replace(" ·\n", "\n")
@@ -405,26 +400,25 @@ def save(figure: Figure, path: str | Path) -> None:
 def _save_pixels(figure: Figure, path: Path) -> None:
     """Draw once, and keep no transparency: matplotlib's own `savefig` draws a figure with a layout twice, for
     the same pixels."""
-    before = figure.dpi, figure.canvas
+    dpi, canvas = figure.dpi, figure.canvas
     figure.set_dpi(DPI)
     try:
-        canvas = FigureCanvasAgg(figure)
-        canvas.draw()
-        pixels = Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3])
+        drawn = FigureCanvasAgg(figure)
+        drawn.draw()
+        pixels = Image.fromarray(np.asarray(drawn.buffer_rgba())[..., :3])
         pixels.save(path, "PNG", compress_level=COMPRESSION, dpi=(DPI, DPI))
     finally:
-        figure.set_dpi(before[0])
-        figure.set_canvas(before[1])
+        figure.set_dpi(dpi)
+        figure.set_canvas(canvas)
 
 
 # --- Headline of a result's picture: scene and its figures, the gear, and its failure in words
 
 
 def head(figure: Figure, result: Result, subject: str, figures: Mapping[str, str]) -> None:
-    """Write the headline; `figures` are the summary's names -> labels, skipped if they are not in it."""
-    parts = [subject] + [
-        f"{label} {rounded_metric(result, name)}" for name, label in figures.items() if name in result.summary
-    ]
+    """Write the headline; `figures` are names -> labels of the summary, as far as it has them."""
+    known = {name: label for name, label in figures.items() if name in result.summary}
+    parts = [subject, *(f"{label} {rounded_metric(result, name)}" for name, label in known.items())]
     failure = "" if result.status is Status.OK else f"{result.status}: {result.message}"
     title(figure, f"{' · '.join(parts)}\n{about(result)}", failure)
 

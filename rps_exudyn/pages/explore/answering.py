@@ -6,7 +6,7 @@ process, and the others answer all other tabs. Each kind of click has processes 
 cancelled. The page can ask how far a curve or a click is.
 """
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
@@ -30,14 +30,9 @@ from rps_exudyn.simulate.cases.task import Task
 LONGEST = 10.0  # that a state may take [s]
 LONGEST_REQUESTED = 600.0  # that a click may take: it can be cancelled [s]
 MOST_TABS = 4096  # of which the number of the last request is kept
-TOO_LONG = (
-    f"These settings take longer than {LONGEST:.0f} s; download its gear file and compute it by "
-    "rps-exudyn run --gear."
-)
-TOO_LONG_REQUESTED = (
-    f"This takes longer than {LONGEST_REQUESTED / 60:.0f} min; download the gear file and compute it by "
-    "rps-exudyn."
-)
+_LATER = "longer than {}; download {} gear file and compute it by rps-exudyn"
+TOO_LONG = f"These settings take {_LATER.format(f'{LONGEST:.0f} s', 'its')} run --gear."
+TOO_LONG_REQUESTED = f"This takes {_LATER.format(f'{LONGEST_REQUESTED / 60:.0f} min', 'the')}."
 CANCELLED = {"cancelled": True}
 CURVE = "curve"
 PATHS = ("sliders", CURVE, "gear", "limits", "progress", "cancel", *KINDS)
@@ -103,15 +98,19 @@ class Answering:
         self._newest: dict[str, int] = {}
         self._works: dict[tuple[str, str], _Work] = {}
         self._prepared: defaultdict[Processes, set[str]] = defaultdict(set)  # scenes
+        self._begun: list[Processes] = []
         count = max(2, available_processors())
-        self._free: LifoQueue[Processes] = LifoQueue()  # those that have begun come first
-        self._begun = [Processes(1, LONGEST) for _ in range(count)]
-        for processes in self._begun:
-            self._free.put(processes)
-        self._patient: dict[str, LifoQueue[Processes]] = {kind: LifoQueue() for kind in KINDS}
-        for kind, queue in self._patient.items():
-            for _ in range(count if kind == SIMULATION else 1):
-                queue.put(self._patient_processes())
+        counts = dict.fromkeys(KINDS, 1) | {SIMULATION: count, CURVE: count}
+        self._free: dict[str, LifoQueue[Processes]]  # those that have begun come first
+        self._free = {kind: LifoQueue() for kind in counts}
+        for kind in Counter(counts).elements():
+            self._add(kind)
+
+    def _add(self, kind: str) -> None:
+        """Have one process more for a kind of answers."""
+        made = Processes(1, LONGEST if kind == CURVE else LONGEST_REQUESTED)
+        self._begun.append(made)
+        self._free[kind].put(made)
 
     def __enter__(self) -> "Answering":
         return self
@@ -167,12 +166,12 @@ class Answering:
         while len(self._newest) > MOST_TABS:
             del self._newest[next(iter(self._newest))]
         with self._followed(tab, CURVE) as work:
-            processes = self._free.get()
+            processes = self._free[CURVE].get()
             if number < self._newest.get(tab, number):
-                self._free.put(processes)
+                self._free[CURVE].put(processes)
                 return {"stale": True}
             work.begin(processes)
-            return self._ask(processes, self._free, self.task(wish), wish.scene) | {"number": number}
+            return self._ask(processes, CURVE, self.task(wish), wish.scene) | {"number": number}
 
     def requested(self, wish: Wish, kind: str, tab: str = "") -> Answer:
         """The answer to a click; a tab's second click of a kind cancels its first one."""
@@ -181,16 +180,15 @@ class Answering:
         usual = replace(wish, state={})  # what is compiled for it has no time limit
         warm_up = partial(on_request, self.gear, usual, kind) if kind != SIMULATION else None
         task = Task(partial(on_request, self.gear, wish, kind), warm_up=warm_up)
-        queue = self._patient[kind]
         with self._followed(tab, kind) as click:
-            processes = queue.get()
+            processes = self._free[kind].get()
             click.begin(processes)
             if click.is_cancelled:
-                queue.put(processes)
+                self._free[kind].put(processes)
                 return CANCELLED
-            return self._ask(processes, queue, task)
+            return self._ask(processes, kind, task)
 
-    def _ask(self, processes: Processes, free: "LifoQueue[Processes]", task: Task, scene: str = "") -> Answer:
+    def _ask(self, processes: Processes, kind: str, task: Task, scene: str = "") -> Answer:
         """The answer of a process, which is free afterwards; one that was cancelled has a successor. What is
         compiled for the `scene` of a curve is on no clock."""
         try:
@@ -201,7 +199,7 @@ class Answering:
                 return CANCELLED
             if answers[0].timeout:
                 self._prepared.pop(processes, None)  # its successor loads what is compiled anew
-                return {"problems": [TOO_LONG if processes.time_limit == LONGEST else TOO_LONG_REQUESTED]}
+                return {"problems": [TOO_LONG if kind == CURVE else TOO_LONG_REQUESTED]}
             return dict(answers[0].returned())
         except InputError as error:
             return {"problems": list(error.problems)}
@@ -210,8 +208,9 @@ class Answering:
                 processes.__exit__()
                 with suppress(ValueError):
                     self._begun.remove(processes)
-                processes = self._patient_processes()
-            free.put(processes)
+                self._add(kind)
+            else:
+                self._free[kind].put(processes)
 
     def _prepare(self, processes: Processes, scene: str) -> None:
         """Let a process compile what the scene needs."""
@@ -223,14 +222,9 @@ class Answering:
             processes.time_limit = limit
         self._prepared[processes].add(scene)
 
-    def _patient_processes(self) -> Processes:
-        made = Processes(1, LONGEST_REQUESTED)
-        self._begun.append(made)
-        return made
-
 
 def _controls(gear: SteeringGear) -> Answer:
-    items = {item.path: item for item in gear.declared()}
+    meanings = {item.path: item.meaning for item in gear.declared()}
     sliders = [
         {
             "path": slider.path,
@@ -240,7 +234,7 @@ def _controls(gear: SteeringGear) -> Answer:
             "step": slider.step,
             "unit": pretty(slider.unit),
             "value": slider.of(gear),
-            "meaning": items[slider.path].meaning,
+            "meaning": meanings[slider.path],
         }
         for slider in SLIDERS
     ]

@@ -20,15 +20,8 @@ from rps_exudyn.inference.uncertainty.band import band_of_runs
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.inference.uncertainty.statistics import LEVELS
 from rps_exudyn.pages.charts.analyses import pattern_figure
-from rps_exudyn.pages.explore.sliders import (
-    BY_PATH,
-    Answer,
-    Wish,
-    abscissa,
-    curves_of,
-    fidelity_of,
-    simulated,
-)
+from rps_exudyn.pages.explore import sliders
+from rps_exudyn.pages.explore.sliders import BY_PATH, Answer, Wish, fidelity_of
 from rps_exudyn.pages.report.gear_picture import gear_picture
 from rps_exudyn.pages.report.html import page
 from rps_exudyn.pages.report.pictures import picture
@@ -67,12 +60,12 @@ def _band(gear: SteeringGear, wish: Wish) -> Answer:
     if band.curves is None:
         return {"problems": ["The runs share no curve, so there is no band."]}
     signal = scene_named(wish.scene).signal
-    along = abscissa(band.nominal)
+    along = sliders.abscissa(band.nominal)
     ends = {"low": 0, "inner_low": 1, "inner_high": -2, "high": -1}
     found: list[Answer] = []
     for name, at in ends.items():
         signals = {**band.nominal.signals, signal: band.curves.quantiles[at]}
-        curves = curves_of(replace(band.nominal, signals=signals), signal, along)
+        curves = sliders.curves_of(replace(band.nominal, signals=signals), signal, along)
         found = found or [{"direction": each["direction"], "x": each["x"]} for each in curves]
         for part, each in zip(found, curves, strict=True):
             part[name] = each["y"]
@@ -87,9 +80,7 @@ def _sheet(gear: SteeringGear, wish: Wish) -> Answer:
 
 def _picture(gear: SteeringGear, wish: Wish) -> Answer:
     found = gear_picture(wish.gear(gear))
-    if found is None:
-        return {"problems": ["This gear cannot be drawn."]}
-    return asdict(found)
+    return {"problems": ["This gear cannot be drawn."]} if found is None else asdict(found)
 
 
 def _pattern(gear: SteeringGear, wish: Wish) -> Answer:
@@ -131,19 +122,15 @@ def _fit(gear: SteeringGear, wish: Wish) -> Answer:
     with TemporaryDirectory() as folder:
         file, _ = _read(wish, folder, chosen)
         found = fit([file], chosen, other_law=False)
-    state = {each.path: BY_PATH[each.path].of(found.gear) for each in found.estimates if each.path in BY_PATH}
-    sentences = [findings.level_sentence(found), *findings.open_sentences(found), *found.warnings]
-    return {
-        "state": {
-            path: min(max(value, BY_PATH[path].low), BY_PATH[path].high) for path, value in state.items()
-        },
-        "sentences": [f"{text[:1].upper()}{text[1:]}." for text in sentences if text],
-    }
+    fitted = [BY_PATH[each.path] for each in found.estimates if each.path in BY_PATH]
+    state = {each.path: min(max(each.of(found.gear), each.low), each.high) for each in fitted}
+    sentences = [*findings.level_sentences(found), *found.warnings]
+    return {"state": state, "sentences": [f"{text[:1].upper()}{text[1:]}." for text in sentences if text]}
 
 
 SIMULATION = "simulation"  # of a scene of dynamics, several at a time
 KINDS = {
-    SIMULATION: simulated,
+    SIMULATION: sliders.simulated,
     "band": _band,
     "sheet": _sheet,
     "picture": _picture,

@@ -93,9 +93,8 @@ def settings_of(state: Any) -> dict[str, Any]:
         elif isinstance(number, bool) or not isinstance(number, int | float):
             problems.append(f"{path} is {units.shown(number)}; it must be a number.")
         elif not slider.low <= number <= slider.high:
-            problems.append(
-                f"{path} is {units.shown(number)}; it must be from {slider.low:g} to {slider.high:g}."
-            )
+            allowed = f"from {slider.low:g} to {slider.high:g}"
+            problems.append(f"{path} is {units.shown(number)}; it must be {allowed}.")
         else:
             settings[path] = slider.value(number)
     if problems:
@@ -113,12 +112,8 @@ SLOW = 0.25  # scenes that take longer show a preview while a slider moves [s]
 DRAFT = "draft while a slider moves, without error bars"
 MOST_POINTS = 3000  # of a curve
 SIZES = (
-    "transverse_contact_ratio",
-    "overlap_ratio",
-    "tip_diameter",
-    "root_diameter",
-    "undercut_margin",
-    "crest_width",
+    *("transverse_contact_ratio", "overlap_ratio", "tip_diameter", "root_diameter"),
+    *("undercut_margin", "crest_width"),
 )
 Answer = dict[str, Any]
 
@@ -172,16 +167,9 @@ def fidelity_of(scene: str) -> str:
 
 
 def answer(gear: SteeringGear, wish: Wish) -> Answer:
-    """Answer one state of the sliders; whatever it is, the answer is a table for the page.
-
-    Args:
-        gear: what the sliders change.
-        wish: their state, and the scene.
-
-    Returns:
-        "problems": sentences, if this gear cannot exist or be computed; else curves, numbers and remarks,
-        or "on_request" and no curve where the scene is one of dynamics.
-    """
+    """Answer one state of the sliders; whatever it is, the answer is a table for the page: "problems", which
+    are sentences, if this gear cannot exist or be computed; else curves, numbers and remarks, or "on_request"
+    and no curve where the scene is one of dynamics."""
     if wish.scene in SCENE_NAMES and scene_named(wish.scene).needs_inertia:
         try:
             return {**_described(wish.gear(gear)), "on_request": True}
@@ -214,30 +202,19 @@ def _described(gear: SteeringGear) -> Answer:
     Raises:
         InputError: the gear cannot exist.
     """
-    report = geometry_report(gear)
-    return {
-        "gear": repr(gear).strip("<>"),
-        "geometry": {
-            words(name): GEOMETRY[name].show(getattr(report, name))
-            for name in SIZES  # without masses, which need solids
-        },
-        "warnings": list(report.warnings),
-    }
+    report = geometry_report(gear)  # without masses, which need solids
+    sizes = {words(name): GEOMETRY[name].show(getattr(report, name)) for name in SIZES}
+    return {"gear": repr(gear).strip("<>"), "geometry": sizes, "warnings": list(report.warnings)}
 
 
 def _drawn(result: Result) -> Answer:
-    error = error_of_law(result)
-    signal = scene_named(result.scene).signal
-    along = abscissa(result)
+    error, signal, along = error_of_law(result), scene_named(result.scene).signal, abscissa(result)
+    rows = [row for row in sheet_of(result).rows if row.value not in (WORK_LOST, REMARK)]
     return {
         "curves": curves_of(result, signal, along),
         "along": _label(along),
         "across": _label(signal),
-        "rows": [
-            [row.value, row.words, row.is_vague]
-            for row in sheet_of(result).rows
-            if row.value not in (WORK_LOST, REMARK)
-        ],
+        "rows": [[row.value, row.words, row.is_vague] for row in rows],
         "metrics": metrics_of(result),
         "losses": [[part, PARTS[part], 100 * share] for part, share in loss_shares(result).items()],
         "error": error.largest if error and signal == "pinion_torque" else None,
@@ -267,10 +244,8 @@ def curves_of(result: Result, signal: str, along: str) -> list[Answer]:
     for direction, signals in parts:
         x = SIGNALS[along].displayed(signals[along])
         y = SIGNALS[signal].displayed((direction if sign else 1) * signals[signal])
-        kept = thinned(y)
-        found.append(
-            {"direction": direction, "x": np.round(x[kept], 4).tolist(), "y": np.round(y[kept], 6).tolist()}
-        )
+        x, y = (np.round(values[thinned(y)], digits).tolist() for values, digits in ((x, 4), (y, 6)))
+        found.append({"direction": direction, "x": x, "y": y})
     return found
 
 

@@ -45,9 +45,7 @@ def limits_of(typed: Any) -> dict[str, Any]:
         quantity, problems = SUMMARY[name], list[str]()
         with_units = {key: _with_unit(text, quantity) for key, text in table.items()}
         limit = limit_of(f"{LABELS[name]}, ", with_units, quantity, problems)
-        ends = {
-            key: end if isfinite(end) else None for key, end in (("least", limit.least), ("most", limit.most))
-        }
+        ends = {key: end if isfinite(end := getattr(limit, key)) else None for key in ("least", "most")}
         found[name] = {"problems": problems} if problems else {**ends, "shown": limit.show(quantity)}
     return {"limits": found}
 

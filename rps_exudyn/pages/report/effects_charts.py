@@ -22,7 +22,7 @@ from rps_exudyn.study.effects import MainEffect
 WIDTH, HEIGHT = 3.4, 2.6  # [in]; two of them on a sheet of A4
 MOST_TICKS = 5  # levels of a grid that are all labelled
 ROOM_FOR_TICKS = 12  # labels side by side
-MOST_DOTS = 500
+MOST_DOTS = 500  # cases in a chart, so that a page stays small
 _DOT: Any = {"alpha": 0.6, "markersize": 8, "markeredgewidth": 0}
 _CASE_DOT: Any = {"color": "white", "markersize": 3.5, "markeredgecolor": "black", "markeredgewidth": 0.5}
 _LIMITED_MARK: Any = {"s": 18, "marker": "D", "linewidths": 0.6, "edgecolors": "black"}
@@ -34,13 +34,13 @@ def main_effect_figure(
     axis: Axis, effect: MainEffect, name: str, quantity: Quantity, width: float = WIDTH
 ) -> Figure:
     """Picture of a main effect: cases as dots, the means over the axis' levels as a line."""
-    figure, axes = _small(width=width)
+    figure, (axes,) = style.panels([HEIGHT], width)
     levels = _ticks(axes, "x", axis, effect.levels)
     if effect.levels.dtype.kind == "f":
         x = axis_quantity(axis).displayed(effect.values)
     else:
         x = np.searchsorted(effect.levels, effect.values).astype(float)
-    some = _some(effect.numbers.size)
+    some = style.thinned(effect.numbers.size, MOST_DOTS)
     numbers, mean = quantity.displayed(effect.numbers[some]), quantity.displayed(effect.mean)
     limited = effect.limited[some]
     axes.plot(x[some][~limited], numbers[~limited], ".", color=style.COLOURS["reference"], **_DOT)
@@ -69,7 +69,7 @@ def surface_figure(
     those of the colours' scale [SI], which pictures of one number share.
     """
     levels, others, means = surface
-    figure, axes = _small(HEIGHT + 0.3, _width_beside(others))
+    figure, (axes,) = style.panels([HEIGHT + 0.3], _width_beside(others))
     shown = quantity.displayed(means)
     x, y = _ticks(axes, "x", first, levels), _ticks(axes, "y", second, others)
     image: ScalarMappable
@@ -100,10 +100,9 @@ def scattered_figure(
 ) -> Figure:
     """Picture of sampled cases over two axes, coloured by the number; those that met a limit of the gear are
     diamonds. Arrays have the shape (cases,)."""
-    figure, axes = _small(HEIGHT + 0.3, _width_beside(points[1]))
-    x = _ticks(axes, "x", first, points[0])
-    y = _ticks(axes, "y", second, points[1])
-    some = _some(x.size)
+    figure, (axes,) = style.panels([HEIGHT + 0.3], _width_beside(points[1]))
+    x, y = _ticks(axes, "x", first, points[0]), _ticks(axes, "y", second, points[1])
+    some = style.thinned(x.size, MOST_DOTS)
     shown = quantity.displayed(points[2][some])
     scale: Any = {"cmap": COLOUR_MAP, "vmin": shown.min(), "vmax": shown.max()}
     free, met = ~limited[some], limited[some]
@@ -116,15 +115,14 @@ def scattered_figure(
 
 def distribution_figure(numbers: np.ndarray, name: str, quantity: Quantity) -> Figure:
     """Histogram of a number, shape (cases,) [SI], with the median and the range of 90 % of the cases."""
-    figure, axes = _small()
+    figure, (axes,) = style.panels([HEIGHT], WIDTH)
     shown = quantity.displayed(numbers[np.isfinite(numbers)])
     axes.hist(shown, bins="auto" if shown.size > 20 else 5, color=style.COLOURS["torque"], alpha=0.75)
     axes.set_axisbelow(True)
     low, middle, high = np.quantile(shown, [0.05, 0.5, 0.95])
     axes.axvline(middle, color=style.COLOURS["other"], linewidth=1.6, label="median")
-    axes.axvspan(
-        low, high, color=style.COLOURS["other"], alpha=0.15, linewidth=0, zorder=0, label="90 % of the cases"
-    )
+    look: Any = {**style.BAND, "color": style.COLOURS["other"]}
+    axes.axvspan(low, high, label="90 % of the cases", **look)
     axes.set_xlabel(quantity.axis_label(label_of(name)))
     axes.set_ylabel("cases")
     style.name_curves(axes)
@@ -146,16 +144,6 @@ def _place(axis: Axis, values: np.ndarray, chosen: np.ndarray) -> np.ndarray:
 def _joined(side: np.ndarray) -> Iterable[slice]:
     """Pairs of neighbouring levels on one side of a limit: a line across it would hide the kink."""
     return (slice(at, at + 2) for at in range(len(side) - 1) if side[at] == side[at + 1])
-
-
-def _some(count: int) -> slice:
-    """Cases that are drawn as dots: at most about MOST_DOTS, evenly chosen, so that a page stays small."""
-    return slice(None, None, max(1, -(-count // MOST_DOTS)))
-
-
-def _small(height: float = HEIGHT, width: float = WIDTH) -> tuple[Figure, Axes]:
-    figure, axes = style.panels([height], width)
-    return figure, axes[0]
 
 
 def _width_beside(values: np.ndarray) -> float:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import partial
 from math import exp, floor, inf, log10
 
 from rps_exudyn.base.errors import as_sentence
@@ -61,8 +62,7 @@ def fit_page(fit: Fit, command: str) -> Sheet:
     if not fit.converged:
         text = "The fit did not converge: these values are its last iteration, not estimates."
         parameters.insert(0, Warning(text))
-    said = [findings.level_sentence(fit), *findings.open_sentences(fit)]
-    if determined := [Text(as_sentence(each)) for each in said if each]:
+    if determined := [Text(as_sentence(each)) for each in findings.level_sentences(fit)]:
         parameters.append(Fold("What the tests determine, and which would determine more", determined))
     sections = [
         Section("Parameters", parameters),
@@ -74,10 +74,9 @@ def fit_page(fit: Fit, command: str) -> Sheet:
 
 def _text(fit: Fit, tests: str) -> Iterable[Block]:
     yield Line(f"fit · tests: {tests} · {'converged' if fit.converged else 'NOT CONVERGED'}", is_bold=True)
-    said = [findings.level_sentence(fit), *findings.open_sentences(fit)]
-    yield from (Text(sentence) for sentence in said if sentence)
-    yield Grid(COLUMNS, list(findings.rows(fit)))
-    yield Grid(findings.BUDGET, list(findings.budget_rows(fit)))
+    yield from map(Text, findings.level_sentences(fit))
+    yield Grid(COLUMNS, findings.rows(fit))
+    yield Grid(findings.BUDGET, findings.budget_rows(fit))
     if sentence := findings.offset_sentence(fit):
         yield Text(sentence)
     yield from (Text(f"assumed: {each}") for each in fit.assumed if each not in fit.left_out)
@@ -96,11 +95,9 @@ def _rows(fit: Fit) -> Iterable[Row]:
         yield Row("no estimate", "the fit did not converge: these values are its last iteration")
     if fit.advice and fit.advice.tests:
         yield Row("next test", listed([findings.test_words(test) for test in fit.advice.tests]))
-    doubts = [
-        *(each.sentence for each in fit.refusals),
-        *beyond_the_teeth(fit.problem.measurement, fit.given),
-        *fit.problem.measurement.late,
-    ]
+    measurement = fit.problem.measurement
+    doubts = [*(each.sentence for each in fit.refusals), *beyond_the_teeth(measurement, fit.given)]
+    doubts += measurement.late
     for level in (each for each in fit.levels if each.test.of_kind.by_angle):
         doubts += encoder_doubts(level, fit.given.pinion.teeth)
     if doubts:
@@ -108,23 +105,23 @@ def _rows(fit: Fit) -> Iterable[Row]:
 
 
 def _verdicts(fit: Fit) -> Iterable[Row]:
-    known = [f"{named(each.path)} {_range(each)}" for each in fit.estimates
-             if each.verdict in (Verdict.FOUND, Verdict.NOT_ZERO)]  # fmt: skip
-    if known:
+    def by_verdict(*verdicts: Verdict) -> list[Estimate]:
+        return [each for each in fit.estimates if each.verdict in verdicts]
+
+    if known := [_interval(each) for each in by_verdict(Verdict.FOUND, Verdict.NOT_ZERO)]:
         yield Row("known", listed(known))
     for each in fit.combinations:
         product = f"weighted product of {', '.join(map(named, each.exponents))}"
         yield Row("known", f"{product} to {100 * WIDE * each.sd:.2g} %, each alone is not")
-    with_help = [each for each in fit.estimates if each.verdict is Verdict.BY_PRIOR]
-    if with_help:
-        yield Row("with priors", listed([f"{named(each.path)} {_range(each)}" for each in with_help]))
-    if left := [named(each.path) for each in fit.estimates if each.verdict is Verdict.OPEN]:
+    if with_help := [_interval(each) for each in by_verdict(Verdict.BY_PRIOR)]:
+        yield Row("with priors", listed(with_help))
+    if left := [named(each.path) for each in by_verdict(Verdict.OPEN)]:
         yield Row("not separable", listed(left))
 
 
-def _range(each: Estimate) -> str:
-    """The 95 % interval with two digits, in a unit that needs no zeros."""
-    return interval(*(_two_digits(each.path, end) for end in each.interval))
+def _interval(each: Estimate) -> str:
+    """Name and 95 % interval with two digits, in a unit that needs no zeros."""
+    return f"{named(each.path)} {interval(*(_two_digits(each.path, end) for end in each.interval))}"
 
 
 def _two_digits(path: str, value: float) -> str:
@@ -138,20 +135,16 @@ def _two_digits(path: str, value: float) -> str:
 
 
 def _judged(each: Estimate, verdict: str) -> Judgement:
-    def show(value: float) -> str:
-        return _two_digits(each.path, value)
-
     if each.path.partition(" ")[0] in LEVEL:
         ends = tuple(each.prior * exp(sign * WIDE * each.prior_sd) for sign in (-1, 1))
     elif each.path.endswith("_angle"):
         ends = (-inf, inf)
     else:
         ends = tuple(each.prior + sign * WIDE * each.prior_sd for sign in (-1, 1))
+    show = partial(_two_digits, each.path)
     placed = judgement(each, named(each.path), each.path, show, (ends[0], ends[1]), verdict, "", True)
-    known = each.verdict in findings.KNOWN
-    return replace(
-        placed, mark=Mark.KEPT if known else Mark.OPEN, limits=(), remark="", part=part_of([each.path])
-    )
+    mark = Mark.KEPT if each.verdict in findings.KNOWN else Mark.OPEN
+    return replace(placed, mark=mark, limits=(), part=part_of([each.path]))
 
 
 def _basis(fit: Fit) -> Iterable[Block]:
@@ -159,26 +152,19 @@ def _basis(fit: Fit) -> Iterable[Block]:
     if sentence := findings.offset_sentence(fit):
         notes.insert(0, as_sentence(sentence))
     yield Fold("Notes", [Text(note) for note in notes])
-    yield Fold("Table of parameters", [Grid(COLUMNS, [list(row) for row in findings.rows(fit)])])
-    yield Fold(
-        "Uncertainty budget", [Grid(findings.BUDGET, [list(row) for row in findings.budget_rows(fit)])]
-    )
+    yield Fold("Table of parameters", [Grid(COLUMNS, findings.rows(fit))])
+    yield Fold("Uncertainty budget", [Grid(findings.BUDGET, findings.budget_rows(fit))])
     yield Fold("Assumptions about the files", [Text(sentence) for sentence in fit.assumed])
     if claims := shape_claims(fit):
-        table = [
-            [each.path, f"{100 * each.sd:.2g} %", f"{100 * claims[each.path]:.2g} %"]
-            for each in fit.estimates
-            if each.path in claims
-        ]
+        both = [(each, claims[each.path]) for each in fit.estimates if each.path in claims]
+        table = [[each.path, f"{100 * each.sd:.2g} %", f"{100 * sd:.2g} %"] for each, sd in both]
         caption = "Standard deviations by means, which count, and with the shape, which is not trusted"
         grid = Grid(("parameter", "means", "means and shape, if mesh.law were true"), table, caption)
         yield Fold("Information in the shape of the curve", [grid])
-    rows = [
-        [name, *(f"{value:+.2f}" for value in line)]
-        for name, line in zip(fit.correlated, fit.correlations, strict=True)
-    ]
+    lines = zip(fit.correlated, fit.correlations, strict=True)
+    rows = [[name, *(f"{value:+.2f}" for value in line)] for name, line in lines]
     yield Fold("Correlations", [Grid(("", *fit.correlated), rows)])
-    changed = fit.gear.changes()
-    yield Fold("Gear with the estimates", [parameter_grid(changed, "Differences from the default gear")])
+    grid = parameter_grid(fit.gear.changes(), "Differences from the default gear")
+    yield Fold("Gear with the estimates", [grid])
     cost = Text(f"{fit.simulations} simulations, {fit.cpu_s:.2g} s of CPU time.")
     yield Fold("Origin", [cost, provenance_facts(provenance())])

@@ -4,7 +4,6 @@ import base64
 import gzip
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -51,9 +50,9 @@ class Label:
     name: str
     value: str
     part: str
-    side: str
-    left: float
-    top: float
+    side: str  # of the label on which it ends
+    left: float = 0.0
+    top: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -77,24 +76,9 @@ class GearPicture:
     page: str
 
 
-class Anchor(NamedTuple):
-    """What a label names."""
-
-    text: str
-    point: np.ndarray  # [m], shape (3,)
-    part: str
-    off: tuple[float, float]  # of the label from the point [pixels]
-    side: str  # of the label on which it ends
-
-
 def gear_picture(gear: SteeringGear, result: Result | None = None) -> GearPicture | None:
-    """Return the picture of a gear; None of one that cannot be built.
-
-    Args:
-        gear: what is shown.
-        result: whose mean forces are written and whose motion the view in three dimensions plays; without
-            one those of the free turning gear by its closed form.
-    """
+    """Return the picture of a gear; None of one that cannot be built. Mean forces, and the motion in three
+    dimensions, are those of `result`; without one those of the free turning gear by its closed form."""
     try:
         still = simulate(SCENE.name, gear.replace({"test.path": "one-way"}), "closed-form")
         parts = picture_parts(gear)
@@ -107,14 +91,14 @@ def gear_picture(gear: SteeringGear, result: Result | None = None) -> GearPictur
     except InputError:
         return None
     anchors = list(_anchors(gear, moving))
-    camera = _camera(np.stack([each.point for each in anchors]))
+    camera = _camera(np.stack([point for point, *_ in anchors]))
     image = image_bytes(cutout(drawing.bodies(camera), camera, SIZE), "webp")
     played = rendered(shown, moving, parts, None, image)
     return GearPicture(
         image=f"data:image/webp;base64,{base64.b64encode(image).decode('ascii')}",
         size=SIZE,
         alt=ALT,
-        labels=[_label(camera, each) for each in anchors],
+        labels=[_placed(camera, *each) for each in anchors],
         arrows=[_bent(gear, camera), *_straight(gear, drawing, camera)],
         page=base64.b64encode(gzip.compress(played.encode(), mtime=0)).decode("ascii"),
     )
@@ -126,7 +110,8 @@ def _shown_shaft(gear: SteeringGear) -> float:
     return min(gear.pinion.shaft_length, max(gear.pinion.face_width, 2 * (max(ends) + SHAFT_END)))
 
 
-def _anchors(gear: SteeringGear, motion: Motion) -> Iterator[Anchor]:
+def _anchors(gear: SteeringGear, motion: Motion) -> Iterator[tuple[np.ndarray, tuple[int, int], Label]]:
+    """Of each label the point that it names [m], shape (3,), the way from there [pixels], and itself."""
     pair = GearPair.of(gear)
     axis, half, along = pair.bar_axis_height, _shown_shaft(gear) / 2, pair.pinion_frame[:, 2]
     found = passes(motion.signals) if "pinion_angle" in motion.signals else []
@@ -137,15 +122,15 @@ def _anchors(gear: SteeringGear, motion: Motion) -> Iterator[Anchor]:
     yoke, torque = _mean(motion, "seat_force"), _mean(first, "pinion_torque")
     sides = [_mean(motion, f"mesh_normal_force_{side}") for side in ("drive", "coast")]
     teeth = " and ".join(each for each in sides if each).replace(" N and", " and")
-    push = f"yoke {'presses with ' * bool(yoke)}{yoke}"
-    yield Anchor(push, np.array([0.0, nut, 0.0]), "seat", (45, -4), "right")
+    pressing = Label("yoke", f"{'presses with ' * bool(yoke)}{yoke}", "seat", "right")
+    yield np.array([0.0, nut, 0.0]), (45, -4), pressing
     tips = pair.pinion_origin - np.array([0.0, pair.tip_radius, 0.0])
-    yield Anchor(f"teeth {teeth}", tips, "mesh", (-66, -40), "left")
+    yield tips, (-66, -40), Label("teeth", teeth, "mesh", "left")
     lower = pair.pinion_origin + gear.bearing.lower_position * along
-    yield Anchor(f"bearings {friction}", lower, "bearing", (-10, 48), "middle")
+    yield lower, (-10, 48), Label("bearings", friction, "bearing", "middle")
     bush = np.array([gear.bush.distance, axis - gear.bush.outer_diameter / 2, 0.0])
-    yield Anchor(f"bush drags with {drag}", bush, "bush", (-30, 36), "left")
-    yield Anchor(f"torque {torque}", pair.pinion_origin + half * along, "torque", (52, -34), "right")
+    yield bush, (-30, 36), Label("bush", f"drags with {drag}", "bush", "left")
+    yield pair.pinion_origin + half * along, (52, -34), Label("torque", torque, "torque", "right")
 
 
 def _mean(motion: Motion, signal: str) -> str:
@@ -219,8 +204,6 @@ def _camera(points: np.ndarray) -> Camera:
     return camera
 
 
-def _label(camera: Camera, anchor: Anchor) -> Label:
-    place = camera.seen(anchor.point, *SIZE)[:2] + anchor.off
-    name, _, value = anchor.text.partition(" ")
-    left, top = (100 * place / SIZE).tolist()
-    return Label(name, value, anchor.part, anchor.side, left, top)
+def _placed(camera: Camera, point: np.ndarray, off: tuple[int, int], label: Label) -> Label:
+    left, top = (100 * (camera.seen(point, *SIZE)[:2] + off) / SIZE).tolist()
+    return replace(label, left=left, top=top)

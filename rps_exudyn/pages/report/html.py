@@ -28,30 +28,25 @@ def write_page(sheets: Iterable[Sheet], out: str | Path) -> None:
 
 def page(sheets: Iterable[Sheet]) -> str:
     """The page as HTML; all text is escaped except the SVG of pictures, which this package draws."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    from rps_exudyn.pages.animation.animation_page import admitted, hash_of
+    from rps_exudyn.pages.animation.animation_page import admitted, environment, hash_of
     from rps_exudyn.pages.charts.style import PART_COLOURS, theme
     from rps_exudyn.pages.report.gear_picture import gear_picture
 
     drawn = [(sheet, gear_picture(sheet.gear, sheet.result) if sheet.gear else None) for sheet in sheets]
-    environment = Environment(
-        loader=FileSystemLoader(_FOLDER),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     css = theme() + (_FOLDER / "page.css").read_text(encoding="utf-8")
     script = (_FOLDER / "page.js").read_text(encoding="utf-8")
     hashes = [hash_of(script), *([admitted()[1]] if any(gear for _, gear in drawn) else [])]
-    return environment.get_template("page.html").render(
-        title=" · ".join(sheet.title for sheet, _ in drawn),
-        sheets=drawn,
-        css=css,
-        script=script,
-        part_colours=PART_COLOURS,
-        script_hashes=" ".join(f"'sha256-{each}'" for each in hashes),
+    return (
+        environment(_FOLDER)
+        .get_template("page.html")
+        .render(
+            title=" · ".join(sheet.title for sheet, _ in drawn),
+            sheets=drawn,
+            css=css,
+            script=script,
+            part_colours=PART_COLOURS,
+            script_hashes=" ".join(f"'sha256-{each}'" for each in hashes),
+        )
     )
 
 
@@ -88,10 +83,8 @@ def as_text(value: Any) -> str:
 
 def gear_facts(values: Mapping[str, Any]) -> Facts:
     """What distinguishes gears; `values` are path -> value, and those of `GEAR_FACTS` are shown."""
-    rows = {
-        path: text for path, text, *_ in parameter_rows({p: values[p] for p in GEAR_FACTS if p in values})
-    }
-    return Facts([(GEAR_FACTS[path], text) for path, text in rows.items()])
+    rows = parameter_rows({path: values[path] for path in GEAR_FACTS if path in values})
+    return Facts([(GEAR_FACTS[path], text) for path, text, *_ in rows])
 
 
 def parameter_rows(values: Mapping[str, Any]) -> Iterable[tuple[str, str, str, str]]:
@@ -117,10 +110,9 @@ def make_again(facts: Mapping[str, Any], commands: str) -> Fold:
 
 def fidelity_facts(fidelity: Mapping[str, Any]) -> Fold:
     """Every choice of the model, folded under the fidelity's name."""
-    choices = {
-        f"fidelity.{name}": value for name, value in fidelity.items() if name not in ("name", "based_on")
-    }
-    return Fold(f"Model: fidelity {fidelity.get('name', '')}", [parameter_grid(choices)])
+    names = [name for name in fidelity if name not in ("name", "based_on")]
+    choices = parameter_grid({f"fidelity.{name}": fidelity[name] for name in names})
+    return Fold(f"Model: fidelity {fidelity.get('name', '')}", [choices])
 
 
 PART_OF_TABLE = {"mesh": "mesh", "pinion": "mesh", "yoke": "seat", "bush": "bush", "bearing": "bearing"}

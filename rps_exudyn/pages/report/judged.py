@@ -35,18 +35,13 @@ def judgement(
     remark: str,
     is_published: bool = False,
 ) -> Judgement:
-    """Place a judged number on a scale with the ends of what is asked for.
+    """Place a judged number on a scale; `show` makes text of a number in SI.
 
-    Args:
-        row: number, band and verdict.
-        name, note: for readers.
-        show: makes text of a number in SI.
-        ends: least and most, SI; infinite where there is no limit.
-        verdict, remark: beside and below the scale.
-        is_published: the grey is the range between the ends, not what lies beyond them.
+    `ends` are the least and most that are asked for, SI, infinite without a limit. Grey is what lies beyond
+    them, or the range between them where it `is_published`.
     """
-    limits = [each for each in ends if isfinite(each)]
-    known = [each for each in (row.value, row.low, row.high, *limits) if isfinite(each)]
+    limits = list(filter(isfinite, ends))
+    known = list(filter(isfinite, (row.value, row.low, row.high, *limits)))
     low, high = _scale(known, is_close_up=len(set(limits)) > 1)
 
     def at(value: float) -> float:

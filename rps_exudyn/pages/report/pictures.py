@@ -81,15 +81,14 @@ def axes_of(
 
     `size` is the figure's [in].
     """
-    width, height = POINTS_PER_INCH * size
+    width, height = (POINTS_PER_INCH * size).tolist()
     place = axes.get_position()
+    box = place.x0 * width, (1 - place.y1) * height, place.x1 * width, (1 - place.y0) * height
+    labels = {number: str(line.get_label()) for number, line in curves.items()}
     name, unit = name_and_unit(axes.get_ylabel())
     along, unit_along = name_and_unit(axes.get_xlabel())
     return {
-        "box": [
-            round(float(each), 2)
-            for each in (place.x0 * width, (1 - place.y1) * height, place.x1 * width, (1 - place.y0) * height)
-        ],
+        "box": [round(float(each), 2) for each in box],
         "x": [float(each) for each in axes.get_xlim()],
         "y": [float(each) for each in axes.get_ylim()],
         "log": [axes.get_xscale() == "log", axes.get_yscale() == "log"],
@@ -98,7 +97,7 @@ def axes_of(
         "curves": [
             {"number": number, "label": "" if label.startswith("_") else label}
             | ({"to": links[label][1]} if label in links else {})
-            for number, label in ((number, str(line.get_label())) for number, line in curves.items())
+            for number, label in labels.items()
         ],
     }
 
@@ -114,8 +113,7 @@ def _for_a_page(svg: str, ids: Mapping[int, str]) -> str:
     curves by their number."""
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>\s*|<style.*?</style>\s*", "", svg, flags=re.S)
-    svg = re.sub(r'^(<svg\b[^>]*?) width="[^"]*"', r"\1", svg)
-    svg = re.sub(r'^(<svg\b[^>]*?) height="[^"]*"', r"\1", svg)
+    svg = re.sub(r'^(<svg\b[^>]*?) width="[^"]*" height="[^"]*"', r"\1", svg)
     # To hundredths of a point: more digits are invisible and double the page's size
     svg = re.sub(r' (?:x|y|d)="[^"]*"', lambda found: re.sub(r"(\.\d\d)\d+", r"\1", found[0]), svg)
     used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', svg))

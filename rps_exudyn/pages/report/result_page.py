@@ -20,14 +20,7 @@ from rps_exudyn.pages.charts.inference import band_curves
 from rps_exudyn.pages.charts.scene_figures import scene_figure
 from rps_exudyn.pages.charts.signals import signals_figure
 from rps_exudyn.pages.charts.style import about, scene_of
-from rps_exudyn.pages.report.html import (
-    as_text,
-    fidelity_facts,
-    gear_facts,
-    make_again,
-    parameter_grid,
-    part_of,
-)
+from rps_exudyn.pages.report import html
 from rps_exudyn.pages.report.pictures import at_widths, picture
 from rps_exudyn.pages.report.result_sheet import REMARK, WORK_LOST, loss_shares, sheet_of, summary_grid
 from rps_exudyn.parameters.display_names import GEAR_FACTS, named
@@ -35,7 +28,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import error_of_law
 from rps_exudyn.results.outcome import Status, sentences
 from rps_exudyn.results.page_blocks import CodeText, Columns, Facts, Fold, Pictures, Share, Shares, Warning
-from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, LABELS, PARTS, SUMMARY, Quantity
+from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, LABELS, PARTS, SUMMARY
 from rps_exudyn.results.result import Result
 from rps_exudyn.results.rounding import rounded, shown_metric
 from rps_exudyn.results.sheet import Block, Grid, Row, Section, Sheet, Text
@@ -47,33 +40,27 @@ if TYPE_CHECKING:
 
 
 def result_page(result: Result, path: Path, more: Sequence[Section] = (), band: Band | None = None) -> Sheet:
-    """The sheet of a result in the file `path`: number, curve, losses; folded below, everything else.
-
-    Args:
-        result: what was simulated.
-        path: its file.
-        more: sections behind the losses.
-        band: of uncertain inputs, of which `result` is the nominal run.
-    """
+    """The sheet of a result in the file `path`: number, curve, losses, `more`; folded below, everything else.
+    The result is the nominal run of the `band` of uncertain inputs."""
     compared = compared_with_own(result)
     sheet = sheet_of(result, compared, band)
     is_free, heading = result.scene == FREE_TURNING_SCENE.name, "Curves"
     if result.signals and is_scene(result.scene):
         heading = words(scene_named(result.scene).signal).capitalize() + " over the pinion's angle" * is_free
     beside = [*_losses(result), *_ripple(result)]
-    notices = list(_notices(result))
+    sections = [
+        Section("Outcome", list(_notices(result))),
+        Section(heading, list(_curves(result, band))),
+        *([Section("", [Columns(beside)])] if len(beside) > 1 else beside),
+        *([] if band is None else _scatter(band)),
+        *more,
+        Section("Details", list(_details(result, compared, path))),
+    ]
     return Sheet(
         title=scene_of(result),
         lead=f"{path.name} · {about(result)} · {result.provenance['date'][:10]}",
         rows=[row for row in sheet.rows if row.value not in (REMARK, WORK_LOST)],
-        sections=[
-            *([Section("Outcome", notices)] if notices else []),
-            Section(heading, list(_curves(result, band))),
-            *([Section("", [Columns(beside)])] if len(beside) > 1 else beside),
-            *([] if band is None else _scatter(band)),
-            *more,
-            Section("Details", list(_details(result, compared, path))),
-        ],
+        sections=[each for each in sections if each.blocks],
         gear=result.gear,
         result=result,
     )
@@ -87,24 +74,22 @@ def gear_page(gear: SteeringGear, path: Path) -> Sheet:
     """
     report = geometry_report(gear)
     changed, numbers = gear.changes(), report.numbers
-    differing = Fold("Parameters that differ from the defaults", [parameter_grid(changed)], is_open=True)
+    differing = Fold("Parameters that differ from the defaults", [html.parameter_grid(changed)], is_open=True)
     every = {item.path: gear.value_at(item.path) for item in SteeringGear.declared()}
+    details = [
+        Fold("Geometry", [_sizes(numbers)]),
+        Fold("All parameters of gear and test", [html.parameter_grid(every)]),
+        Fold("Simulate it", [CodeText(f"rps-exudyn run --gear {path}")]),
+    ]
+    sections = [
+        Section("Warnings", [Warning(text) for text in report.warnings]),
+        Section("Details", [differing, *details] if changed else details),
+    ]
     return Sheet(
         title="Gear",
         lead=f"{path.name} · {repr(gear).strip('<>').removeprefix('SteeringGear: ')}",
         rows=[Row(GEOMETRY[name].show(numbers[name]), GEOMETRY[name].long_name) for name in HEAD_SIZES],
-        sections=[
-            *([Section("Warnings", [Warning(text) for text in report.warnings])] if report.warnings else []),
-            Section(
-                "Details",
-                [
-                    *([differing] if changed else []),
-                    Fold("Geometry", [_quantities(GEOMETRY, numbers)]),
-                    Fold("All parameters of gear and test", [parameter_grid(every)]),
-                    Fold("Simulate it", [CodeText(f"rps-exudyn run --gear {path}")]),
-                ],
-            ),
-        ],
+        sections=[each for each in sections if each.blocks],
         gear=gear,
     )
 
@@ -129,7 +114,8 @@ def side_by_side(results: Mapping[Path, Result]) -> Sheet:
     for parameter in dict.fromkeys(name for changed in settings.values() for name in changed):
         values = [result.gear.value_at(parameter) for result in results.values()]
         if len({repr(value) for value in values}) > 1:
-            rows.append([parameter, *(parameter_grid({parameter: value}).rows[0][1] for value in values)])
+            shown = [html.parameter_grid({parameter: value}).rows[0][1] for value in values]
+            rows.append([parameter, *shown])
     grid = Grid(["", *names.values()], rows)
     return Sheet("Results side by side", f"{len(results)} files", sections=[Section("Numbers", [grid])])
 
@@ -155,9 +141,8 @@ def _ripple(result: Result) -> Iterable[Section]:
     if result.scene != FREE_TURNING_SCENE.name or result.status is not Status.OK:
         return
     if (figure := ripple_figure(result)) is not None:
-        law = error_of_law(result)
         caption = f"Mean of {result.gear.pinion.teeth} teeth."
-        if law is not None:
+        if (law := error_of_law(result)) is not None:
             said = law.ripple.replace("its ripple", f"the ripple by law {law.law}")
             said = said.replace("theirs", "that by finite elements")
             caption += f" {as_sentence(said)}"
@@ -193,7 +178,7 @@ def _details(result: Result, compared: Compared, path: Path) -> Iterable[Block]:
     if error := error_of_law(result):
         yield Fold("Error of the contact law", [Text(error.sentence)])
     again = f"rps-exudyn rerun {path}     # repeat this run\nrps-exudyn show {path}"
-    yield make_again(result.provenance, again)
+    yield html.make_again(result.provenance, again)
 
 
 def _scatter(band: Band) -> Iterable[Section]:
@@ -202,7 +187,7 @@ def _scatter(band: Band) -> Iterable[Section]:
     if (shares := band.contributions.get(name)) is not None:
         parts = {**dict(list(shares.fractions.items())[:MOST_SHARES]), "acting together": shares.together}
         bars = [
-            Share(part_of(path.split(" with ")), named(path), 100 * share, f"{100 * share:.0f} %")
+            Share(html.part_of(path.split(" with ")), named(path), 100 * share, f"{100 * share:.0f} %")
             for path, share in parts.items()
         ]
         found += [Text(f"Shares of the variance of the {LABELS.get(name, name)}"), Shares(bars, apart=True)]
@@ -216,9 +201,8 @@ def _scatter(band: Band) -> Iterable[Section]:
         for name, each in band.metrics.items()
     ]
     grid = Grid(("quantity", "5 %", "median", "95 %", "numerical error"), rows)
-    yield Section(
-        "Scatter", [*map(Warning, causes), *found, Fold(f"Quantiles of {len(rows)} quantities", [grid])]
-    )
+    fold = Fold(f"Quantiles of {len(rows)} quantities", [grid])
+    yield Section("Scatter", [*map(Warning, causes), *found, fold])
 
 
 def _curves(result: Result, band: Band | None) -> Iterable[Block]:
@@ -262,34 +246,29 @@ def _scene_figure(result: Result, width: float, band: Band | None) -> Figure | N
 
 
 def _parameters(result: Result) -> Iterable[Block]:
-    yield gear_facts({path: result.gear.value_at(path) for path in GEAR_FACTS})
-    changed = result.gear.changes()
-    if changed:
-        yield parameter_grid(changed, "Parameters that differ from the defaults")
+    yield html.gear_facts({path: result.gear.value_at(path) for path in GEAR_FACTS})
+    if changed := result.gear.changes():
+        yield html.parameter_grid(changed, "Parameters that differ from the defaults")
     else:
         yield Text("Every parameter has its default.")
     every = {item.path: result.gear.value_at(item.path) for item in SteeringGear.declared()}
-    yield Fold("All parameters of gear and test", [parameter_grid(every)])
-    yield fidelity_facts(result.fidelity)
-    yield Fold(
-        "Settings of the solver", [Facts([(name, as_text(value)) for name, value in result.solver.items()])]
-    )
+    yield Fold("All parameters of gear and test", [html.parameter_grid(every)])
+    yield html.fidelity_facts(result.fidelity)
+    settings = [(name, html.as_text(value)) for name, value in result.solver.items()]
+    yield Fold("Settings of the solver", [Facts(settings)])
     if result.counters:
-        times = {"CPU time": result.cpu_s, "elapsed time": result.wall_s}
-        rows = [(name, f"{seconds:.3g} s") for name, seconds in times.items()]
-        rows += [
-            (COUNTERS[name].long_name, COUNTERS[name].show(value)) for name, value in result.counters.items()
-        ]
+        rows = [("CPU time", f"{result.cpu_s:.3g} s"), ("elapsed time", f"{result.wall_s:.3g} s")]
+        rows += [(COUNTERS[name].long_name, COUNTERS[name].show(n)) for name, n in result.counters.items()]
         yield Fold("What it took", [Facts(rows)])
     if result.findings:
-        found = [(words(name), as_text(value)) for name, value in result.findings.items()]
+        found = [(words(name), html.as_text(value)) for name, value in result.findings.items()]
         yield Fold("Findings of the solver", [Facts(found)])
     if result.geometry:
-        yield Fold("Geometry", [_quantities(GEOMETRY, result.geometry)])
+        yield Fold("Geometry", [_sizes(result.geometry)])
 
 
-def _quantities(known: Mapping[str, Quantity], values: Mapping[str, float]) -> Grid:
-    rows = [[name, known[name].show(value), known[name].long_name] for name, value in values.items()]
+def _sizes(values: Mapping[str, float]) -> Grid:
+    rows = [[name, GEOMETRY[name].show(value), GEOMETRY[name].long_name] for name, value in values.items()]
     return Grid(QUANTITIES, rows)
 
 
@@ -305,7 +284,7 @@ def contact_section(result: Result) -> Section:
 
 def _contact_blocks(result: Result) -> Iterator[Block]:
     from rps_exudyn.analysis.load_distribution import load_distribution  # loads the compiled contact
-    from rps_exudyn.pages.charts.analyses import load_figure, pattern_figure
+    from rps_exudyn.pages.charts.analyses import FLANK_NAMES, load_figure, pattern_figure
 
     if result.status is not Status.OK:
         yield Text("The simulation failed: its loads are not those of the gear.")
@@ -317,22 +296,25 @@ def _contact_blocks(result: Result) -> Iterator[Block]:
     try:
         yield Pictures([picture(pattern_figure(result), "Contact pattern")])
         yield Pictures([picture(load_figure(result), "Loads on the lines of contact")])
-        yield _largest_loads(load_distribution(result.gear, passes(result.signals)[0].signals))
+        loads = load_distribution(result.gear, passes(result.signals)[0].signals)
+        rows = [_largest_loads(loads, side, name) for side, name in FLANK_NAMES.items()]
+        columns = (
+            "flanks",
+            "normal force",
+            "largest load per length",
+            "Hertz's pressure",
+            "share of one tooth",
+        )
+        yield Grid(columns, rows)
     except InputError as error:  # no pass, no motions of the rack, or a law without load per length
         yield Text(" ".join(error.problems))
 
 
-def _largest_loads(loads: "LoadDistribution") -> Grid:
-    from rps_exudyn.pages.charts.analyses import FLANK_NAMES
-
-    rows = []
-    for side, name in FLANK_NAMES.items():
-        chosen, share = loads.side == side, loads.largest_share(side)
-        carries = bool(np.isfinite(share).any())
-        force = f"{loads.force_on(side).max():.4g} N"
-        load = f"{1e-3 * loads.load[chosen].max(initial=0.0):.4g} N/mm"
-        pressure = f"{1e-6 * loads.pressure[chosen].max(initial=0.0):.4g} MPa"
-        shared = f"{100 * np.nanmin(share):.3g} to {100 * np.nanmax(share):.3g} %" if carries else ""
-        rows.append([name, force, load, pressure, shared])
-    columns = ("flanks", "normal force", "largest load per length", "Hertz's pressure", "share of one tooth")
-    return Grid(columns, rows)
+def _largest_loads(loads: "LoadDistribution", side: int, name: str) -> list[str]:
+    chosen, share = loads.side == side, loads.largest_share(side)
+    force = f"{loads.force_on(side).max():.4g} N"
+    load = f"{1e-3 * loads.load[chosen].max(initial=0.0):.4g} N/mm"
+    pressure = f"{1e-6 * loads.pressure[chosen].max(initial=0.0):.4g} MPa"
+    carries = bool(np.isfinite(share).any())
+    shared = f"{100 * np.nanmin(share):.3g} to {100 * np.nanmax(share):.3g} %" if carries else ""
+    return [name, force, load, pressure, shared]

@@ -13,20 +13,11 @@ from rps_exudyn.base.units import words
 from rps_exudyn.parameters.derived import derived_values
 from rps_exudyn.parameters.display_names import named
 from rps_exudyn.parameters.gear import BY_SCENE, SteeringGear
+from rps_exudyn.results import rounding
 from rps_exudyn.results.law_error import error_of_law, law_error
 from rps_exudyn.results.outcome import Status, sentences
 from rps_exudyn.results.quantities import COUNTERS, LABELS, PARTS, SIGNALS, SUMMARY
 from rps_exudyn.results.result import Result
-from rps_exudyn.results.rounding import (
-    half_width,
-    is_vague,
-    law_bar,
-    rounded,
-    rounded_metric,
-    rounded_range,
-    shown_metric,
-    vague_rows,
-)
 from rps_exudyn.results.sheet import Block, Grid, Line, Row, Sheet, Text
 from rps_exudyn.scenes import is_scene, scene_named
 
@@ -46,13 +37,8 @@ LEAST_SHARE = 0.005  # of the work lost, below which a part is not named
 def sheet_of(
     result: Result, compared: "Sequence[AgainstMeasured] | None" = None, band: "Band | None" = None
 ) -> Sheet:
-    """Return the sheet of a result.
-
-    Args:
-        result: what was simulated.
-        compared: its comparison with a measured torque, where it has one.
-        band: of uncertain inputs, of which `result` is the nominal run.
-    """
+    """Return the sheet of a result, with its comparison with a measured torque, and with the band of
+    uncertain inputs of which it is the nominal run."""
     title = scene_named(result.scene).title if is_scene(result.scene) else result.scene
     gear, medians = result.gear.replace({"mesh.law": BY_SCENE}), band.inputs if band is not None else {}
     shown = gear_shown(gear, medians) + (f"; {len(medians)} inputs at their medians" if medians else "")
@@ -106,7 +92,8 @@ def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
     summary, first = result.summary, scene_named(result.scene).main_metric if is_scene(result.scene) else ""
     others = [name for name in LABELS if name not in (first, *REPEATED)]
     names = [name for name in (first, *others) if name in summary]
-    names = names[:1] + [name for name in names[1:] if rounded(SUMMARY[name], summary[name])[:2] != "0 "]
+    shown = {name: rounding.rounded(SUMMARY[name], summary[name]) for name in names[1:]}
+    names = [*names[:1], *(name for name in shown if not shown[name].startswith("0 "))]
     law, names = law_error(result.gear, result.fidelity), names[:MOST_METRICS]
     largest: dict[str, float] = {}  # unit -> number whose unit all others of it have
     for name in names:
@@ -115,12 +102,13 @@ def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
     for name in names:
         quantity, value, like = SUMMARY[name], summary[name], largest[SUMMARY[name].unit]
         about = LABELS.get(name, quantity.long_name)
-        if law is not None and (wide := law_bar(result, name)):
-            about += f"; contact law {law.law} {half_width(quantity, wide, like)}"
+        if law is not None and (wide := rounding.law_bar(result, name)):
+            about += f"; contact law {law.law} {rounding.half_width(quantity, wide, like)}"
         if band is not None and name in band.metrics:
             found = band.metrics[name]
-            about += f"; {rounded_range(quantity, found.low, found.high, like)} in 90 % of gears"
-        yield Row(rounded_metric(result, name, like), about, is_vague(value, result.errors.get(name)))
+            about += f"; {rounding.rounded_range(quantity, found.low, found.high, like)} in 90 % of gears"
+        vague = rounding.is_vague(value, result.errors.get(name))
+        yield Row(rounding.rounded_metric(result, name, like), about, vague)
 
 
 def loss_shares(result: Result) -> dict[str, float]:
@@ -137,7 +125,7 @@ def _measured(result: Result, compared: "Sequence[AgainstMeasured] | None") -> I
         side, sign = "above" if abs(found) > abs(ours) else "below", "+" if each.direction > 0 else "−"
         apart = f": {100 * abs(found / ours - 1):.2g} % {side} the simulated one" if ours else ""
         about = f"measured mean towards {sign}X, {result.measured.name}{apart}"
-        yield Row(rounded(SUMMARY["torque_mean"], found), about)
+        yield Row(rounding.rounded(SUMMARY["torque_mean"], found), about)
 
 
 def _band(band: "Band | None") -> Iterable[Row]:
@@ -172,20 +160,18 @@ def result_text(result: Result, compared: "Sequence[AgainstMeasured] | None" = N
     yield replace(summary, rows=rows)
     if error := error_of_law(result):
         yield Text(error.sentence)
-    counts = [
-        f"{COUNTERS[name].show(value)} of it in the solver"
-        if name == "solver_cpu"
-        else f"{value} {words(name)}"
-        for name, value in result.counters.items()
-    ]
-    yield Text(", ".join([f"{result.cpu_s:.3g} s of CPU time", *counts]))
+    counts = {name: f"{value} {words(name)}" for name, value in result.counters.items()}
+    if "solver_cpu" in counts:
+        solver = COUNTERS["solver_cpu"].show(result.counters["solver_cpu"])
+        counts["solver_cpu"] = f"{solver} of it in the solver"
+    yield Text(", ".join([f"{result.cpu_s:.3g} s of CPU time", *counts.values()]))
     yield from measured_text(compared)
 
 
 def summary_grid(result: Result) -> Grid:
     """Every summary value with its bar and definition."""
-    rows = [(name, shown_metric(result, name), SUMMARY[name].long_name) for name in result.summary]
-    return Grid(("quantity", "value", "definition"), rows, vague=vague_rows(result))
+    rows = [(name, rounding.shown_metric(result, name), SUMMARY[name].long_name) for name in result.summary]
+    return Grid(("quantity", "value", "definition"), rows, vague=rounding.vague_rows(result))
 
 
 def measured_text(compared: "Sequence[AgainstMeasured] | None") -> Iterator[Block]:
@@ -217,19 +203,18 @@ def measured_as_dict(compared: "Sequence[AgainstMeasured] | None") -> dict[str, 
     """The comparisons with a measured torque, in SI units; {} if nothing was measured."""
     if compared is None:
         return {}
-    return {
-        "measured": [
-            {
-                "direction": each.direction,
-                "common_angle": list(each.angle_range),
-                "simulated_angle": list(each.simulated_range),
-                "measured": each.measured,
-                "simulated": each.simulated,
-                **differences(each.torque),
-            }
-            for each in compared
-        ]
-    }
+    rows = [
+        {
+            "direction": each.direction,
+            "common_angle": list(each.angle_range),
+            "simulated_angle": list(each.simulated_range),
+            "measured": each.measured,
+            "simulated": each.simulated,
+            **differences(each.torque),
+        }
+        for each in compared
+    ]
+    return {"measured": rows}
 
 
 def differences(pair: "SignalPair") -> dict[str, float]:

@@ -18,24 +18,15 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of, write_json
 from rps_exudyn.pages.report.html import write_page
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.page_blocks import (
-    CodeText,
-    Columns,
-    Facts,
-    Fold,
-    Judged,
-    Picture,
-    Pictures,
-    Shares,
-    Warning,
-)
+from rps_exudyn.results import page_blocks
+from rps_exudyn.results.page_blocks import CodeText, Columns, Facts, Fold, Judged, Picture, Pictures, Shares
 from rps_exudyn.results.sheet import Block, Grid, Row, Section, Sheet, Text
 
 KEY = "sheet"
 DEEPEST = 4  # folds in folds
 _ADAPTERS: dict[str, TypeAdapter[Any]] = {
     each.__name__.lower(): TypeAdapter(each)
-    for each in (Text, Warning, CodeText, Facts, Grid, Judged, Shares, Pictures, Fold, Columns)
+    for each in (Text, page_blocks.Warning, CodeText, Facts, Grid, Judged, Shares, Pictures, Fold, Columns)
 }
 _ROWS = TypeAdapter(list[Row])
 _PLACES = ("", "wide-only", "narrow")
@@ -44,9 +35,7 @@ WIDEST = 20.0  # of a picture [in]
 
 def sheet_as_dict(sheet: Sheet) -> dict[str, Any]:
     """Return a sheet as a table for JSON; the gear stands for its picture."""
-    kept: dict[str, Any] = {
-        name: _plain(getattr(sheet, name)) for name in ("title", "lead", "rows", "sections")
-    }
+    kept = {name: _plain(getattr(sheet, name)) for name in ("title", "lead", "rows", "sections")}
     return kept | {"gear": sheet.gear.model_dump() if sheet.gear else None}
 
 
@@ -80,14 +69,11 @@ def read_sheet(path: Path) -> Sheet:
 
 
 def _sections(stored: Sequence[Mapping[str, Any]], depth: int) -> list[Section]:
-    return [
-        Section(
-            str(each["title"]),
-            [_block(inner, depth) for inner in each["blocks"]],
-            each.get("is_folded", False) is True,
-        )
-        for each in stored
-    ]
+    found = []
+    for each in stored:
+        inner = [_block(block, depth) for block in each["blocks"]]
+        found.append(Section(str(each["title"]), inner, each.get("is_folded", False) is True))
+    return found
 
 
 def _block(stored: Mapping[str, Any], depth: int) -> Block:

@@ -55,24 +55,25 @@ def study_page(store: Store) -> Sheet:
     is_uncertain = description.design == UNCERTAIN_DESIGN
     with suppress(InputError):  # what is set for all cases is no gear by itself
         gear = SteeringGear().replace(dict(description.base))
+    sections = [
+        Section("", list(_unfinished(table))),
+        Section("Main effects and response surfaces", list(_effects(table))),
+        Section("Bands", list(band_blocks(table, ranked(table))) if is_uncertain else []),
+        Section("Sensitivity indices", list(_sensitivity(table))),
+        Section("Remarks", list(_remarks(table))),
+        Section("Failed cases", list(_failed(table)), is_folded=not (failed or table.skipped)),
+        Section("Best and worst cases", list(_extremes(table, store)), is_folded=True),
+        Section("Outcome", list(_outcome(table)), is_folded=True),
+        Section("What was run", list(_what(table)), is_folded=True),
+        Section("All cases", list(_all_cases(table, store)), is_folded=True),
+        Section("Provenance", list(_provenance(table)), is_folded=True),
+    ]
     return Sheet(
         title=description.title or description.name,
         lead=f"{description.scene} · fidelity {description.fidelity.get('name', '')} · {_progress(table)}",
         rows=list(study_rows(table)),
         gear=gear,
-        sections=[
-            *_unfinished(table),
-            Section("Main effects and response surfaces", list(_effects(table))),
-            *([Section("Bands", list(band_blocks(table, ranked(table))))] if is_uncertain else []),
-            *_sensitivity(table),
-            *_remarks(table),
-            Section("Failed cases", list(_failed(table)), is_folded=not (failed or table.skipped)),
-            Section("Best and worst cases", _extremes(table, store) or [Text(EQUAL)], is_folded=True),
-            Section("Outcome", list(_outcome(table)), is_folded=True),
-            Section("What was run", list(_what(table)), is_folded=True),
-            Section("All cases", list(_all_cases(table, store)), is_folded=True),
-            Section("Provenance", list(_provenance(table)), is_folded=True),
-        ],
+        sections=[each for each in sections if each.blocks],
     )
 
 
@@ -81,19 +82,14 @@ def _progress(table: CaseTable) -> str:
     return f"{count(len(table.cases), 'case')}: {', '.join(parts)}" if parts else "no cases"
 
 
-def _unfinished(table: CaseTable) -> Iterable[Section]:
-    warnings = []
+def _unfinished(table: CaseTable) -> Iterable[Block]:
     if pending := int((table.status == PENDING).sum()):
-        warnings.append(
+        yield Warning(
             f"Not finished: {pending} of {len(table.cases)} cases are still to run. The page shows the "
             "others; the same command continues where it stopped."
         )
-    if table.skipped:
-        warnings.append(
-            f"{len(table.skipped)} files could not be read and count as missing; see Failed cases."
-        )
-    if warnings:
-        yield Section("", [Warning(text) for text in warnings])
+    if files := len(table.skipped):
+        yield Warning(f"{files} files could not be read and count as missing; see Failed cases.")
 
 
 def _what(table: CaseTable) -> Iterable[Block]:
@@ -114,20 +110,14 @@ def _what(table: CaseTable) -> Iterable[Block]:
         ("CPU time", took),
     ]
     yield Facts([(name, text) for name, text in facts if text])
-    default = SteeringGear()
-    varied = {path for axis in description.axes for path in (*axis.paths, *axis.along)}
-    fixed = {
-        path: description.base.get(path, default.value_at(path)) for path in GEAR_FACTS if path not in varied
-    }
-    yield Fold("Parameters that are not varied", [gear_facts(fixed)], is_open=True)
+    values = {path: SteeringGear().value_at(path) for path in GEAR_FACTS} | dict(description.base)
+    paths = [[*axis.paths, *axis.along] for axis in description.axes]
+    for path in itertools.chain(*paths):
+        values.pop(path, None)
+    yield Fold("Parameters that are not varied", [gear_facts(values)], is_open=True)
     rows = [
-        [
-            axis.name,
-            ", ".join([*axis.paths, *axis.along]),
-            _values(table, axis),
-            axis_quantity(axis).long_name,
-        ]
-        for axis in description.axes
+        [axis.name, ", ".join(each), _values(table, axis), axis_quantity(axis).long_name]
+        for axis, each in zip(description.axes, paths, strict=True)
     ]
     yield Grid(("axis", "parameters", "values", "meaning"), rows, "What was varied")
     if description.base:
@@ -156,9 +146,8 @@ def _outcome(table: CaseTable) -> Iterable[Block]:
         known = values[np.isfinite(values)]
         shown = [SUMMARY[name].show(float(at(known))) for at in (np.min, np.median, np.max)]
         rows.append([name, *shown, SUMMARY[name].long_name])
-    yield Grid(
-        ("quantity", "lowest", "median", "highest", "definition"), rows, "Over the cases that ended ok"
-    )
+    columns = ("quantity", "lowest", "median", "highest", "definition")
+    yield Grid(columns, rows, "Over the cases that ended ok")
 
 
 def _effects(table: CaseTable) -> Iterable[Block]:
@@ -258,7 +247,7 @@ def _effect_row(axis: Axis, effect: MainEffect, name: str) -> list[str]:
     highest."""
     known = np.flatnonzero(np.isfinite(effect.mean))
     if known.size < 2:
-        return [named(axis.name), "", "", "", ""]
+        return [named(axis.name), *4 * [""]]
     if effect.levels.dtype.kind != "f":
         known = known[np.argsort(effect.mean[known], kind="stable")]
     ends = [known[0], known[-1]]
@@ -267,19 +256,15 @@ def _effect_row(axis: Axis, effect: MainEffect, name: str) -> list[str]:
     return [named(axis.name), *levels, *means]
 
 
-def _sensitivity(table: CaseTable) -> list[Section]:
-    design = table.description.design
-    if design not in sensitivity.DESIGNS:
-        return []
+def _sensitivity(table: CaseTable) -> Iterable[Block]:
+    if (design := table.description.design) not in sensitivity.DESIGNS:
+        return
     kinds = sensitivity.KINDS[design]
-    found: list[Block] = [Facts(list(kinds.items()))]
-    for name in ranked(table):
-        try:
-            found.append(_indices(table, name, list(kinds)))
-        except InputError as error:
-            found.append(Text(" ".join(error.problems)))
-            break
-    return [Section("Sensitivity indices", found)]
+    yield Facts(list(kinds.items()))
+    try:
+        yield from (_indices(table, name, list(kinds)) for name in ranked(table))
+    except InputError as error:
+        yield Text(" ".join(error.problems))
 
 
 def _indices(table: CaseTable, name: str, kinds: Sequence[str]) -> Grid:
@@ -304,9 +289,11 @@ def _ends(name: str) -> dict[str, str]:
     return {"lowest": f"lowest{best}", "median": "median", "highest": f"highest{worst}"}
 
 
-def _extremes(table: CaseTable, store: Store) -> list[Fold]:
+def _extremes(table: CaseTable, store: Store) -> Iterable[Block]:
     names = ranked(table)[:LEADING]
-    return [Fold(words(name), list(_extremes_of(table, store, name)), is_open=True) for name in names]
+    yield from (Fold(words(name), list(_extremes_of(table, store, name)), is_open=True) for name in names)
+    if not names:
+        yield Text(EQUAL)
 
 
 def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[Block]:
@@ -317,9 +304,8 @@ def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[Block]:
     results = {}
     for end, label in _ends(name).items():
         case = table.cases[places[end]]
-        rows.append(
-            [label, _shown(table, name, places[end]), *_settings(table, case), _case_link(table, case)]
-        )
+        link = Links([Link(case.hash, _row_id(table, case))])
+        rows.append([label, _shown(table, name, places[end]), *_settings(table, case), link])
         try:
             results[end] = store.result(case)
         except InputError as error:
@@ -348,9 +334,10 @@ def _all_cases(table: CaseTable, store: Store) -> Iterable[Block]:
     for at, case in enumerate(table.cases[:MOST_ROWS]):
         shown = [_shown(table, name, at) for name in names]
         status = table.status[at].item() + ", remark" * (case.hash in remarked)
-        name: Cell = Links([Link(case.hash, _curve_id(table, case))]) if case.hash in drawn else case.hash
+        case_id = _case_id(table, case)
+        name: Cell = Links([Link(case.hash, CURVE_OF + case_id)]) if case.hash in drawn else case.hash
         rows.append([*_settings(table, case), status, *shown, name])
-        ids.append("" if case.hash in seen else _case_id(table, case))
+        ids.append("" if case.hash in seen else case_id)
         seen.add(case.hash)
     some = f"The first {MOST_ROWS} of {len(table.cases)} cases. " if len(table.cases) > MOST_ROWS else ""
     yield Text(f"{some}Every number of every case: rps-exudyn collect {table.path}")
@@ -384,10 +371,10 @@ def _case_id(table: CaseTable, case: Case) -> str:
     return f"{table.description.name}-{folder}-{case.hash}".replace(" ", "-")
 
 
-def _case_link(table: CaseTable, case: Case) -> Links:
-    """The case's name, which leads to its row as far as cases are listed."""
-    listed = {each.hash for each in table.cases[:MOST_ROWS]}
-    return Links([Link(case.hash, _case_id(table, case) if case.hash in listed else "")])
+def _row_id(table: CaseTable, case: Case) -> str:
+    """The place of a case's row; "" of one that is not listed."""
+    is_listed = any(case.hash == each.hash for each in table.cases[:MOST_ROWS])
+    return _case_id(table, case) if is_listed else ""
 
 
 def _settings(table: CaseTable, case: Case, digits: int = 6) -> list[str]:
@@ -395,28 +382,23 @@ def _settings(table: CaseTable, case: Case, digits: int = 6) -> list[str]:
     return [show_value(axis, case.values[axis.name], digits) for axis in table.description.axes]
 
 
-def _remarks(table: CaseTable) -> list[Section]:
-    """The section of remarks; none without remarks."""
-    found = groups(table.remarked())
-    if not found:
-        return []
-    blocks: list[Block] = []
+def _remarks(table: CaseTable) -> Iterable[Block]:
+    rows: list[Sequence[Cell]] = [
+        [count(len(each.cases), "case"), each.example, _links(table, each)]
+        for each in groups(table.remarked())
+    ]
+    if not rows:
+        return
     limited = int(table.limited.sum())
     if 0 < limited < table.ok.sum():
-        blocks.append(
-            Warning(
-                f"{count(limited, 'case')} of {int(table.ok.sum())} met a limit of the gear, where a contact "
-                "opens or closes: numbers have a kink there. Charts show these cases as diamonds; lines and "
-                "colours are not carried from one side to the other."
-            )
+        yield Warning(
+            f"{count(limited, 'case')} of {int(table.ok.sum())} met a limit of the gear, where a contact "
+            "opens or closes: numbers have a kink there. Charts show these cases as diamonds; lines and "
+            "colours are not carried from one side to the other."
         )
     else:
-        blocks.append(Text("Completed, with warnings."))
-    rows: list[Sequence[Cell]] = [
-        [count(len(each.cases), "case"), each.example, _links(table, each)] for each in found
-    ]
-    blocks.append(Grid(("how many", "remark of the first", _which(table)), rows))
-    return [Section("Remarks", blocks)]
+        yield Text("Completed, with warnings.")
+    yield Grid(("how many", "remark of the first", _which(table)), rows)
 
 
 def _failed(table: CaseTable) -> Iterable[Block]:
@@ -447,12 +429,8 @@ def _which(table: CaseTable) -> str:
 
 def _links(table: CaseTable, group: Group) -> Links:
     """Links to the cases as far as they are listed on the page."""
-    listed = {case.hash for case in table.cases[:MOST_ROWS]}
     links = [
-        Link(
-            ", ".join(_settings(table, case, LINK_DIGITS)),
-            _case_id(table, case) if case.hash in listed else "",
-        )
+        Link(", ".join(_settings(table, case, LINK_DIGITS)), _row_id(table, case))
         for case in group.cases[:MOST_LINKS]
     ]
     more = len(group.cases) - len(links)
@@ -462,13 +440,8 @@ def _links(table: CaseTable, group: Group) -> Links:
 # --- The curves of a study's cases in one picture, each linked with its row in the table of cases
 
 MOST_CURVES, MOST_POINTS = 40, 400
-CURVES_HEIGHT = 3.0  # [in]
+CURVES_HEIGHT, CURVE_OF = 3.0, "curve-of-"  # [in]; begin of the id of a case's curve
 BRIGHTEST = 0.85  # of the colour map: brighter curves vanish on white
-
-
-def _curve_id(table: CaseTable, case: Case) -> str:
-    """The place of a case's curve on its page."""
-    return f"curve-of-{_case_id(table, case)}"
 
 
 def _curves_of_cases(
@@ -484,7 +457,7 @@ def _curves_of_cases(
     signal = scene_named(scene).signal
     ok = {case.hash for case, good in zip(table.cases, table.ok, strict=True) if good}
     cases = list({case.hash: case for case in listed if case.hash in ok}.values())
-    cases = cases[:: max(1, -(-len(cases) // MOST_CURVES))]
+    cases = cases[style.thinned(len(cases), MOST_CURVES)]
     results: dict[str, tuple[Case, Result]] = {}
     for case in cases:
         with suppress(InputError):  # a file that has vanished or is damaged by now
@@ -493,28 +466,19 @@ def _curves_of_cases(
                 results[", ".join(_settings(table, case, 4)) or case.hash] = case, result
     if not results:
         return [], set()
-    drawn = _picture_of_curves(table, results, signal)
-    return [drawn], {case.hash for case, _ in results.values()}
-
-
-def _picture_of_curves(table: CaseTable, results: dict[str, tuple[Case, Result]], signal: str) -> Picture:
     over = signals.abscissa([result for _, result in results.values()])
     figure, (axes,) = style.panels([CURVES_HEIGHT], signals.WIDTH)
     colours = mpl.colormaps[effects.COLOUR_MAP](np.linspace(0, BRIGHTEST, len(results)))
     for colour, (label, (_, result)) in zip(colours, results.items(), strict=True):
-        some = slice(None, None, max(1, -(-result[over].size // MOST_POINTS)))
-        axes.plot(
-            SIGNALS[over].displayed(result[over][some]),
-            SIGNALS[signal].displayed(result[signal][some]),
-            color=colour,
-            linewidth=1,
-            label=label,
-        )
+        some = style.thinned(result[over].size, MOST_POINTS)
+        x, y = (SIGNALS[name].displayed(result[name][some]) for name in (over, signal))
+        axes.plot(x, y, color=colour, linewidth=1, label=label)
     axes.set_ylabel(SIGNALS[signal].axis_label(words(signal)))
     signals.label_abscissa(axes, over)
-    links = {label: (_curve_id(table, case), _case_id(table, case)) for label, (case, _) in results.items()}
+    ids = {label: _case_id(table, case) for label, (case, _) in results.items()}
+    links = {label: (CURVE_OF + case_id, case_id) for label, case_id in ids.items()}
     caption = f"{words(signal)} of {count(len(results), 'case')}, from the first (dark) to the last (bright)"
-    return picture(figure, caption, links)
+    return [picture(figure, caption, links)], {case.hash for case, _ in results.values()}
 
 
 # --- Bands of a study with the design `uncertain`: quantiles with errors, contributions
@@ -527,14 +491,16 @@ def band_blocks(table: CaseTable, names: Sequence[str]) -> Iterable[Block]:
     """The bands of these numbers."""
     failed = sum(status not in (Status.OK, PENDING) for status in table.status)
     if failed:
-        yield Warning(
-            f"{failed} of {len(table.status)} samples failed and are in no quantile; see Failed cases."
-        )
-    rows = [
-        _levels_of(table.numbers[name], name, failed) for name in names if _known(table.numbers[name]).any()
-    ]
+        of_all = f"{failed} of {len(table.status)} samples"
+        yield Warning(f"{of_all} failed and are in no quantile; see Failed cases.")
     head = ("number", *(f"{100 * level:g} %" for level in LEVELS), "error at 5 %", "error at 95 %")
-    rows = [row for row in rows if row]
+    rows = []
+    for name in names:
+        known = table.numbers[name][np.isfinite(table.numbers[name])]
+        if known.size >= LEAST_KNOWN:
+            found, show = quantiles(known, failed), SUMMARY[name].show
+            numbers = (*found.values.tolist(), *found.errors[[0, -1]].tolist())
+            rows.append([words(name), *map(show, numbers)])
     if not rows:
         yield Text(f"Quantiles need at least {LEAST_KNOWN} cases that ended ok.")
         return
@@ -544,35 +510,18 @@ def band_blocks(table: CaseTable, names: Sequence[str]) -> Iterable[Block]:
         yield from _contributions(table, name, inputs)
 
 
-def _levels_of(numbers: np.ndarray, name: str, failed: int) -> list[str]:
-    known = numbers[_known(numbers)]
-    if known.size < LEAST_KNOWN:
-        return []
-    found, show = quantiles(known, failed), SUMMARY[name].show
-    errors = [show(float(found.errors[at])) for at in (0, -1)]
-    return [words(name), *(show(value) for value in found.values.tolist()), *errors]
-
-
 def _contributions(table: CaseTable, name: str, inputs: list[str]) -> Iterable[Block]:
     """Fractions of the variance; the quantile of a value is its rank among all that were drawn."""
-    known = _known(table.numbers[name])
-    ranks = [np.argsort(np.argsort(table.axes[axis])) for axis in inputs]
-    if not ranks:
+    known = np.isfinite(table.numbers[name])
+    if not inputs or not known.any():
         return
+    ranks = [np.argsort(np.argsort(table.axes[axis])) for axis in inputs]
     quantile = (np.stack(ranks, axis=1) + 0.5) / len(known)
     groups = groups_of(inputs, read_pairs(table.description.correlation, CORRELATION, []))
-    shares = (
-        Polynomials.at(quantile[known], groups).contributions(table.numbers[name][known])
-        if known.any()
-        else None
-    )
+    shares = Polynomials.at(quantile[known], groups).contributions(table.numbers[name][known])
     if shares is None:
         return
     rows = [[axis, f"{share:.0%}"] for axis, share in shares.fractions.items()]
     rows.append(["acting together", f"{shares.together:.0%}"])
     caption = f"Share of the variance of {words(name)}, each within {shares.error:.0%} by chance"
     yield Fold(f"Contributions to {words(name)}", [Grid(("input", "share"), rows, caption)])
-
-
-def _known(numbers: np.ndarray) -> np.ndarray:
-    return np.isfinite(numbers)
