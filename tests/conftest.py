@@ -85,6 +85,7 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "wrong_input/test_environment.py",
     "wrong_input/test_full_disk.py",
     "wrong_input/test_hostile_files.py::test_pipe_as_a_study_file_is_left_out",
+    "wrong_input/test_measured_flanks.py::test_file_is_sought_beside_the_gear_and_kept_in_its_result",
     "wrong_input/test_retired.py::test_result_of_a_retired_choice_is_read_and_not_run_again",
     "wrong_input/test_studies_read.py::test_sensitivity_without_salib_says_what_to_install",
 )
