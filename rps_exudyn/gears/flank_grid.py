@@ -152,11 +152,11 @@ def _measured(pair: GearPair, bar: RackBar, of_pinion: str, of_rack: str) -> Mea
     pinion = rack = None
     if of_pinion:
         pinion = _read(of_pinion, "pinion", pair, range(pair.teeth))
-        _check_covers(pinion, "pinion", of_pinion, _met_by_pinion(pair))
+        _check_covers(pinion, "pinion", of_pinion, _met_by_pinion(pair), 0.0)
         _check_bend(bend_on_pinion(pinion, pair), "pinion", of_pinion)
     if of_rack:
         rack = _read(of_rack, "rack", pair, bar.teeth)
-        _check_covers(rack, "rack", of_rack, _met_by_rack(pair))
+        _check_covers(rack, "rack", of_rack, _met_by_rack(pair), pair.reference_height)
         _check_bend(bend_on_rack(rack, pair), "rack", of_rack)
     return MeasuredFlanks(pinion, rack)
 
@@ -189,16 +189,19 @@ def _reach(pair: GearPair) -> float:
     return float(np.sqrt(max(pair.bar_radius**2 - deepest**2, 0.0)))
 
 
-def _check_covers(grid: FlankGrid, part: str, text: str, ranges: Ranges) -> None:
-    """Refuse a grid that ends more than an interval within what meets the other part."""
-    for axis, (low, high) in enumerate(ranges):
+def _check_covers(grid: FlankGrid, part: str, text: str, met: Ranges, below: float) -> None:
+    """Refuse a grid that ends more than an interval within what meets the other part; heights of the rack
+    begin `below` its axis."""
+    for axis, (low, high) in enumerate(met):
         step = grid.steps[axis]
         if grid.low[axis] - step > low or grid.high[axis] + step < high:
-            places = COORDINATES[part][axis][0]
+            name, ends = COORDINATES[part][axis][0], [grid.low[axis], grid.high[axis], low, high]
+            if name == "height":
+                ends = [-(ends[k] + below) for k in (1, 0, 3, 2)]
+            first, last, from_, to = (f"{1e3 * each:.4g}" for each in ends)
             raise InputError(
-                f"{part}.deviation covers {places} {1e3 * grid.low[axis]:.4g} to {1e3 * grid.high[axis]:.4g} "
-                f"mm in {_name(text)}; the flank meets the other part from {1e3 * low:.4g} to "
-                f"{1e3 * high:.4g} mm."
+                f"{part}.deviation covers {name} {first} to {last} mm in {_name(text)}; the flank meets the "
+                f"other part from {from_} to {to} mm."
             )
 
 
@@ -215,14 +218,15 @@ def bend_on_pinion(grid: FlankGrid, pair: GearPair) -> float:
 def bend_on_rack(grid: FlankGrid, pair: GearPair) -> float:
     """Return the same of a grid on the rack, along the transverse section of the pinion, rho at its tip."""
     q = pair.active_path[1] + pair.reference_radius * np.sin(pair.alpha_t)
-    uu, uw, ww = grid.second_derivatives()
+    (low, high), _ = _met_by_rack(pair)
+    y = grid.low[0] + grid.steps[0] * np.arange(grid.intervals[0] + 1)
+    uu, uw, ww = (each[:, :, (y >= low) & (y <= high)] for each in grid.second_derivatives())
     most = 0.0
     for side in (-1, +1):
         radial = np.cross(pair.rack_flank_normal(side), pair.pinion_frame[:, 2])
-        radial /= np.linalg.norm(radial)
-        y, z = radial[1], radial[2]
-        of_side = (uu * y * y + 2 * uw * y * z + ww * z * z)[:, (side > 0) % uu.shape[1]]
-        most = max(most, float(np.abs(of_side).max()) * q / np.cos(pair.beta_b))
+        _, r_y, r_z = radial / np.linalg.norm(radial)
+        along = (uu * r_y**2 + 2 * uw * r_y * r_z + ww * r_z**2)[:, (side > 0) % uu.shape[1]]
+        most = max(most, float(np.abs(along).max(initial=0.0)) * q / np.cos(pair.beta_b))
     return most
 
 

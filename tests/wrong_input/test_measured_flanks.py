@@ -58,6 +58,17 @@ def test_file_that_is_no_grid_of_this_gear_is_refused(
     assert "pinion.deviation" in str(caught.value)
 
 
+def test_heights_of_a_rack_are_stated_as_in_its_file(tmp_path: Path) -> None:
+    axes = rack_axes(GEAR, 9, 9)
+    file = write_grid(
+        tmp_path / "r.csv", axes | {"height": np.linspace(0.5e-3, 1.9e-3, 9)}, lambda y, z: 0 * y
+    )
+    with pytest.raises(
+        rps.InputError, match=r"rack\.deviation covers height 0 to 1\.9 mm .* from -1\.\d+ to 1\.83 mm"
+    ):
+        measured_flanks(GEAR.replace({"rack.deviation": file}))
+
+
 def test_waves_that_are_too_sharp_are_refused(tmp_path: Path) -> None:
     for part, axes in (("pinion", pinion_axes(GEAR, 65)), ("rack", rack_axes(GEAR, 65))):
         file = write_grid(tmp_path / f"{part}.csv", axes, lambda u, w: 2e-6 * np.sin(2 * np.pi * u / 1e-3))
