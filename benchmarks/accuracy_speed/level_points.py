@@ -10,6 +10,7 @@ from math import isfinite, nan
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -113,7 +114,8 @@ def levels_figure(rows: Sequence[Mapping[str, Any]]) -> Figure:
 
 def _draw_scene(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
     in_decades(axes)
-    axes.set_xlim(LEAST / 2, 10)
+    largest = np.nanmax([[row["error"], row["doubt"], row["bar"]] for row in rows])
+    axes.set_xlim(LEAST / 2, max(10, 2 * largest))
     axes.grid(color="#e4e4e4")
     for row in rows:
         colour, marker = STYLES[PRESET_FAMILIES[row["preset"]]]

@@ -34,8 +34,6 @@ SEED = 20261128
 PLANS = 500
 TIME_LIMIT = 60.0  # [s] of CPU time of one plan with its references
 DATA = "coverage.csv"
-EARLIER = "earlier_plans.csv"
-"""Rows of plans that the sampler draws no more, for their parameters have changed; they are not run again."""
 COLUMNS = "number", "plan", "scene", "friction", "model", "status", "seconds", "message", "metrics"
 KINDS = {"shares of losses": LOSS_SHARES, "extremes and ranges": EXTREMES | VARIATIONS}
 ROUNDING = 1e-9  # of a metric: references and runs round otherwise
@@ -90,7 +88,7 @@ class Judged:
 
     def __init__(self, row: Mapping[str, str], text: str) -> None:
         """Read what a row of the data file holds of a metric."""
-        self.plan, self.scene, self.model = f"{row['number']} {row['plan'][:4]}", row["scene"], row["model"]
+        self.number, self.scene, self.model = row["number"], row["scene"], row["model"]
         self.name, _, numbers = text.partition("=")
         self.value, self.bar, self.right, self.doubt = map(float, numbers.split("/"))
         self.off = max(abs(self.value - self.right) - self.doubt - ROUNDING * abs(self.right), 0.0)
@@ -109,14 +107,9 @@ class Judged:
         return self.bar / abs(self.value) if self.value else np.inf
 
 
-def all_rows(folder: Path) -> list[dict[str, str]]:
-    """Return the rows of all plans that were run."""
-    return [*load_rows(folder / EARLIER), *load_rows(folder / DATA)]
-
-
 def judged(folder: Path) -> list[Judged]:
     """Return all metrics that are judged: of references that are surer than the bar."""
-    rows = [row for row in all_rows(folder) if row["metrics"]]
+    rows = [row for row in load_rows(folder / DATA) if row["metrics"]]
     every = [Judged(row, text) for row in rows for text in row["metrics"].split(";")]
     return [each for each in every if each.doubt <= each.bar]
 
@@ -135,7 +128,7 @@ def coverage_table(folder: Path) -> str:
 def _row(name: str, some: list[Judged]) -> tuple[str, ...]:
     within = sum(each.off <= each.bar for each in some) / len(some)
     beyond = sum(each.off > 2 * each.bar for each in some) / len(some)
-    plans = len({each.plan for each in some})
+    plans = len({each.number for each in some})
     median = float(np.median([each.share for each in some]))
     bar = f"{median:.2%}" if np.isfinite(median) else "of metrics that are 0"
     return name, str(plans), str(len(some)), f"{within:.1%}", f"{beyond:.2%}", bar
@@ -147,7 +140,7 @@ def misses_table(folder: Path) -> str:
     head = "scene", "plan", "model", "metric", "printed", "bar", "right", "error over bar"
     lines = [
         (
-            *(each.scene, each.plan, each.model, each.name, f"{each.value:.4g}", f"{each.bar:.2g}"),
+            *(each.scene, each.number, each.model, each.name, f"{each.value:.4g}", f"{each.bar:.2g}"),
             *(f"{each.right:.4g}", f"{each.off / each.bar:.1f}" if each.bar else "no bar"),
         )
         for each in missed
@@ -157,7 +150,7 @@ def misses_table(folder: Path) -> str:
 
 def outcomes_table(folder: Path) -> str:
     """How the plans ended."""
-    counts = Counter(row["status"] for row in all_rows(folder))
+    counts = Counter(row["status"] for row in load_rows(folder / DATA))
     return markdown(("outcome", "plans"), [(name, str(count)) for name, count in counts.most_common()])
 
 
