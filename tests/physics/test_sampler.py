@@ -21,6 +21,8 @@ FIXED = {
     "pinion.normal_module",  # the scale of the whole gear makes others of it
     "mesh",  # general contact is drawn apart
     "swing_steps",  # 0: published plans of impacts are in the steps of their scene
+    "pinion.deviation",  # a grid is measured on one gear
+    "rack.deviation",
 }
 
 
