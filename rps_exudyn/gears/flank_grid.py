@@ -49,7 +49,7 @@ class FlankGrid:
 
     low: tuple[float, float]  # first place of both coordinates [m]
     steps: tuple[float, float]  # between places [m]
-    coefficients: np.ndarray  # (teeth or 1, drive and coast or 1, n + 2, m + 2) of n x m places [m]
+    coefficients: np.ndarray  # (teeth or 1, drive and coast, n + 2, m + 2) of n x m places [m]
     first_tooth: int  # number of the first of the teeth
 
     @property
@@ -75,9 +75,8 @@ class FlankGrid:
 
     def at(self, u: np.ndarray | float, w: np.ndarray | float, tooth: int, side: int) -> np.ndarray:
         """Return the deviation at places (...) of one flank [m]; side -1 is the drive flank."""
-        teeth, flanks = self.coefficients.shape[:2]
-        number = min(max(tooth - self.first_tooth, 0), teeth - 1)
-        of_flank = self.coefficients[number, (side > 0) % flanks]
+        number = min(max(tooth - self.first_tooth, 0), len(self.coefficients) - 1)
+        of_flank = self.coefficients[number, int(side > 0)]
         u, w = np.broadcast_arrays(u, w)
         i, along = self._weights(u, 0)
         j, beside = self._weights(w, 1)
@@ -97,7 +96,7 @@ class FlankGrid:
         return number.astype(int), np.array(splines) / 6
 
     def second_derivatives(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return those by uu, uw, ww at the places, (teeth, flanks, n, m) each [1/m]."""
+        """Return those by uu, uw, ww at the places, (teeth or 1, 2, n, m) each [1/m]."""
         c, (a, b) = self.coefficients, self.steps
         mean = np.array([1, 4, 1]) / 6
 
@@ -225,7 +224,7 @@ def bend_on_rack(grid: FlankGrid, pair: GearPair) -> float:
     for side in (-1, +1):
         radial = np.cross(pair.rack_flank_normal(side), pair.pinion_frame[:, 2])
         _, r_y, r_z = radial / np.linalg.norm(radial)
-        along = (uu * r_y**2 + 2 * uw * r_y * r_z + ww * r_z**2)[:, (side > 0) % uu.shape[1]]
+        along = (uu * r_y**2 + 2 * uw * r_y * r_z + ww * r_z**2)[:, int(side > 0)]
         most = max(most, float(np.abs(along).max(initial=0.0)) * q / np.cos(pair.beta_b))
     return most
 

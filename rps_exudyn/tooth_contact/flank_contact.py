@@ -37,6 +37,7 @@ from rps_exudyn.tooth_contact.flank_line import (
     begin_side,
     first_tooth,
     formed_point,
+    is_measured,
     is_plain,
     line_of,
     note_line_load,
@@ -56,7 +57,6 @@ from rps_exudyn.tooth_contact.flank_strip import (
 from rps_exudyn.tooth_contact.measured_flank import (
     add_deviation,
     deviation_across,
-    is_measured,
     measured_band,
 )
 from rps_exudyn.tooth_contact.strip_limits import (

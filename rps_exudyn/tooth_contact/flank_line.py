@@ -218,7 +218,7 @@ def band_of(part, data):  # type: ignore[no-untyped-def]
     """The band of the flank below the tip relief, 0, or that with it, 1."""
     if part == 0:
         return FlankZone(data.q_form, min(data.q_tip, data.relief_start), 0.0, 0.0)
-    return FlankZone(max(data.relief_start, data.q_form), data.q_tip, data.relief, data.relief_start)
+    return FlankZone(data.relief_start, data.q_tip, data.relief, data.relief_start)
 
 
 @inline
@@ -443,10 +443,15 @@ def clip(low, high, c_0, c_1, c_2):  # type: ignore[no-untyped-def]
 
 
 @inline
+def is_measured(data):  # type: ignore[no-untyped-def]
+    """Return whether a flank of pinion or rack is given by a grid."""
+    return data.pinion_grid.is_given + data.rack_grid.is_given > 0
+
+
+@inline
 def is_plain(data):  # type: ignore[no-untyped-def]
     """Return whether the flanks are unmodified."""
-    measured = data.pinion_grid.is_given + data.rack_grid.is_given > 0
-    return data.relief == 0 and data.crowning == 0 and data.slope == 0 and not measured
+    return data.relief == 0 and data.crowning == 0 and data.slope == 0 and not is_measured(data)
 
 
 @inline

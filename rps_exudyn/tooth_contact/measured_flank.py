@@ -20,7 +20,7 @@ GRID = record_type(
         ("per_tooth", "i8"),  # numbers from tooth to tooth; 0: all teeth are alike ...
         ("teeth", "i8"),  # ... and how many teeth there are
         ("middle", "i8"),  # place of tooth 0 among them
-        ("per_side", "i8"),  # numbers from the drive to the coast flank; 0: both are alike
+        ("per_side", "i8"),  # numbers from the drive to the coast flank
         ("columns", "i8"),  # coefficients along the second coordinate
         ("low", "f8", (2,)),  # of both coordinates [m]
         ("per_length", "f8", (2,)),  # intervals over length [1/m]
@@ -38,8 +38,7 @@ def pooled_grids(flanks: MeasuredFlanks) -> tuple[np.ndarray, np.ndarray, np.nda
             continue
         teeth, sides, rows, columns = grid.coefficients.shape
         made["is_given"], made["first"] = 1, sum(map(len, numbers))
-        made["per_tooth"] = sides * rows * columns if teeth > 1 else 0
-        made["per_side"] = rows * columns if sides > 1 else 0
+        made["per_tooth"], made["per_side"] = grid.is_of_each_tooth * sides * rows * columns, rows * columns
         made["teeth"], made["middle"], made["columns"] = teeth, -grid.first_tooth, columns
         made["low"], made["intervals"] = grid.low, grid.intervals
         made["per_length"] = 1 / np.array(grid.steps)
@@ -95,12 +94,6 @@ def grid_at(u, w, tooth, sign, grid, pool):  # type: ignore[no-untyped-def]
     return d, d_u * per_u, d_w * per_w, d_uu * per_u * per_u, d_uw * per_u * per_w, d_ww * per_w * per_w
 
 
-@inline
-def is_measured(data):  # type: ignore[no-untyped-def]
-    """Return whether a flank of pinion or rack is given by a grid."""
-    return data.pinion_grid.is_given + data.rack_grid.is_given > 0
-
-
 @kernel
 def deviation_across(z, tooth, line, side, data, pool):  # type: ignore[no-untyped-def]
     """Coefficients of 1, xi, xi^2 at Z in the surplus of the pinion's flank along the transverse tangent, and
@@ -113,8 +106,7 @@ def deviation_across(z, tooth, line, side, data, pool):  # type: ignore[no-untyp
         per_tangent = 1 / data.cos_base_helix
         p_0, p_1, p_2 = d * per_tangent, -s * rb * d_q * per_tangent, rb * rb * d_qq * per_tangent / 2
     if data.rack_grid.is_given:  # (y, z) = c + c_r P_r + c_t P_t + c_z Z, P_r = r_b + s q xi, P_t = s q
-        y = side.y[0] + side.y[1] * rb + side.y[2] * s * q + side.y[3] * z
-        place = side.z[0] + side.z[1] * rb + side.z[2] * s * q + side.z[3] * z
+        y, place = affine(side.y, rb, s * q, z), affine(side.z, rb, s * q, z)
         y_1, z_1 = -side.y[1] * s * q, -side.z[1] * s * q
         r_0, d_y, d_z, d_yy, d_yz, d_zz = grid_at(y, place, int(line.rack_tooth), s, data.rack_grid, pool)
         r_1 = d_y * y_1 + d_z * z_1

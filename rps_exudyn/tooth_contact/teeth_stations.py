@@ -19,6 +19,7 @@ from rps_exudyn.tooth_contact.flank_line import (
     bands,
     first_tooth,
     formed_point,
+    is_measured,
     is_plain,
     line_of,
     plain_ends,
@@ -34,7 +35,7 @@ from rps_exudyn.tooth_contact.flank_strip import (
     deepest_crest,
     within_band,
 )
-from rps_exudyn.tooth_contact.measured_flank import deviation_across, is_measured, measured_band
+from rps_exudyn.tooth_contact.measured_flank import deviation_across, measured_band
 from rps_exudyn.tooth_contact.strip_limits import ends_with_margin, raise_strip
 from rps_exudyn.tooth_contact.teeth_data import BY_HALF, BY_OFFSET, OFFSET, PER_COS, PHI, THICK, ZETA
 from rps_exudyn.tooth_contact.tooth_compliance import (
@@ -207,13 +208,13 @@ def _fill_line(lines, n, strip, margin, band, tooth, line, side, data, pool):  #
         for k in range(flank.stations):
             i, z = (n + count) * flank.stations + k, from_ + (to - from_) * flank.along[0, 0, k]
             xi, depth = crest_of(strip, z)
-            p_r, p_t, q = formed_point(xi, z, strip, line, side, flank)
+            along = 0.0
             if measured:
                 at = deviation_across(z, tooth, line, side, flank, pool)
                 xi, depth = crest_with(strip, z, at[3], at[4], at[5])
-                p_r, p_t, q = formed_point(xi, z, strip, line, side, flank)
-                along = side.sign * (at[0] + xi * (at[1] + xi * at[2]))
-                p_r, p_t, deepest = p_r - along * xi, p_t + along, max(deepest, depth)
+                along, deepest = side.sign * (at[0] + xi * (at[1] + xi * at[2])), max(deepest, depth)
+            p_r, p_t, q = formed_point(xi, z, strip, line, side, flank)
+            p_r, p_t = p_r - along * xi, p_t + along
             lines.stations[LENGTH, i] = (to - from_) * flank.along[0, 1, k] / flank.cos_base_helix
             lines.stations[DEPTH, i] = depth
             _fill_station(lines, i, p_r, p_t, q, z, side, data)

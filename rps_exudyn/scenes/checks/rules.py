@@ -243,6 +243,22 @@ def _straightened(breach: Breach) -> dict[str, Any]:
     return bush | ({"mesh": "flank"} if breach.given.model.mesh == "general-contact" else {})
 
 
+def _of_perfect_rack(name: str, errors: Callable[[SteeringGear], np.ndarray], why: str) -> Rule:
+    """The rule of errors of the rack [m] that general contact does not have."""
+    reason = f"fidelity.mesh = general-contact, {why},"
+    return _plan(
+        lambda given: float(np.abs(errors(given.gear)).max()),
+        _asks(f"the largest of rack.{name}", reason, "{:.4g} um", 1e6),
+        applies=lambda given: given.model.mesh == "general-contact" and bool(getattr(given.gear.rack, name)),
+        repair=lambda breach: {"mesh": "flank"},
+    )
+
+
+def _rack_deviations(gear: SteeringGear) -> np.ndarray:
+    grid = measured_flanks(gear).rack
+    return np.zeros(1) if grid is None else grid.coefficients
+
+
 OF_PLAN = (
     _plan(
         lambda given: given.model.step_angle,
@@ -267,28 +283,8 @@ OF_PLAN = (
         lambda breach: {"zone_ratio": 0.99 * breach.limit},
     ),
     _plan(lambda given: abs(given.gear.rack.bow), _bowed, applies=_is_straight_only, repair=_straightened),
-    _plan(
-        lambda given: float(np.abs(rack_errors(given.gear)).max()),
-        _asks(
-            "the largest of rack.pitch_errors",
-            "fidelity.mesh = general-contact, whose racks have teeth without errors,",
-            "{:.4g} um",
-            1e6,
-        ),
-        applies=lambda given: given.model.mesh == "general-contact" and bool(given.gear.rack.pitch_errors),
-        repair=lambda breach: {"mesh": "flank"},
-    ),
-    _plan(
-        lambda seen: np.abs(measured_flanks(seen.gear).rack.coefficients).max(),  # type: ignore[union-attr]
-        _asks(
-            "the largest of rack.deviation",
-            "fidelity.mesh = general-contact, whose rack has plane flanks,",
-            "{:.4g} um",
-            1e6,
-        ),
-        applies=lambda seen: seen.model.mesh == "general-contact" and bool(seen.gear.rack.deviation),
-        repair=lambda breach: {"mesh": "flank"},
-    ),
+    _of_perfect_rack("pitch_errors", rack_errors, "whose racks have teeth without errors"),
+    _of_perfect_rack("deviation", _rack_deviations, "whose rack has plane flanks"),
     _at_least("strip_points", lambda gear: 2, "flank"),
     _at_least("strip_stations", lambda gear: LEAST_STATIONS[gear.mesh.contact_law], "flank"),
     _at_least(
