@@ -11,6 +11,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.tooth_contact.elastic_teeth import room_of_teeth, teeth_contact
 from rps_exudyn.tooth_contact.flank_contact import line_contact
 from rps_exudyn.tooth_contact.laws import MESH, SCRATCH
+from rps_exudyn.tooth_contact.mesh_contact import mesh_contact, pooled_meshes
 from rps_exudyn.tooth_contact.sampled_contact import SampledContactData, pooled, sphere_contact
 from rps_exudyn.tooth_contact.teeth_data import teeth_data
 from rps_exudyn.tooth_contact.teeth_stations import most_lines
@@ -47,6 +48,13 @@ def sampled_wrench(*at: Any) -> np.ndarray:
     assert isinstance(spheres, SampledContactData)
     record, pool = pooled(spheres, 0)
     return _wrench(sphere_contact, pose, record, pool)
+
+
+def mesh_wrench(*at: Any, **values: Any) -> np.ndarray:
+    """The same of two meshes, the last argument; numbers of their record by name."""
+    *pose, meshes = at
+    record, pool = pooled_meshes(meshes, 0, **values)
+    return _wrench(mesh_contact, pose, record[0], pool)
 
 
 _from_python = cache(from_python)

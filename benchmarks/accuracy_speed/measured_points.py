@@ -24,7 +24,7 @@ from rps_exudyn.scenes import scene_named
 from rps_exudyn.study.cases import describe, setup_of
 from rps_exudyn.study.definition import Axis, Study, Value, axis_quantity
 from rps_exudyn.study.study_file import read_study
-from verification.faceted import Surface, faceted_run, largest_deviation, meshed, shaped, spheres
+from verification.faceted import FACETED, Surface, faceted_run, flanks, largest_deviation, meshed, shaped
 from verification.law_area import by_law
 from verification.references import Method, as_run, by_strips, over_generators, reference_of, still
 from verification.runs import SceneReference, run_scene
@@ -59,8 +59,7 @@ FILES = {
 }
 REPEATS = {"free-pinion-torque": 15, "yoke-impact": 1}
 CUTS = (50, 100, 200, 400)  # per turn of a shaped pinion
-CHORDS = (3e-6, 1e-6, 0.3e-6, 0.1e-6)  # errors of the pinion's triangles [m]; spheres sit on the last
-FACETED = spheres(108, 36, "1 deg")
+CHORDS = (3e-6, 1e-6, 0.3e-6, 0.1e-6)  # errors of the pinion's triangles [m]
 GEAR = by_law(SteeringGear(), "area")  # as of the plans that set no law
 PITCH = GEAR.replace({"test.turns": 1 / 6})
 
@@ -140,7 +139,7 @@ def _faceted(study: str, label: str, family: str, surface: Surface) -> PlannedPo
 
 
 def reference_for(plan: PlannedPoint, reference: SceneReference) -> SceneReference:
-    """The scene's reference; for faceted pinions the same spheres on the analytic flank, for models of other
+    """The scene's reference; for faceted pinions flanks of much finer triangles, for models of other
     physics the same in finer steps and stations."""
     if name := of_family(plan.family):
         return reference_of_variant(reference.scene, name)
@@ -149,8 +148,8 @@ def reference_for(plan: PlannedPoint, reference: SceneReference) -> SceneReferen
 
 @cache
 def on_analytic_flank(scene: str) -> SceneReference:
-    """Reference of faceted pinions: the torque of the same spheres on the analytic flank."""
-    signals = faceted_run(PITCH, FACETED, None).signals
+    """Reference of faceted pinions: the torque of flanks within a nanometre."""
+    signals = faceted_run(PITCH, FACETED, flanks(1e-9)).signals
     curve, lift = (scene_named(scene).curve(signals, PITCH, FACETED, name) for name in ("", "rack_y"))
     return SceneReference(scene, PITCH, Reference(curve, 0.0, {}), lift)
 

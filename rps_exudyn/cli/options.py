@@ -165,7 +165,7 @@ class SetupOptions(GearOptions):
     fidelity: str | None = None
     """Model preset: full, flank (default), quasi-static or closed-form; see `describe fidelity`."""
     mesh: str | None = None
-    """Contact model of the teeth (overrides --fidelity): general-contact or flank."""
+    """Contact model of the teeth (overrides --fidelity): general-contact, triangles or flank."""
     bush: str | None = None
     """Bush model (overrides --fidelity): chain, condensed or rigid."""
     yoke: Annotated[str | None, Parameter(show=False)] = None

@@ -1,7 +1,8 @@
 """Closed triangle mesh of the toothed pinion, its flanks ruled along the generators.
 
 A flank is a parallelogram in generators and axial position. Flat strips between generators touch the
-helicoid along whole lines, so that a few hundred of them are within 0.1 um of it:
+helicoid along whole lines, so that a few hundred of them are within 0.1 um of it. Where modifications bend
+the generators, the strips are cut into pieces:
 
     Z = b/2   .__________.              q = p - zeta tan|beta_b|, zeta = +-Z
               |\\  \\  \\  \\ |              p  names the generator: its tangent length at Z = 0
@@ -14,6 +15,7 @@ Generators through all four corners are among the strips' edges. Root and tip ar
 in rows, and sewn to the flanks' edges; the end faces are triangulated plane polygons.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal
@@ -29,6 +31,7 @@ from rps_exudyn.gears.polyhedron import refuse_defects
 from rps_exudyn.gears.trochoid import root_profile
 
 PERFECT = FlankForm()
+MOST_PIECES = 64  # of a generator that modifications bend
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,8 +60,9 @@ class PinionMesh:
     flanks: dict[tuple[int, int], FlankPatch]  # (tooth, side) -> patch, numbered as in the whole mesh
 
 
-def flank_patch(flank: Flank, chord_error: float) -> FlankPatch:
-    """Ruled triangulation of one flank within `chord_error` [m] of the helicoid."""
+def flank_patch(flank: Flank, chord_error: float, least_pieces: int = 1) -> FlankPatch:
+    """Ruled triangulation of one flank within `chord_error` [m]; its generators are cut into at least so many
+    pieces."""
     pair, side = flank.pair, flank.side
     b, tan_b = pair.face_width, abs(np.tan(flank.beta_b))
     sign = -1 if side * flank.beta_b < 0 else 1
@@ -71,14 +75,18 @@ def flank_patch(flank: Flank, chord_error: float) -> FlankPatch:
     roll[first] = roll[last] = p
     zeta[first] = -b / 2 if tan_b == 0 else np.clip((p - qa) / tan_b, -b / 2, b / 2)
     zeta[last] = b / 2 if tan_b == 0 else np.clip((p - q0) / tan_b, -b / 2, b / 2)
-    points = flank.point(flank.theta - side * roll / pair.base_radius, sign * zeta)
 
-    faces = np.concatenate(
-        [
-            np.stack([first[:-1], first[1:], last[:-1]], axis=1),
-            np.stack([last[:-1], first[1:], last[1:]], axis=1),
-        ]
-    )
+    def on_flank(p: np.ndarray, zeta: np.ndarray) -> np.ndarray:
+        return flank.point(flank.theta - side * p / pair.base_radius, sign * zeta)
+
+    pieces = max(least_pieces, _pieces(on_flank, p, zeta[first], zeta[last], chord_error))
+    inner = (zeta[first] + np.multiply.outer(np.arange(1, pieces) / pieces, zeta[last] - zeta[first])).T
+    between = ends + np.arange(inner.size).reshape(inner.shape)
+    between = np.where((first == last)[:, None], first[:, None], between)
+    rows = np.concatenate([first[:, None], between, last[:, None]], axis=1)
+    points = np.concatenate([on_flank(roll, zeta), on_flank(np.repeat(p, pieces - 1), inner.ravel())])
+    h, i, j, k = rows[:-1, :-1], rows[1:, :-1], rows[:-1, 1:], rows[1:, 1:]
+    faces = np.concatenate([np.stack(each, axis=-1).reshape(-1, 3) for each in ((h, i, j), (j, i, k))])
     faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
     form_edge = _distinct(np.concatenate([first[form0 : form0 + 1], last[form0 : form1 + 1]]))
     tip_edge = _distinct(np.concatenate([first[tip0 : tip1 + 1], last[tip1 : tip1 + 1]]))
@@ -158,6 +166,22 @@ def _generators(corners: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarra
     found = np.empty(len(corners), dtype=int)
     found[order] = number
     return np.array(p), found
+
+
+def _pieces(
+    on_flank: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    p: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    chord_error: float,
+) -> int:
+    """Into how many pieces generators are cut, which go from one Z to another, so that their chords are
+    within an error [m]; 1 of the straight ones of a perfect flank."""
+    t = np.linspace(0, 1, MOST_PIECES + 1)
+    points = on_flank(p[:, None], low[:, None] + (high - low)[:, None] * t)
+    bend = np.linalg.norm(np.diff(points, n=2, axis=1), axis=2).max()  # of a chord over two of the pieces
+    whole = bend * MOST_PIECES**2 / 8
+    return int(np.clip(np.ceil(np.sqrt(whole / chord_error)), 1, MOST_PIECES))
 
 
 def _ends(generators: int, *, pointed: bool) -> tuple[np.ndarray, np.ndarray, int]:

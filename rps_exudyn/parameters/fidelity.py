@@ -16,7 +16,16 @@ from typing import Any, Literal, Self
 from pydantic import computed_field, model_validator
 
 from rps_exudyn.base.errors import InputError, check_kind
-from rps_exudyn.parameters.declaration import DEG, Angle, Declared, Number, Table, all_declared, parameter
+from rps_exudyn.parameters.declaration import (
+    DEG,
+    Angle,
+    Declared,
+    Length,
+    Number,
+    Table,
+    all_declared,
+    parameter,
+)
 from rps_exudyn.parameters.friction_law import MOST_ELEMENTS
 from rps_exudyn.parameters.retired import PARAMETERS
 from rps_exudyn.parameters.wrong_values import WrongValue
@@ -38,7 +47,7 @@ class Fidelity(Table):
     """
 
     based_on: PresetName = choice("flank", "preset whose choices these are except for changed ones")
-    mesh: Literal["general-contact", "flank"] = choice("flank", "contact model of the teeth")
+    mesh: Literal["general-contact", "triangles", "flank"] = choice("flank", "contact model of the teeth")
     bush: Literal["chain", "condensed", "rigid"] = choice(
         "condensed", "bush model: chain of segments, condensed stiffness, or rigid"
     )
@@ -81,6 +90,9 @@ class Fidelity(Table):
     strip_points: int = choice(2, "flank: Gauss points across the strip of contact", ge=1, le=32)
     profile_samples: int = choice(27, "general contact: spheres along the profile of a flank", ge=2, le=2000)
     axial_samples: int = choice(18, "general contact: rows of spheres along the face width", ge=2, le=2000)
+    chord_error: Length = choice(
+        "0.03 um", "triangles: largest distance of the pinion's triangles from its flanks", gt=0, le=1e-5
+    )
     zone_ratio: Number = choice(
         0.001, "width of the friction zone over the smallest sliding speed of the teeth", gt=0, le=1
     )
@@ -214,9 +226,12 @@ _LIMITS = (
         ("rack", "flexible"), "bush", "condensed rigid",
         "whose bush is condensed to its exact stiffness: leave it condensed",
     ),
-    (("rack", "flexible"), "mesh", "flank", "which has only rigid bodies: choose fidelity.mesh = flank"),
     (
-        ("pinion", "supported"), "mesh", "flank",
+        ("rack", "flexible"), "mesh", "flank triangles",
+        "which has only rigid bodies: choose fidelity.mesh = flank",
+    ),
+    (
+        ("pinion", "supported"), "mesh", "flank triangles",
         "which general contact does not offer: choose fidelity.mesh = flank",
     ),
     (("solver", "closed-form"), "mesh", "flank", "whose formulas are those of flank contact"),

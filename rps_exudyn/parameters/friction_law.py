@@ -83,9 +83,9 @@ def check_friction_laws(parts: Mapping[str, FrictionLaw], mesh: str) -> None:
         InputError: it has not.
     """
     for part, law in parts.items():
-        if law.facts.has_state and mesh == "general-contact":
+        if law.facts.has_state and (mesh == "general-contact" or (part == "mesh" and mesh != "flank")):
             raise InputError(
-                f"{part}.friction_law is {law.friction_law}, but fidelity.mesh = general-contact has no "
+                f"{part}.friction_law is {law.friction_law}, but fidelity.mesh = {mesh} has no "
                 "bristles: choose fidelity.mesh = flank."
             )
     chosen = parts["mesh"].friction_law

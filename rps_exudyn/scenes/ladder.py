@@ -20,7 +20,7 @@ FINEST = 8
 
 KNOBS = (
     *("step_angle", "swing_steps", "tolerance", "zone_ratio"),
-    *("strip_stations", "strip_points", "profile_samples", "axial_samples"),
+    *("strip_stations", "strip_points", "profile_samples", "axial_samples", "chord_error"),
 )
 """Choices of a model that a level decides."""
 
@@ -65,6 +65,7 @@ def model_at(level: int, fidelity: Fidelity) -> Fidelity:
         "strip_points": doubled(fidelity.strip_points, level),
         "profile_samples": ceil(fidelity.profile_samples * sqrt(finer)),
         "axial_samples": ceil(fidelity.axial_samples * sqrt(finer)),
+        "chord_error": fidelity.chord_error / finer**2,  # of strips half as wide
     }
     return fidelity.replace({name: min(value, _MOST[name]) for name, value in changed.items()})
 

@@ -36,7 +36,9 @@ from rps_exudyn.tooth_contact.sampled_contact import SampledContactData, pooled
 from rps_exudyn.tooth_contact.spheres import contact_data
 from rps_exudyn.tooth_contact.teeth_data import teeth_data
 from rps_exudyn.tooth_contact.teeth_stations import most_lines
+from rps_exudyn.tooth_contact.triangles import triangles_of
 
+MESH_LAWS = {"general-contact": "spheres", "triangles": "triangles"}
 GUIDED = tuple(range(RACK + 2, RACK + 6))  # what a guided rack lacks: sideways motion, roll, yaw, pitch
 
 
@@ -158,7 +160,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
     pair, patches = GearPair.of(gear), Patches(fidelity.friction_elements)
     zone = fidelity.zone_ratio * pair.least_sliding * gear.test.speed
     check_friction_laws({part: getattr(gear, part) for part in RUBBING_PARTS}, fidelity.mesh)
-    law = gear.mesh.contact_law if fidelity.mesh == "flank" else "spheres"
+    law = MESH_LAWS.get(fidelity.mesh, gear.mesh.contact_law)
     if law not in LAWS:
         instead = choice_instead("mesh.law", law)
         raise InputError(f"mesh.law is {law!r}, which only earlier versions have: {instead}.")
@@ -168,7 +170,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
     if law == "spheres":  # one deeper than its radius passes through GeneralContact's triangles unnoticed
         spheres = spheres_of(gear, fidelity, zone)
         deepest = spheres.radius / 2
-    else:
+    elif law != "triangles":
         along, across = fidelity.strip_stations + (law == "teeth"), fidelity.strip_points
         mesh["flank"] = flank = pack(gear, zone=zone, along=along, across=across, patches=patches)
         if law == "teeth":
@@ -194,10 +196,15 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         gears["weight"], gears["has_weight"] = external_load.weight(gear), 1
     if bar is not None:
         pool, gears["bar"], gears["is_bent"] = bar.pool, bar.record, 1
-    if (measured := measured_flanks(gear)).are_given:
+    if (measured := measured_flanks(gear)).are_given and law in ("line", "teeth"):
         for each, part in product((gears, ideal), ("pinion_grid", "rack_grid")):
             each["mesh"]["flank"][part]["first"] += len(pool)
         pool = np.concatenate([pool, pooled_grids(measured)[2]])
+    if law == "triangles":
+        smooth = gear.replace({"pinion.runout": 0.0, "mesh.friction": 0.0})
+        for each, one in ((gears, gear), (ideal, smooth)):
+            each["mesh"]["triangles"], numbers = triangles_of(one, fidelity, zone, len(pool))
+            pool = np.concatenate([pool, numbers])
     if spheres is not None:
         perfect = {"pinion.runout": 0.0, "mesh.friction": 0.0, "mesh.friction_law": PLAIN_LAW}
         of_perfect = spheres_of(gear.replace(perfect), fidelity, zone)

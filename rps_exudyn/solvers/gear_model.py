@@ -81,6 +81,7 @@ from rps_exudyn.solvers.bent_rack import (
 from rps_exudyn.tooth_contact import wrench
 from rps_exudyn.tooth_contact.laws import (
     BY_LINE,
+    BY_SPHERES,
     BY_TEETH,
     KINDS,
     MESH,
@@ -88,6 +89,7 @@ from rps_exudyn.tooth_contact.laws import (
     line_law,
     sphere_law,
     teeth_law,
+    triangle_law,
 )
 
 # Parts in the order of their outputs
@@ -545,8 +547,10 @@ def gear_law(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  
         line_law(*at, factor_q, by_sliding, work.out, work.near)
     elif gear.mesh.kind == BY_TEETH:
         teeth_law(*at, factor_q, by_sliding, work.out, work.near)
-    else:
+    elif gear.mesh.kind == BY_SPHERES:
         sphere_law(*at, factor_q, by_sliding, work.out, work.near)
+    else:
+        triangle_law(*at, factor_q, by_sliding, work.out, work.near)
     finish(q, v, gear, pool, work, factor_q, factor_v, by_rate, total, tangent)
 
 

@@ -153,7 +153,7 @@ class SlidingVibration:
 def _condensed(fidelity: Fidelity) -> Fidelity:
     """The same with a bush that has no coordinates of its own, and teeth whose contact is smooth."""
     condensed = fidelity.with_condensed_chain()
-    return condensed.replace({"mesh": "flank"}) if condensed.mesh == "general-contact" else condensed
+    return condensed.replace({"mesh": "flank"}) if condensed.mesh != "flank" else condensed
 
 
 # --- The gear behind its steering column, reduced to one inertia on a spring, with the friction of its parts.

@@ -67,8 +67,10 @@ COSTS = {
     ("closed-form", "flank"): (0.010, 0.0),
     ("equilibrium", "flank"): (0.013, 1e-5),
     ("equilibrium", "general-contact"): (1.0, 2e-3),
+    ("equilibrium", "triangles"): (0.1, 3e-4),
     ("generalized-alpha", "flank"): (0.14, 2.2e-4),
     ("generalized-alpha", "general-contact"): (2.0, 0.03),
+    ("generalized-alpha", "triangles"): (0.3, 5e-4),
 }
 DEARER_CHAIN = 3.0  # times, of a bush in segments with flank contact
 STORING = 0.002  # [s] per case: file, index, log

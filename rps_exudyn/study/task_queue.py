@@ -57,7 +57,7 @@ def group_plan_of(study: Study, description: Description) -> GroupPlan:
         and len(description.hashes) >= FEWEST
         and scene_named(scene).steady
         and fidelity.solver in ("equilibrium", "closed-form")
-        and fidelity.mesh != "general-contact"
+        and fidelity.mesh == "flank"
         and not any(path.startswith(FIDELITY) for path in paths)
     ):
         return GroupPlan(False)

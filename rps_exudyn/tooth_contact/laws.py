@@ -18,15 +18,16 @@ from rps_exudyn.tooth_contact.flank_contact import line_contact
 from rps_exudyn.tooth_contact.flank_data import FLANK
 from rps_exudyn.tooth_contact.flank_line import SUMS
 from rps_exudyn.tooth_contact.flank_strip import STRIP_SHAPE
+from rps_exudyn.tooth_contact.mesh_contact import TRIANGLES, mesh_contact
 from rps_exudyn.tooth_contact.sampled_contact import SPHERES, sphere_contact
 from rps_exudyn.tooth_contact.strip_limits import BREAKS, LIMITS
 from rps_exudyn.tooth_contact.teeth_data import TEETH
 from rps_exudyn.tooth_contact.wrench import WRENCH_SIZE, on_coordinates
 
-KINDS = {"line": 0, "teeth": 1, "spheres": 2}
+KINDS = {"line": 0, "teeth": 1, "spheres": 2, "triangles": 3}
 """Law of the teeth's contact -> its number in the record `MESH`."""
 
-BY_LINE, BY_TEETH = KINDS["line"], KINDS["teeth"]
+BY_LINE, BY_TEETH, BY_SPHERES = KINDS["line"], KINDS["teeth"], KINDS["spheres"]
 
 MESH = record_type(
     [
@@ -36,6 +37,7 @@ MESH = record_type(
         ("most_lines", "i8"),  # that law "teeth" has room for ...
         ("room", "i8"),  # ... from this place of the pool to its end
         ("spheres", SPHERES),
+        ("triangles", TRIANGLES),
     ]
 )
 """Constants of the laws; those of laws that are not used are zero."""
@@ -109,8 +111,23 @@ def sphere_law(q, v, mesh, pool, work, factor_q, factor_v, out, tangent):  # typ
     spheres = mesh.spheres
     turn, pose = pose_of(q, v, spheres.rack_reference, work.pose), work.pose
     sphere_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], spheres, pool, work, factor_q, factor_v)
+    _on_meshes(q, turn, spheres, work, factor_q, factor_v, out, tangent)
+
+
+@inline
+def triangle_law(q, v, mesh, pool, work, factor_q, factor_v, out, tangent):  # type: ignore[no-untyped-def]
+    """Triangles of the pinion's flanks against faces of the rack."""
+    meshes = mesh.triangles
+    turn, pose = pose_of(q, v, meshes.rack_reference, work.pose), work.pose
+    mesh_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], meshes, pool, work, factor_q, factor_v)
+    _on_meshes(q, turn, meshes, work, factor_q, factor_v, out, tangent)
+
+
+@inline
+def _on_meshes(q, turn, data, work, factor_q, factor_v, out, tangent):  # type: ignore[no-untyped-def]
+    """Turn the wrench of spheres or triangles, and its stiffness, into those on the coordinates."""
     if factor_q != 0 or factor_v != 0:
-        axis = spheres.pinion_frame[0, 2], spheres.pinion_frame[1, 2], spheres.pinion_frame[2, 2]
-        to_axis = minus(vector(spheres.pinion_origin), vector(pose[3]))
+        axis = data.pinion_frame[0, 2], data.pinion_frame[1, 2], data.pinion_frame[2, 2]
+        to_axis = minus(vector(data.pinion_origin), vector(work.pose[3]))
         add_on_coordinates(work.wrench, q, turn, axis, to_axis, work.stiffness, factor_q, tangent)
     on_coordinates(work.wrench, turn, out)

@@ -75,7 +75,7 @@ def angle_from_mesh(angle, space, spaces):  # type: ignore[no-untyped-def]
 
 
 @inline
-def _times(m, x):  # type: ignore[no-untyped-def]
+def times(m, x):  # type: ignore[no-untyped-def]
     """The product of a matrix (3, 3) and a vector."""
     return (
         m[0, 0] * x[0] + m[0, 1] * x[1] + m[0, 2] * x[2],
@@ -93,20 +93,15 @@ def sphere_contact(  # type: ignore[no-untyped-def]
 
     A sphere's force acts at its touching point; left out of the stiffness is that the points move.
     """
-    out, wanted = work.wrench, factor_q != 0 or factor_v != 0
     frame, count, spaces = data.pinion_frame, data.count, data.spaces
     axis = (frame[0, 2], frame[1, 2], frame[2, 2])
     to_axis = minus(vector(data.pinion_origin), vector(position))
     moving, turning = vector(velocity), vector(spin)
     c, s = np.cos(angle), np.sin(angle)
     stiffnesses = data.first + 6 * spaces * count
-    for i in range(WRENCH_SIZE):
-        out[i] = 0.0
-    for i in range(6):
-        for j in range(6):
-            work.stiffness[i, j] = 0.0
+    begin_points(work)
     for side in range(2):
-        normal = _times(rotation, (data.normals[side, 0], data.normals[side, 1], data.normals[side, 2]))
+        normal = times(rotation, (data.normals[side, 0], data.normals[side, 1], data.normals[side, 2]))
         for space in range(spaces):
             if abs(angle_from_mesh(angle, space, spaces)) > data.gate:
                 continue
@@ -114,7 +109,7 @@ def sphere_contact(  # type: ignore[no-untyped-def]
                 number = (space * 2 + side) * count + i
                 place = data.first + 3 * number
                 x, y, z = pool[place], pool[place + 1], pool[place + 2]
-                lever = _times(frame, (c * x - s * y, s * x + c * y, z))  # from the axis of rotation
+                lever = times(frame, (c * x - s * y, s * x + c * y, z))  # from the axis of rotation
                 point = plus(to_axis, lever)
                 height = dot(normal, point) - data.offset[side]
                 height -= data.base_pitch * np.rint(height / data.base_pitch)
@@ -125,33 +120,70 @@ def sphere_contact(  # type: ignore[no-untyped-def]
                     continue
                 # touching point on the plane: below the sphere's centre
                 point, lever = minus(point, scaled(height, normal)), minus(lever, scaled(height, normal))
-                slip = minus(minus(scaled(rate, cross(axis, lever)), moving), cross(turning, point))
-                approach = -dot(slip, normal)
-                # with much damping a receding sphere pulls, as GeneralContact's do
-                stiffness = pool[stiffnesses + number]
-                load = stiffness * (depth + data.damping * approach)
-                slip = plus(slip, scaled(approach, normal))
-                speed = np.sqrt(dot(slip, slip))
-                drag = coulomb(load, data.friction, speed, data.zone)
-                force = minus(scaled(drag, slip), scaled(load, normal))  # on the rack
-                moment = cross(point, force)
-                for k in range(3):
-                    out[1 + k] += force[k]
-                    out[4 + k] += moment[k]
-                out[0] -= dot(axis, cross(lever, force))
-                out[7 + side] += load
-                out[9] += 0.5 * stiffness * depth**2
-                out[10] += drag * speed**2
-                out[11] += (load - stiffness * depth) * approach
-                out[12] = max(out[12], depth)
-                out[13] += 1
-                if wanted:
-                    per_load = drag / load if load != 0 else 0.0
-                    pressed = plus(normal, scaled(-per_load, slip))
-                    factor = -stiffness * (factor_q + data.damping * factor_v)
-                    at_normal = cross(point, normal)
-                    add_outer(work.stiffness, factor, pressed, cross(point, pressed), normal, at_normal)
-                    _add_drag(work.stiffness, -factor_v * drag, speed > data.zone, point, normal, slip)
+                press_point(
+                    depth, pool[stiffnesses + number], normal, point, lever, axis, rate, moving, turning,
+                    side, data, work, factor_q, factor_v,
+                )  # fmt: skip
+
+
+@inline
+def begin_points(work):  # type: ignore[no-untyped-def]
+    """Begin to add up forces at points."""
+    for i in range(WRENCH_SIZE):
+        work.wrench[i] = 0.0
+    for i in range(6):
+        for j in range(6):
+            work.stiffness[i, j] = 0.0
+
+
+@inline
+def press_point(  # type: ignore[no-untyped-def]
+    depth, stiffness, normal, point, lever, axis, rate, moving, turning, side, data, work, factor_q, factor_v
+):
+    """Add a load of this stiffness [N/m] at a point, with its friction.
+
+    Args:
+        depth: of the point [m].
+        stiffness: of the load [N/m].
+        normal: out of the rack.
+        point: from the rack's reference point [m].
+        lever: from the pinion's axis [m].
+        axis: of the pinion.
+        rate: of the pinion [rad/s].
+        moving: velocity of the rack [m/s].
+        turning: angular velocity of the rack [rad/s].
+        side: 0 drive, 1 coast.
+        data: record with `damping`, `friction` and `zone`.
+        work: where all is added up.
+        factor_q: of the tangent.
+        factor_v: of the tangent.
+    """
+    out = work.wrench
+    slip = minus(minus(scaled(rate, cross(axis, lever)), moving), cross(turning, point))
+    approach = -dot(slip, normal)
+    # with much damping a receding point pulls, as GeneralContact's spheres do
+    load = stiffness * (depth + data.damping * approach)
+    slip = plus(slip, scaled(approach, normal))
+    speed = np.sqrt(dot(slip, slip))
+    drag = coulomb(load, data.friction, speed, data.zone)
+    force = minus(scaled(drag, slip), scaled(load, normal))  # on the rack
+    moment = cross(point, force)
+    for k in range(3):
+        out[1 + k] += force[k]
+        out[4 + k] += moment[k]
+    out[0] -= dot(axis, cross(lever, force))
+    out[7 + side] += load
+    out[9] += 0.5 * stiffness * depth**2
+    out[10] += drag * speed**2
+    out[11] += (load - stiffness * depth) * approach
+    out[12] = max(out[12], depth)
+    out[13] += 1
+    if factor_q != 0 or factor_v != 0:
+        per_load = drag / load if load != 0 else 0.0
+        pressed = plus(normal, scaled(-per_load, slip))
+        factor = -stiffness * (factor_q + data.damping * factor_v)
+        add_outer(work.stiffness, factor, pressed, cross(point, pressed), normal, cross(point, normal))
+        _add_drag(work.stiffness, -factor_v * drag, speed > data.zone, point, normal, slip)
 
 
 @inline

@@ -1,0 +1,89 @@
+"""Two meshes as the kernel of their contact takes them: neighbours together, under spheres and boxes.
+
+    data = mesh_data(corners, [polygons, ...])
+
+Triangles of the pinion and faces of the rack are put in order along a curve that keeps neighbours together.
+Each block of triangles lies within a sphere. The faces lie under a binary tree of boxes along the axes.
+No candidate is lost: a sphere and a box contain what they stand for.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.tooth_contact.mesh_contact import BLOCK, LEAF, MOST_CORNERS, MeshData
+
+BITS = 10  # of each coordinate along the curve
+
+
+def mesh_data(corners: np.ndarray, polygons: Sequence[np.ndarray]) -> MeshData:
+    """Return both meshes as the kernel takes them.
+
+    Args:
+        corners: of the pinion's triangles (n, 3, 3) [m], counter-clockwise seen from outside.
+        polygons: the rack's faces, (m, c, 3) each of m polygons with c corners [m], plane, convex,
+            counter-clockwise seen from outside.
+
+    Raises:
+        InputError: a face with more corners than the kernel takes.
+    """
+    corners = corners[along_curve(corners.mean(axis=1))]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    triangles = np.concatenate([corners.reshape(-1, 9), normals], axis=1)
+    faces, edges, boxes = [np.zeros((0, 6))], [np.zeros((0, 4))], [np.zeros((0, 6))]
+    for each in polygons:
+        count = each.shape[1]
+        if count > MOST_CORNERS - 4:
+            raise InputError(f"A face has {count} corners; contact of triangles takes {MOST_CORNERS - 4}.")
+        after, middle = np.roll(each, -1, axis=1), each.mean(axis=1)
+        normal = np.cross(each - middle[:, None], after - middle[:, None]).sum(axis=1)
+        normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+        outwards = np.cross(after - each, normal[:, None])
+        outwards /= np.linalg.norm(outwards, axis=2, keepdims=True)
+        first = sum(map(len, edges)) + count * np.arange(len(each))
+        offset, limit = np.einsum("ij,ij->i", normal, middle), np.einsum("ijk,ijk->ij", outwards, each)
+        faces.append(np.column_stack([normal, offset, first, np.full(len(each), count)]))
+        edges.append(np.concatenate([outwards, limit[..., None]], axis=2).reshape(-1, 4))
+        boxes.append(np.concatenate([each.min(axis=1), each.max(axis=1)], axis=1))
+    box = np.concatenate(boxes)
+    order = along_curve(box[:, :3] + box[:, 3:])
+    return MeshData(
+        triangles, _spheres(corners), np.concatenate(faces)[order], np.concatenate(edges), _tree(box[order])
+    )
+
+
+def along_curve(points: np.ndarray) -> np.ndarray:
+    """Return the order of points (n, 3) along a curve that keeps neighbours together.
+
+    G. M. Morton, A computer oriented geodetic data base, IBM 1966: bits of the coordinates, interleaved.
+    """
+    size = np.ptp(points, axis=0).max() or 1.0
+    cells = ((points - points.min(axis=0)) / size * (2**BITS - 1)).astype(np.int64)
+    code = np.zeros(len(points), dtype=np.int64)
+    for bit in range(BITS):
+        for axis in range(3):
+            code |= (cells[:, axis] >> bit & 1) << 3 * bit + axis
+    return np.argsort(code, kind="stable")
+
+
+def _spheres(corners: np.ndarray) -> np.ndarray:
+    """Centres and radii (blocks, 4) [m] round each block of triangles (n, 3, 3)."""
+    filled = np.concatenate([corners, np.repeat(corners[-1:], -len(corners) % BLOCK, axis=0)])
+    blocks = filled.reshape(-1, 3 * BLOCK, 3)
+    centres = (blocks.min(axis=1) + blocks.max(axis=1)) / 2
+    return np.column_stack([centres, np.linalg.norm(blocks - centres[:, None], axis=2).max(axis=1)])
+
+
+def _tree(boxes: np.ndarray) -> np.ndarray:
+    """The boxes of a binary tree over boxes (n, 6) [m]: the root first, the leaves last."""
+    leaves = 1 << (-(-len(boxes) // LEAF) - 1).bit_length()
+    empty = np.tile([np.inf] * 3 + [-np.inf] * 3, (leaves * LEAF - len(boxes), 1))
+    groups, levels = np.concatenate([boxes, empty]).reshape(leaves, LEAF, 6), []
+    while True:
+        level = np.concatenate([groups[..., :3].min(axis=1), groups[..., 3:].max(axis=1)], axis=1)
+        levels.append(level)
+        if len(level) == 1:
+            return np.concatenate(levels[::-1])
+        groups = level.reshape(-1, 2, 6)

@@ -1,0 +1,175 @@
+"""The gear's own meshes for contact of triangles: ruled flanks of the pinion, flanks of the rack.
+
+Pressure per depth is chosen as for spheres of law "line" (`spheres`): k = 3/4 c' / sqrt(2 rho d_0). The load
+per length F' = 4/3 k d sqrt(2 rho d) is then c' d at the mean depth d_0 under the preload.
+
+A plane flank of the rack is one convex polygon. Triangles of a solid that lie in one plane and share edges
+are one face where their outline is convex: a flank that a Boolean cut has left is sixty slivers.
+"""
+
+from collections import defaultdict
+from itertools import product
+
+import numpy as np
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.flank_form import FlankForm
+from rps_exudyn.gears.flank_grid import FlankGrid, measured_flanks
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.helicoid import Flank
+from rps_exudyn.gears.pinion_mesh import flank_patch
+from rps_exudyn.gears.pitch_errors import rack_errors
+from rps_exudyn.gears.rack_bar import RackBar, RackFlank
+from rps_exudyn.gears.tooth_stiffness import line_stiffness
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.tooth_contact.mean_depth import mean_depth
+from rps_exudyn.tooth_contact.mesh_contact import MeshData, pooled_meshes
+from rps_exudyn.tooth_contact.mesh_search import mesh_data
+from rps_exudyn.tooth_contact.spheres import SHALLOWEST, SIDES
+
+RACK_CHORDS = 5e-6  # of the bar's round surface, which ends the flanks [m]
+PIECES = 3  # of a generator at least: the sum over a polygon is Simpson's, 0.01 % off for 1 / sqrt(rho)
+DEEPEST = 1 / 8  # of a module: what is deeper lies in another tooth
+
+
+def triangles_of(
+    gear: SteeringGear, fidelity: Fidelity, zone: float, first: int, meshes: MeshData | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the record (1,) of a gear's meshes, and their numbers, which begin at a place of the pool.
+
+    Args:
+        gear: the gear.
+        fidelity: its model.
+        zone: of friction [m/s].
+        first: place of the pool.
+        meshes: others than the gear's own.
+
+    Raises:
+        InputError: a law of contact that triangles do not have.
+    """
+    pair, mesh, depth = GearPair.of(gear), gear.mesh, max(mean_depth(gear), SHALLOWEST)
+    if mesh.contact_law != "line":
+        raise InputError(
+            f"mesh.law is {mesh.contact_law}, but fidelity.mesh = triangles has only line: "
+            "set mesh.law = line."
+        )
+    return pooled_meshes(
+        meshes or own_meshes(gear, fidelity.chord_error),
+        first,
+        by_curvature=0.75 * line_stiffness(gear) / np.sqrt(2 * depth),
+        least_rho=depth,
+        square=pair.base_radius**2,
+        cos_beta_b=np.cos(pair.beta_b),
+        middle=pair.eccentricity,
+        deepest=DEEPEST * pair.module,
+        damping=mesh.damping,
+        friction=mesh.friction,
+        zone=zone,
+        pinion_origin=pair.pinion_origin,
+        pinion_frame=pair.pinion_frame,
+        rack_reference=np.array([0.0, pair.bar_axis_height, 0.0]),
+    )
+
+
+def own_meshes(gear: SteeringGear, chord_error: float) -> MeshData:
+    """Return the flanks of a gear's pinion and rack, chords within `chord_error` [m]."""
+    corners = own_corners(gear, chord_error) + GearPair.of(gear).eccentricity
+    return mesh_data(corners, own_polygons(gear, chord_error))
+
+
+def own_corners(gear: SteeringGear, chord_error: float) -> np.ndarray:
+    """Return the triangles (n, 3, 3) [m] of all flanks of a pinion without runout, pinion frame."""
+    pair, form = GearPair.of(gear), FlankForm.of(gear)
+    flanks = [Flank(pair, tooth, side, form) for tooth in range(pair.teeth) for side in SIDES]
+    patches = [flank_patch(flank, chord_error, PIECES) for flank in flanks]
+    return np.concatenate([patch.points[patch.faces] for patch in patches])
+
+
+def own_polygons(gear: SteeringGear, chord_error: float) -> list[np.ndarray]:
+    """Return the faces of all flanks of a rack, (m, c, 3) each of m with c corners [m], rack frame."""
+    bar, errors, grid = RackBar.of(gear), rack_errors(gear), measured_flanks(gear).rack
+    made = []
+    for tooth, side in product(bar.teeth, SIDES):
+        flank = bar.flank(tooth, side)
+        shift = np.array([errors[tooth - bar.teeth[0]] if len(errors) else 0.0, 0.0, 0.0])
+        made.append((outline(flank)[None] if grid is None else _measured(flank, grid, chord_error)) + shift)
+    return made
+
+
+def convex_faces(vertices: np.ndarray, faces: np.ndarray) -> list[np.ndarray]:
+    """Return a mesh as convex polygons, (m, c, 3) each of m with c corners [m].
+
+    Args:
+        vertices: corners (n, 3) [m].
+        faces: their numbers (m, 3), counter-clockwise seen from outside.
+    """
+    import trimesh
+
+    mesh = trimesh.Trimesh(vertices, faces, process=False)
+    by_corners, left = defaultdict(list), np.ones(len(faces), dtype=bool)
+    for facet in mesh.facets:
+        loop = _convex_outline(mesh.faces[facet], mesh.vertices, mesh.face_normals[facet].mean(axis=0))
+        if loop is not None:
+            by_corners[len(loop)].append(loop)
+            left[facet] = False
+    triangles = mesh.vertices[mesh.faces[left & (mesh.area_faces > 0)]]
+    return [np.array(each) for each in by_corners.values()] + [triangles]
+
+
+def _convex_outline(faces: np.ndarray, vertices: np.ndarray, normal: np.ndarray) -> np.ndarray | None:
+    """Corners (c, 3) round plane triangles that share edges; None if they are not one convex polygon."""
+    edges = {(int(a), int(b)) for face in faces for a, b in zip(face, np.roll(face, -1), strict=True)}
+    after = {a: b for a, b in edges if (b, a) not in edges}
+    loop = [next(iter(after))]
+    while (corner := after.get(loop[-1])) is not None and corner != loop[0] and len(loop) <= len(after):
+        loop.append(corner)
+    corners = vertices[loop]
+    along = np.roll(corners, -1, axis=0) - corners
+    turns = np.cross(np.roll(along, 1, axis=0), along) @ normal
+    bends = turns > -1e-9 * np.abs(turns).max()  # rounding of corners on a straight edge
+    return corners if len(loop) == len(after) and bends.all() else None
+
+
+# --- flanks of the rack ----------------------------------------------------------------------------
+def outline(flank: RackFlank) -> np.ndarray:
+    """Return the corners of a rack's plane flank (n, 3) [m], counter-clockwise seen from outside."""
+    low, high, radius = flank.tip_height, flank.form_height, flank.bar_radius
+    first, last = np.arcsin(np.clip(np.array([low, high]) / radius, -1, 1)).tolist()
+    y = radius * np.sin(
+        np.linspace(first, last, 2 + int(abs(last - first) / np.sqrt(8 * RACK_CHORDS / radius)))
+    )
+    z = flank.half_chord(y)
+    return _outwards(np.concatenate([_on_plane(flank, y, z), _on_plane(flank, y, -z)[::-1]])[None], flank)[0]
+
+
+def _measured(flank: RackFlank, grid: FlankGrid, chord_error: float) -> np.ndarray:
+    """Triangles (n, 3, 3) [m] of a flank with the deviations of a grid."""
+    bends = [np.abs(each).max() for each in grid.second_derivatives()[::2]]
+    steps = [np.sqrt(8 * chord_error / max(bend, 1e-9)) for bend in bends]
+    rows = 1 + int(np.ceil((flank.form_height - flank.tip_height) / steps[0]))
+    y = np.linspace(flank.tip_height, flank.form_height, rows + 1)[:, None]
+    widest = flank.half_chord(y)
+    z = widest * np.linspace(-1, 1, 2 + int(np.ceil(2 * widest.max() / steps[1])))
+    y = np.broadcast_to(y, z.shape)
+    dev = grid.at(y, z, flank.tooth, flank.side)
+    points = _on_plane(flank, y.ravel(), z.ravel()).reshape(*z.shape, 3) + dev[..., None] * flank.normal
+    a, b, c, d = points[:-1, :-1], points[:-1, 1:], points[1:, 1:], points[1:, :-1]
+    halves = [np.stack(each, axis=2).reshape(-1, 3, 3) for each in ((a, b, c), (a, c, d))]
+    return _outwards(np.concatenate(halves), flank)
+
+
+def _on_plane(flank: RackFlank, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Points of a flank's plane at y and z (n, 3) [m]."""
+    up = np.cross(flank.trace, flank.normal)
+    rise = (y - flank.point[1]) / up[1]
+    along = (z - flank.point[2] - rise * up[2]) / flank.trace[2]
+    return flank.point + rise[:, None] * up + along[:, None] * flank.trace
+
+
+def _outwards(polygons: np.ndarray, flank: RackFlank) -> np.ndarray:
+    """Polygons (m, c, 3), counter-clockwise seen from outside."""
+    after = np.roll(polygons, -1, axis=1)
+    middle = polygons.mean(axis=1, keepdims=True)
+    turned = np.cross(polygons - middle, after - middle).sum(axis=(0, 1)) @ flank.normal
+    return polygons if turned > 0 else polygons[:, ::-1]
