@@ -40,8 +40,12 @@ FULL, FLANK, STILL = (
 )
 RUNGS = {
     "`full`": ("nothing: spheres on triangles, bush of 25 segments", FULL),
+    "`flank --mesh triangles`": (
+        "spheres and segments: triangles are cut by the rack's faces",
+        FLANK.replace({"mesh": "triangles"}),
+    ),
     "`flank --bush chain`": (
-        "spheres: the contact is integrated along lines",
+        "meshes: the contact is integrated along lines",
         FLANK.replace({"bush": "chain"}),
     ),
     "`flank`": ("segments: the bush is condensed into its stiffness", FLANK),

@@ -89,6 +89,7 @@ def faceted_forces(
         meshes = mesh_data(corners + GearPair.of(one).eccentricity, polygons)
         record, numbers = triangles_of(one, fidelity, forces.friction_zone, pool.size, meshes)
         record["least_rho"], record["by_curvature"] = 1.0, gear.mesh.stiffness  # the same whatever rho is
+        record["standing_out"] = 0.0
         each["mesh"]["triangles"], pool = record, np.concatenate([pool, numbers])
     offset = GearPair.of(gear).axis_offset
     approach = static_approach(gear.yoke.preload, forces.law, smooth, pool, offset)

@@ -161,7 +161,7 @@ TEST: dict[str, Range] = {
 GEAR: Mapping[str, Range] = {**TEETH, **ERRORS, **PARTS, **CONDITIONS, **COLUMN, **TEST}
 
 FIDELITY: Mapping[str, Range] = {
-    "mesh": Choice({"flank": 1, "general-contact": 0}),  # which is drawn apart, for it costs more
+    "mesh": Choice({"flank": 1, "triangles": 0, "general-contact": 0}),  # drawn apart: they cost more
     "bush": Choice({"condensed": 7, "rigid": 1, "chain": 1}),
     "rack": Choice({"by-scene": 8, "free": 1, "guided": 1, "flexible": 2}),
     "pinion": Choice({"by-scene": 8, "rigid": 1, "supported": 1}),
@@ -174,6 +174,7 @@ FIDELITY: Mapping[str, Range] = {
     "strip_points": Whole(2, 6),
     "profile_samples": Whole(12, 60),
     "axial_samples": Whole(8, 40),
+    "chord_error": Logarithmic(1e-8, 3e-6),
     "zone_ratio": Logarithmic(0.001, 1),
     "friction_elements": Whole(1, 4),
 }

@@ -70,6 +70,7 @@ BRISTLES = LINE | {f"{part}.friction_law": "bristle" for part in RUBBING_PARTS}
 VARIANTS = {
     "line": Variant(LINE),
     "teeth": Variant({"mesh.law": "teeth"}),
+    "triangles": Variant(LINE, {"mesh": "triangles", "chord_error": 3e-9}),
     "bending rack": Variant(LINE | {"rack.modes": 12}, {"rack": "flexible"}),
     "Stribeck": Variant(
         LINE
@@ -86,6 +87,8 @@ def variant_of(gear: SteeringGear, fidelity: Fidelity) -> str:
     """Return the name of the variant that a model belongs to; "" for that of the chart's first reference."""
     if fidelity.solver == "closed-form":
         return ""
+    if fidelity.mesh == "triangles":
+        return "triangles"
     if fidelity.rack == "flexible":
         return "bending rack"
     if fidelity.pinion == "supported":

@@ -43,6 +43,7 @@ STYLES = {
     "quasi-static, four bristles": ("#7f6000", "v"),
     "loop over gears, line": ("#134f5c", "*"),
     "spheres at rest": ("#e69138", "P"),
+    "quasi-static, triangles": ("#0097a7", "X"),
     "shaped pinion": ("#c27ba0", "h"),
     "meshed pinion": ("#b45f06", "p"),
     "closed form": ("#000000", "*"),
@@ -51,7 +52,7 @@ STYLES = {
 
 LINES = "flank, line", "quasi-static, line"
 PANELS = {
-    "models": ("general contact", "spheres at rest", "flank, bush chain", *LINES, "closed form"),
+    "models": ("general contact", "spheres at rest", "quasi-static, triangles", *LINES, "closed form"),
     "contact laws": ("flank", "quasi-static", *LINES, "flank, teeth", "quasi-static, teeth"),
     "friction laws": (*LINES, *(name for name in STYLES if name.endswith(("Stribeck", "bristles")))),
     "bodies that yield, and many gears": tuple(

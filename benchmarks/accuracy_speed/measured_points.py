@@ -34,7 +34,7 @@ from verification.work_precision import Reference
 PLANS = Path(__file__).parent / "plans"
 OF_TORQUE = (
     "closed_form quasi_static quasi_static_turn spheres_at_rest flank newton bush "
-    "general_contact general_contact_step faceted quasi_static_line flank_line quasi_static_teeth "
+    "general_contact general_contact_step triangles faceted quasi_static_line flank_line quasi_static_teeth "
     "flank_teeth quasi_static_bending flank_bending quasi_static_stribeck flank_stribeck "
     "quasi_static_bristles flank_bristles quasi_static_supported flank_supported loop"
 )

@@ -88,8 +88,8 @@ def flank_patch(flank: Flank, chord_error: float, least_pieces: int = 1) -> Flan
     h, i, j, k = rows[:-1, :-1], rows[1:, :-1], rows[:-1, 1:], rows[1:, 1:]
     faces = np.concatenate([np.stack(each, axis=-1).reshape(-1, 3) for each in ((h, i, j), (j, i, k))])
     faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
-    form_edge = _distinct(np.concatenate([first[form0 : form0 + 1], last[form0 : form1 + 1]]))
-    tip_edge = _distinct(np.concatenate([first[tip0 : tip1 + 1], last[tip1 : tip1 + 1]]))
+    form_edge = _distinct(np.concatenate([rows[form0], last[form0 : form1 + 1]]))
+    tip_edge = _distinct(np.concatenate([first[tip0 : tip1 + 1], rows[tip1]]))
     lower_edge, upper_edge = first[form0 : tip0 + 1], last[form1 : tip1 + 1]
     if sign < 0:  # zeta = -Z
         form_edge, tip_edge, lower_edge, upper_edge = form_edge[::-1], tip_edge[::-1], upper_edge, lower_edge
@@ -181,7 +181,7 @@ def _pieces(
     points = on_flank(p[:, None], low[:, None] + (high - low)[:, None] * t)
     bend = np.linalg.norm(np.diff(points, n=2, axis=1), axis=2).max()  # of a chord over two of the pieces
     whole = bend * MOST_PIECES**2 / 8
-    return int(np.clip(np.ceil(np.sqrt(whole / chord_error)), 1, MOST_PIECES))
+    return min(int(np.ceil(np.sqrt(whole / chord_error))), MOST_PIECES) if whole > chord_error else 1
 
 
 def _ends(generators: int, *, pointed: bool) -> tuple[np.ndarray, np.ndarray, int]:

@@ -64,6 +64,7 @@ TRIANGLES = record_type(
         ("square", "f8"),  # of the base radius [m^2]
         ("cos_beta_b", "f8"),
         ("middle", "f8", (3,)),  # of the teeth, pinion frame at angle 0 [m]
+        ("standing_out", "f8"),  # by which faces stand out of the rack [m]
         ("deepest", "f8"),  # what is deeper lies in another tooth [m]
         ("damping", "f8"),
         ("friction", "f8"),
@@ -120,7 +121,8 @@ def mesh_contact(  # type: ignore[no-untyped-def]
             leaf = LEAF * (node - data.leaves + 1)
             for number in range(leaf, min(leaf + LEAF, data.face_count) if meets else leaf):
                 face = data.faces + FACE * number
-                normal, offset = (pool[face], pool[face + 1], pool[face + 2]), pool[face + 3]
+                normal = pool[face], pool[face + 1], pool[face + 2]
+                offset = pool[face + 3] + data.standing_out
                 depth = offset - dot(normal, centre)
                 if depth < -radius or depth > data.deepest + radius:
                     continue
@@ -136,7 +138,7 @@ def mesh_contact(  # type: ignore[no-untyped-def]
                     d_a, d_b, d_c = offset - dot(normal, a), offset - dot(normal, b), offset - dot(normal, c)
                     if max(d_a, d_b, d_c) <= 0 or min(d_a, d_b, d_c) > data.deepest:
                         continue
-                    corners = _overlap(a, b, c, normal, face, data, pool, polygon, other)
+                    corners = _overlap(a, b, c, normal, offset, face, data, pool, polygon, other)
                     if corners >= 3:
                         _press_polygon(
                             polygon, corners, normal, offset, middle, rotation, axis, to_axis, rate, moving,
@@ -216,14 +218,14 @@ def _moved(pool, place, rows, shift):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _overlap(a, b, c, normal, face, data, pool, polygon, other):  # type: ignore[no-untyped-def]
+def _overlap(a, b, c, normal, offset, face, data, pool, polygon, other):  # type: ignore[no-untyped-def]
     """Fill `polygon` with the part of a triangle below a face's plane and within its prism; how many corners.
 
     I. E. Sutherland, G. W. Hodgman, Communications of the ACM 17 (1974) 32.
     """
     for k in range(3):
         polygon[0, k], polygon[1, k], polygon[2, k] = a[k], b[k], c[k]
-    count = _clip(polygon, 3, normal, pool[face + 3], other)
+    count = _clip(polygon, 3, normal, offset, other)
     first = data.edges + EDGE * int(pool[face + 4])
     for edge in range(int(pool[face + 5])):
         place = first + EDGE * edge

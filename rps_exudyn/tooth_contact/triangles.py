@@ -1,7 +1,9 @@
 """The gear's own meshes for contact of triangles: ruled flanks of the pinion, flanks of the rack.
 
-Pressure per depth is chosen as for spheres of law "line" (`spheres`): k = 3/4 c' / sqrt(2 rho d_0). The load
-per length F' = 4/3 k d sqrt(2 rho d) is then c' d at the mean depth d_0 under the preload.
+The load per length is that of the spheres of law "line" (`sphere_groups`): faces stand out of the rack by
+half the mean depth d_0 under the preload, so that value and slope at d_0 are those of law "line",
+
+    F' = 4/3 k (d + h) sqrt(2 rho (d + h)) = c' d_0 ((d + h) / (d_0 + h))^(3/2),      h = d_0 / 2.
 
 A plane flank of the rack is one convex polygon. Triangles of a solid that lie in one plane and share edges
 are one face where their outline is convex: a flank that a Boolean cut has left is sixty slivers.
@@ -30,6 +32,7 @@ from rps_exudyn.tooth_contact.spheres import SHALLOWEST, SIDES
 
 RACK_CHORDS = 5e-6  # of the bar's round surface, which ends the flanks [m]
 PIECES = 3  # of a generator at least: the sum over a polygon is Simpson's, 0.01 % off for 1 / sqrt(rho)
+STANDING_OUT = 0.5  # height of the faces over the rack, in mean depths
 DEEPEST = 1 / 8  # of a module: what is deeper lies in another tooth
 
 
@@ -57,7 +60,8 @@ def triangles_of(
     return pooled_meshes(
         meshes or own_meshes(gear, fidelity.chord_error),
         first,
-        by_curvature=0.75 * line_stiffness(gear) / np.sqrt(2 * depth),
+        by_curvature=0.75 * line_stiffness(gear) / np.sqrt(2 * depth) / (1 + STANDING_OUT) ** 1.5,
+        standing_out=STANDING_OUT * depth,
         least_rho=depth,
         square=pair.base_radius**2,
         cos_beta_b=np.cos(pair.beta_b),

@@ -232,6 +232,7 @@ RUNS = [
     ({"mesh.law": "line", "rack.bow": 5e-5}, {}),
     ({"mesh.law": "teeth", "rack.bow": 5e-5}, {"pinion": "supported"}),
     ({}, {"mesh": "general-contact"}),
+    ({}, {"mesh": "triangles"}),
     ({"rack.bow": 5e-5}, {"mesh": "general-contact"}),
     ({"mesh.law": "line", "mesh.friction_law": "bristle"}, {}),
 ]

@@ -65,7 +65,7 @@ def test_shaping_costs_torque_with_the_square_of_the_cut() -> None:
         return float(np.sqrt(np.mean((torque - smooth) ** 2)) / smooth.mean())
 
     coarse, fine = error(100), error(200)
-    assert coarse == pytest.approx(0.0094, rel=0.15)
+    assert coarse == pytest.approx(0.0076, rel=0.05)
     assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.25)
 
 

@@ -82,24 +82,28 @@ MESHES: dict[str, tuple[Settings, Settings]] = {
     # the derivative of a sum over few points is off where a corner of the strip passes one of them
     "area": ({"mesh.law": "area"}, {"strip_stations": 12, "strip_points": 8}),
     "spheres": ({"mesh.law": "area"}, {"mesh": "general-contact", "profile_samples": 27}),
+    "triangles": ({}, {"mesh": "triangles"}),
 }
 SLIDING = ("coulomb", "stribeck")
 
 
 @pytest.mark.parametrize("law", SLIDING)
-@pytest.mark.parametrize("mesh", ["line", "teeth", "spheres", pytest.param("area", marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "mesh", ["line", "teeth", "spheres", "triangles", pytest.param("area", marks=pytest.mark.long)]
+)
 def test_tangent_of_each_part_is_the_derivative_of_its_forces(mesh: str, law: str) -> None:
     """What slides: 1e-3, by places, by rates, and along a path."""
+    bound = 1.3e-3 if mesh == "triangles" else 1.1e-3  # where they slide slowly the sense of friction turns
     settings, fidelity = MESHES[mesh]
-    if mesh == "spheres" and law != "coulomb":
-        return  # they have that law alone
+    if mesh in ("spheres", "triangles") and law != "coulomb":
+        return  # these have that law alone
     forces, path = followed({**settings, **rubbing(law)}, fidelity)
     for part in ("mesh", "seat", "bush", "bearing"):
         balance = alone(forces, part).statics
         for k in (2, 4, 10):
             for factors in ((1.0, 0.0), (0.0, 1.0), (1.0, 500.0)):
                 found = error(balance, path.coordinates[k], path.rates[k], *factors)
-                assert found < 1.1e-3, (part, k, factors)
+                assert found < bound, (part, k, factors)
 
 
 BESIDE_MESH = ("seat", "bush", "bearing")
