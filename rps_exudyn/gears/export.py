@@ -10,6 +10,7 @@ from rps_exudyn.base.files import replacing
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.polyhedron import Solid
 from rps_exudyn.gears.solids import CHORD_ERROR, bush_segment_solid, gear_solids
+from rps_exudyn.gears.step_file import step_text
 from rps_exudyn.parameters.gear import SteeringGear
 
 
@@ -62,7 +63,8 @@ def export_solids(
     """Write all parts at pinion angle 0, or one of them, in the housing frame.
 
     GLB keeps the parts apart by name and is in metres, as its standard asks; STL is one mesh in
-    millimetres, the unit its readers assume. Both formats hold single precision.
+    millimetres, the unit its readers assume; both hold single precision. STEP has plane faces and
+    millimetres.
 
     Raises:
         InputError: no such part, or the file cannot be written.
@@ -70,13 +72,17 @@ def export_solids(
     solids = assembled(gear, chord_error=chord_error)
     if part is not None and part not in solids:
         raise InputError(f"{part} is no part of the gear; these are {', '.join(solids)}.")
+    solids = {name: solid for name, solid in solids.items() if part in (None, name)}
     parts = {
-        name: trimesh.Trimesh(solid.vertices, solid.faces, process=False)
-        for name, solid in solids.items()
-        if part in (None, name)
+        name: trimesh.Trimesh(solid.vertices, solid.faces, process=False) for name, solid in solids.items()
     }
     with replacing(path) as partial:
-        if partial.suffix.lower() == ".glb":
+        if partial.suffix.lower() == ".step":
+            text = step_text(
+                part or "gear", {name: (each.vertices, each.faces) for name, each in solids.items()}
+            )
+            partial.write_text(text, encoding="ascii")
+        elif partial.suffix.lower() == ".glb":
             partial.write_bytes(trimesh.Scene(parts).export(file_type="glb"))
         else:
             joined = trimesh.util.concatenate(list(parts.values()))

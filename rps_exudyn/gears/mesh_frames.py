@@ -34,7 +34,7 @@ ASTRAY = 0.15  # of a flank's normal from its helicoid's [rad]
 DEGREE = 6  # of delta(R)
 USED = 200_000  # triangles, drawn from those of larger surfaces
 CONE = np.cos(np.deg2rad(4))  # within which normals belong to one family of planes
-DIRECTIONS = 60  # of normals with the largest areas, tried as a rack's flanks
+DIRECTIONS = 24  # of normals with the largest areas, tried as a rack's flanks
 ALONG = 0.1  # n . X of the bar's surfaces at most
 LEAST_ARC = 0.05  # second over first moment of the normals of a bar, all around 1
 ROUND = 0.05  # of the radius, that half the triangles of a round bar are out of place at most
@@ -236,6 +236,8 @@ def _fitted(surface: Surface, teeth: _Teeth) -> _Teeth:
     """Return the teeth after a step of least squares of normal distances of the flanks' corners."""
     R, _, _, radial, around, n_z = _polar(surface, teeth.axes, teeth.centre)
     flanks = np.flatnonzero((np.abs(around) > STEEP) & (np.abs(n_z - teeth.twist * R * around) < ASTRAY))
+    if not flanks.size:
+        raise InputError("shows no equal teeth about an axis")
     p = ((surface.corners[flanks] - teeth.centre) @ teeth.axes.T).reshape(-1, 3)
     n = np.repeat(surface.normals[flanks] @ teeth.axes.T, 3, axis=0)
     R = np.hypot(p[:, 0], p[:, 1])
@@ -243,12 +245,10 @@ def _fitted(surface: Surface, teeth: _Teeth) -> _Teeth:
     pitch = 2 * np.pi / teeth.number
     angle = np.arctan2(p[:, 1], p[:, 0]) + teeth.twist * p[:, 2] - teeth.tooth
     distance = lever * (np.remainder(angle + pitch / 2, pitch) - pitch / 2)
-    along = 2 * (R - R.min()) / np.ptp(R) - 1
+    along = 2 * (R - R.min()) / max(np.ptp(R), ROUNDING) - 1
     curve = np.polynomial.legendre.legvander(along, DEGREE) * np.abs(lever)[:, None]
     tilts = np.cross(p, n)[:, :2]
     columns = np.column_stack([tilts, n[:, :2], lever * p[:, 2], -lever, -curve])
-    if not flanks.size:
-        raise InputError("shows no equal teeth about an axis")
     areas = np.repeat(surface.areas[flanks], 3)
     weights = areas
     for _ in range(2):

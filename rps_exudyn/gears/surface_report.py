@@ -127,7 +127,7 @@ def _of_rack(gear: SteeringGear, mesh: RackPlacement) -> Iterator[Row]:
         _hand(mesh.tooth_angle),
         _hand(mesh.tooth_angle) - np.sign(pair.beta_r),
     )
-    yield "pitch", "mm", pair.rack_pitch, mesh.pitch, mesh.pitch - pair.rack_pitch
+    yield "pitch", "mm", pair.rack_pitch, mesh.pitch, (mesh.pitch - pair.rack_pitch) * mesh.teeth
     angles = {"tooth angle": (pair.beta_r, mesh.tooth_angle)}
     sides = ("pressure angle, drive side", "pressure angle, coast side")
     angles |= {name: (pair.alpha_n, each) for name, each in zip(sides, mesh.pressure_angles, strict=True)}
