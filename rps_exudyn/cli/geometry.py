@@ -41,11 +41,11 @@ def geometry(
         text.append(Grid(("quantity", "drawing", "surface", ""), [each.cells for each in surfaces]))
     read = [
         f"{part}.surface: {len(surface.areas)} triangles, {'closed' if surface.is_closed else 'open'}, "
-        f"read in {placement.unit}; the mass of the {'surface' if surface.is_closed else 'drawing'} holds."
+        f"read in {placement.unit}."
         for part, (surface, placement) in placed_surfaces(chosen).items()
     ]
     text += [Text(line) for line in (*read, *(f"warning: {warning}" for warning in warnings))]
-    data = {"surfaces": [asdict(each) for each in surfaces]} if surfaces else {}
+    data = {"surfaces": [asdict(each) | {"differs": each.differs} for each in surfaces]} if surfaces else {}
     present(
         Sheet(text=text, data=lambda: {**report.as_dict(), "warnings": warnings, **data}),
         [out] if out else [],

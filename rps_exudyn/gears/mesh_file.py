@@ -14,13 +14,12 @@ import subprocess
 import sys
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
 from rps_exudyn.base.child_process import child_environment
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.parameters.named_file import named_content
 
 MOST_TRIANGLES = 2_000_000
 MOST_MEMORY = 2**32  # of the reading process [bytes]
@@ -98,22 +97,6 @@ class Surface:
             )
         if self.is_closed and self.volume < 0:
             raise InputError("has inverted normals: they point into the material")
-
-
-@lru_cache(maxsize=4)
-def read_surface(text: str, part: str) -> Surface:
-    """Return the surface that `pinion.surface` or `rack.surface` names.
-
-    Raises:
-        InputError: the file is gone, was changed, or holds no usable surface.
-    """
-    path, content = named_content(text, f"{part}.surface")
-    try:
-        surface = surface_in(content, path.suffix, part)
-        surface.check_normals()
-    except ValueError as error:
-        raise InputError(f"{part}.surface: {path} {error}.") from None
-    return surface
 
 
 def surface_in(content: bytes, suffix: str, part: str = "") -> Surface:

@@ -40,7 +40,8 @@ LEAST_ARC = 0.05  # second over first moment of the normals of a bar, all around
 ROUND = 0.05  # of the radius, that half the triangles of a round bar are out of place at most
 OUTLIER = 5.0  # median deviations, beyond which a dent or a burr has no weight
 ROUNDING = 1e-7  # of single precision, in the surface's size
-FINEST = 1e-3  # extent of a family of planes at least, in the surface's size
+BINS = 4096  # of the places of a family's planes
+FINEST = 1e-3  # least gap between planes of a family, in the surface's size
 
 
 @dataclass(frozen=True, eq=False)
@@ -308,8 +309,10 @@ def place_rack(surface: Surface, reference_height: float) -> RackPlacement:
 
     in_flanks = np.zeros(len(part.areas), dtype=bool)
     in_flanks[np.concatenate([first.members, second.members])] = True
-    bar = _Bar.of(part, step / np.linalg.norm(step), ~in_flanks)
-    X = step / np.linalg.norm(step) if bar is None else bar.direction * np.sign(bar.direction @ step)
+    X = step / np.linalg.norm(step)
+    bar = _round_bar(part, X, ~in_flanks)
+    if bar is not None:
+        X = bar[0] * np.sign(bar[0] @ step)
     flanks = part.corners[in_flanks].reshape(-1, 3)
     p = part.corners.reshape(-1, 3) @ X
     if p.max() - (flanks @ X).max() < (flanks @ X).min() - p.min() - ROUNDING:
@@ -339,12 +342,11 @@ def place_rack(surface: Surface, reference_height: float) -> RackPlacement:
 
     name, unit = unit_of(size * normal_pitch / float(X @ u), "pitch")
     scale = unit * size
-    height = reference + reference_height / scale if bar is None else float(bar.centre @ Y)
-    across = (
-        float(np.average(part.corners[in_flanks].mean(axis=1) @ Z, weights=part.areas[in_flanks]))
-        if bar is None
-        else float(bar.centre @ Z)
-    )
+    if bar is None:
+        height = reference + reference_height / scale
+        across = float(np.average(part.corners[in_flanks].mean(axis=1) @ Z, weights=part.areas[in_flanks]))
+    else:
+        height, across = float(bar[1] @ Y), float(bar[1] @ Z)
     # origin: on the middle plane of tooth 0, which holds all points with this u
     origin = height * Y + across * Z
     origin = origin + (middle - origin @ u) / (X @ u) * X
@@ -360,8 +362,8 @@ def place_rack(surface: Surface, reference_height: float) -> RackPlacement:
         tooth_angle=float(np.arctan2(w @ X, w @ Z)),
         pressure_angles=(angles[0], angles[1]),
         addendum=scale * (reference - tips),
-        bar_diameter=None if bar is None else 2 * scale * bar.radius,
-        reference_height=reference_height if bar is None else scale * (height - reference),
+        bar_diameter=None if bar is None else 2 * scale * bar[2],
+        reference_height=scale * (height - reference),
     )
 
 
@@ -414,9 +416,8 @@ def _planes(part: Surface, middles: np.ndarray, members: np.ndarray, normal: np.
     span = float(np.ptp(d))
     if span < FINEST:
         return None
-    bins = 4096
-    histogram, _ = np.histogram(d, bins, weights=areas / areas.sum())
-    comb = np.abs(np.fft.rfft(histogram, 4 * bins))[: bins // 2]  # over gaps in the span, in quarters
+    histogram = np.histogram(d, BINS, weights=areas / areas.sum())[0]
+    comb = np.abs(np.fft.rfft(histogram, 4 * BINS))[: BINS // 2]  # over gaps in the span, in quarters
     peaks = np.flatnonzero((comb[1:-1] >= comb[:-2]) & (comb[1:-1] > comb[2:]) & (comb[1:-1] > CLEAR)) + 1
     if not peaks.size:
         return None
@@ -433,6 +434,8 @@ def _planes(part: Surface, middles: np.ndarray, members: np.ndarray, normal: np.
         normal = np.linalg.eigh((rest.T * weights) @ rest)[1][:, 0]
         normal = normal * np.sign(part.area_vectors[members].sum(axis=0) @ normal)
         offset, gap = (float(each) for each in lines @ normal)
+        if abs(gap) < FINEST:
+            return None
         errors = np.abs(rest @ normal)
         kept = _are_usual(errors, areas)
         weights = areas * kept
@@ -443,36 +446,27 @@ def _planes(part: Surface, middles: np.ndarray, members: np.ndarray, normal: np.
     return _Planes(normal, offset, gap, members[kept], float(areas[kept].sum()), error)
 
 
-@dataclass(frozen=True, eq=False)
-class _Bar:
-    """The round part of a rack."""
-
-    direction: np.ndarray
-    centre: np.ndarray  # a point of the axis
-    radius: float
-
-    @classmethod
-    def of(cls, part: Surface, direction: np.ndarray, others: np.ndarray) -> "_Bar | None":
-        """Return the bar from surfaces along about this direction; None if they are not round."""
-        along = others & (np.abs(part.normals @ direction) < ALONG)
-        for _ in range(4):
-            n, areas = part.normals[along], part.areas[along]
-            spread, axes = np.linalg.eigh((n.T * areas) @ n)
-            if not along.any() or spread[1] < LEAST_ARC * spread[2]:
-                return None
-            direction = axes[:, 0]
-            along[along] = _are_usual(np.abs(n @ direction), areas)
-        across, areas = axes[:, 1:], part.areas[along]
-        p, n = part.corners[along] @ across, part.normals[along] @ across
-        # p = centre + radius n on a cylinder; then |p|^2 = 2 p . centre + const of its corners
-        columns = np.concatenate([np.repeat(np.eye(2), len(n), axis=0), n.T.reshape(-1, 1)], axis=1)
-        kept = np.ones(len(n), dtype=bool)
-        for _ in range(4):
-            found = _least_squares(columns, p.mean(axis=1).T.ravel(), np.tile(areas * kept, 2))
-            errors = np.hypot(*(p.mean(axis=1) - found[:2] - found[2] * n).T)
-            kept = _are_usual(errors, areas)
-        if found[2] <= 0 or (areas * (errors < ROUND * found[2])).sum() < areas.sum() / 2:
+def _round_bar(
+    part: Surface, direction: np.ndarray, others: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, float] | None:
+    """Return direction, a point of the axis and radius of the bar, from surfaces along about this direction;
+    None if they are not round."""
+    along = others & (np.abs(part.normals @ direction) < ALONG)
+    for _ in range(4):
+        n, areas = part.normals[along], part.areas[along]
+        spread, axes = np.linalg.eigh((n.T * areas) @ n)
+        if not along.any() or spread[1] < LEAST_ARC * spread[2]:
             return None
-        p, weights = p[kept].reshape(-1, 2), np.repeat(areas[kept], 3)
-        x, y, rest = _least_squares(np.column_stack([2 * p, np.ones(len(p))]), (p**2).sum(axis=1), weights)
-        return cls(direction, across @ [x, y], float(np.sqrt(rest + x**2 + y**2)))
+        along[along] = _are_usual(np.abs(n @ axes[:, 0]), areas)
+    p, areas = part.corners[along] @ axes[:, 1:], part.areas[along]
+    kept = np.ones(len(p), dtype=bool)
+    columns = np.concatenate([2 * p, np.ones((*p.shape[:2], 1))], axis=2)
+    for _ in range(STEPS):  # |p|^2 = 2 p . centre + const on a circle
+        weights = np.repeat(areas * kept, 3)
+        *centre, rest = _least_squares(columns.reshape(-1, 3), (p**2).sum(axis=2).ravel(), weights)
+        radius = float(np.sqrt(max(rest + np.dot(centre, centre), 0.0)))
+        errors = np.abs(np.linalg.norm(p - centre, axis=2) - radius).max(axis=1)
+        kept = _are_usual(errors, areas)
+    if areas[errors < ROUND * radius].sum() < areas.sum() / 2:
+        return None
+    return axes[:, 0], axes[:, 1:] @ centre, radius
