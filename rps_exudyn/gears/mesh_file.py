@@ -158,16 +158,14 @@ def _triangles(content: bytes, kind: str, part: str) -> np.ndarray:
             raise InputError(f"has more than {MOST_TRIANGLES} triangles")
         if faces.size and not 0 <= faces.min() <= faces.max() < len(mesh.vertices):
             raise InputError("names vertices that it does not have")
-        blocks.append((np.asarray(mesh.vertices, dtype=float) @ matrix[:3, :3].T + matrix[:3, 3])[faces])
-    corners = np.concatenate([np.empty((0, 3, 3)), *blocks])
-    if not np.isfinite(corners).all():
+        blocks.append(trimesh.transform_points(np.asarray(mesh.vertices, dtype=float), matrix)[faces])
+    corners = blocks[0] if len(blocks) == 1 else np.concatenate([np.empty((0, 3, 3)), *blocks])
+    areas = Surface(corners).areas
+    if not np.isfinite(areas).all():
         raise InputError("has vertices that are no finite numbers")
-    size = np.ptp(corners, axis=(0, 1)).max(initial=0.0) if len(corners) else 0.0
-    corners /= size or 1.0  # so that no area over- or underflows
-    sound = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) > 0
-    if not sound.any():
+    if not areas.any():
         raise InputError("holds no triangles")
-    return corners[sound] * size
+    return corners if areas.all() else corners[areas > 0]
 
 
 def _main() -> int:

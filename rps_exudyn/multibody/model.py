@@ -37,7 +37,7 @@ from rps_exudyn.multibody.column import add_column, add_wheel_torque
 from rps_exudyn.multibody.general_contact import add_general_contacts
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear, check_gear, refuse_surfaces
+from rps_exudyn.parameters.gear import SteeringGear, check_gear
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.gear_model import COLUMNS
 from rps_exudyn.solvers.prescribed_motion import Drive, Steady
@@ -81,7 +81,6 @@ def build_model(
     import exudyn as exu
 
     check_gear(gear)
-    refuse_surfaces(gear)
     check_kind("fidelity", fidelity, Fidelity, "a Fidelity, such as Fidelity.preset('flank')")
     if drive is None:
         drive = Steady("pinion", gear.test.start_angle, gear.test.direction * gear.test.speed)

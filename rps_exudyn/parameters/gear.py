@@ -532,13 +532,14 @@ class SteeringGear(Table):
 
 
 def check_gear(gear: object) -> None:
-    """Check that an argument is a gear.
+    """Check that an argument is a gear that can be run.
 
     Raises:
-        InputError: it is something else.
+        InputError: it is something else, or has a surface.
     """
     example = 'a SteeringGear, for instance SteeringGear().replace({"yoke.preload": "400 N"})'
     check_kind("gear", gear, SteeringGear, example)
+    refuse_surfaces(gear)  # type: ignore[arg-type]
 
 
 def refuse_surfaces(gear: SteeringGear) -> None:
@@ -549,7 +550,7 @@ def refuse_surfaces(gear: SteeringGear) -> None:
     """
     if given := [f"{part}.surface" for part in ("pinion", "rack") if getattr(gear, part).surface]:
         raise InputError(
-            f"{' and '.join(given)} cannot be run, because no contact law takes surfaces; "
+            f"{' and '.join(given)} cannot be used, because no contact law takes surfaces; "
             "rps-exudyn geometry compares them with the drawing."
         )
 

@@ -179,9 +179,9 @@ def test_gear_with_a_surface_is_compared_and_not_run(tmp_path: Path, command: Co
     assert "read in mm" in answer.out
     gear = GEAR.replace({"pinion.surface": str(tmp_path / "pinion.stl")})
     for model in ("closed-form", "quasi-static", "full"):
-        with pytest.raises(rps.InputError, match=r"pinion\.surface cannot be run.*rps-exudyn geometry"):
+        with pytest.raises(rps.InputError, match=r"pinion\.surface cannot be used.*rps-exudyn geometry"):
             rps.run("free-pinion-torque", gear, fidelity=model)
-    with pytest.raises(rps.InputError, match=r"pinion\.surface cannot be run"):
+    with pytest.raises(rps.InputError, match=r"pinion\.surface cannot be used"):
         rps.build_model(gear, rps.Fidelity.preset("flank"))
     (tmp_path / "pinion.stl").write_bytes(stl(PINION / 1e3))
     gear = gear.replace({"pinion.surface": str(tmp_path / "pinion.stl")})
