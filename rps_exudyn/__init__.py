@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from rps_exudyn.scenes import add_scene
     from rps_exudyn.scenes.scene import Scene
     from rps_exudyn.simulate.batch import Batch, batch
+    from rps_exudyn.simulate.export import export
     from rps_exudyn.simulate.run import run
     from rps_exudyn.study.case_blocks import load
     from rps_exudyn.study.dataset import open_study, study_frame
@@ -46,6 +47,7 @@ __all__ = [
     "batch",
     "build_model",
     "compare_with_measured",
+    "export",
     "fit",
     "load",
     "open_study",
@@ -71,6 +73,7 @@ _HOME = {
     "Batch": "simulate.batch",
     "batch": "simulate.batch",
     "run": "simulate.run",
+    "export": "simulate.export",
     "open_study": "study.dataset",
     "study_frame": "study.dataset",
 }

@@ -47,6 +47,7 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "contract/test_kernel_code.py",
     "contract/test_newton_step.py",
     "geometry/test_geometry_picture.py",
+    "geometry/test_mesh_frames.py",
     "geometry/test_pinion_mesh.py",
     "geometry/test_rigid_mesh.py",
     "geometry/test_shaping.py",
@@ -86,6 +87,7 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "wrong_input/test_full_disk.py",
     "wrong_input/test_hostile_files.py::test_pipe_as_a_study_file_is_left_out",
     "wrong_input/test_measured_flanks.py::test_file_is_sought_beside_the_gear_and_kept_in_its_result",
+    "wrong_input/test_surfaces.py",
     "wrong_input/test_retired.py::test_result_of_a_retired_choice_is_read_and_not_run_again",
     "wrong_input/test_studies_read.py::test_sensitivity_without_salib_says_what_to_install",
 )

@@ -37,8 +37,11 @@ ERRORS: dict[str, Range] = {
     "pinion.tip_relief": Seldom(0.25, Even(0, 30e-6)),
     "pinion.tip_relief_length": Even(0.2e-3, 1.2e-3),
     "pinion.crowning": Seldom(0.25, Even(0, 15e-6)),
-    # a grid is measured on one gear: none fits the next one drawn
-    **dict.fromkeys(("pinion.deviation", "rack.deviation"), Choice({"none": 1})),
+    # a grid and a surface are those of one gear: none fits the next one drawn
+    **dict.fromkeys(
+        (f"{part}.{file}" for part in ("pinion", "rack") for file in ("deviation", "surface")),
+        Choice({"none": 1}),
+    ),
     "pinion.pitch_errors": Choice({"none": 6, "ISO 1328 class 7, seed 3": 1}),
     "rack.back_parallelism": Seldom(0.1, Even(-3e-4, 3e-4)),
     "rack.pitch_errors": Choice({"none": 6, "ISO 1328 class 7, seed 3": 1}),

@@ -33,7 +33,7 @@ def as_path(path: object) -> Path:
     return Path(path)  # type: ignore[arg-type]
 
 
-def content_of(path: str | Path) -> bytes:
+def content_of(path: str | Path, largest: int = LARGEST_FILE) -> bytes:
     """Return the bytes of a file that a user names: a regular one of bounded size, for others may never end.
 
     Raises:
@@ -46,8 +46,8 @@ def content_of(path: str | Path) -> bytes:
             found = os.fstat(descriptor)
             if not stat.S_ISREG(found.st_mode):
                 reason = "it is a device, a pipe or a socket"
-            elif found.st_size > LARGEST_FILE:
-                reason = f"it has {found.st_size:.2g} bytes (limit {LARGEST_FILE:.2g})"
+            elif found.st_size > largest:
+                reason = f"it has {found.st_size:.2g} bytes (limit {largest:.2g})"
             elif (content := file.read(found.st_size + 1)) is not None and len(content) <= found.st_size:
                 return content
             else:

@@ -1,5 +1,6 @@
-"""The command `geometry`: the geometry report, the solids, their drawing."""
+"""The command `geometry`: the geometry report, surfaces beside the drawing, the solids, their drawing."""
 
+from dataclasses import asdict
 from pathlib import Path
 
 from rps_exudyn.base.files import PICTURES, check_writable
@@ -10,30 +11,44 @@ from rps_exudyn.cli.output import DONE, present
 def geometry(
     *, gear: GearOptions = PAPER_GEAR, out: Path | None = None, force: Flag = False, json: Json = False
 ) -> int:
-    """Print the geometry report; write the solids or a drawing.
+    """Print the geometry report, and what surfaces show beside the drawing; write solids or a drawing.
 
     Args:
-        out: Solids (.glb, .stl) or drawing (.png, .svg, .pdf).
+        out: Drawing (.png, .svg, .pdf), or what `export` writes (.stl, .glb, .step).
         force: Build the gear even if it is undercut.
     """
-    from rps_exudyn.gears.export import FORMATS, export_solids
     from rps_exudyn.gears.geometry_report import geometry_report
+    from rps_exudyn.gears.surface_report import compared, contradictions, placed_surfaces
     from rps_exudyn.results.quantities import GEOMETRY
-    from rps_exudyn.results.sheet import Grid, Sheet, Text
+    from rps_exudyn.results.sheet import Block, Grid, Sheet, Text
+    from rps_exudyn.simulate.export import WRITERS, export
 
     chosen = gear.load()
     if out:
-        check_writable(out, (*FORMATS, *PICTURES))
-    report = geometry_report(chosen, force)
-    if out and out.suffix.lower() in FORMATS:
-        export_solids(chosen, out)
+        check_writable(out, (*WRITERS, *PICTURES))
+    report, surfaces = geometry_report(chosen, force), list(compared(chosen))
+    if out and out.suffix.lower() in WRITERS:
+        export(chosen, out)
     elif out:
         from rps_exudyn.pages.animation.geometry_figure import draw_geometry
 
         draw_geometry(chosen, out, force)
     rows = [(name, item.show(getattr(report, name)), item.long_name) for name, item in GEOMETRY.items()]
     rows += [(f"mass of {part}", f"{each.mass:.4g} kg", "") for part, each in report.mass_properties.items()]
-    warnings = [Text(f"warning: {warning}") for warning in report.warnings]
-    text = [Grid(("quantity", "value", "definition"), rows), *warnings]
-    present(Sheet(text=text, data=report.as_dict), [out] if out else [], json=json)
+    text: list[Block] = [Grid(("quantity", "value", "definition"), rows)]
+    warnings = [*report.warnings, *contradictions(chosen)]
+    if surfaces:
+        text.append(Grid(("quantity", "drawing", "surface", ""), [each.cells for each in surfaces]))
+    read = [
+        f"{part}.surface: {len(surface.areas)} triangles, {'closed' if surface.is_closed else 'open'}, "
+        f"read in {placement.unit}."
+        for part, (surface, placement) in placed_surfaces(chosen).items()
+    ]
+    text += [Text(line) for line in (*read, *(f"warning: {warning}" for warning in warnings))]
+    data = {"surfaces": [asdict(each) | {"differs": each.differs} for each in surfaces]} if surfaces else {}
+    present(
+        Sheet(text=text, data=lambda: {**report.as_dict(), "warnings": warnings, **data}),
+        [out] if out else [],
+        json=json,
+    )
     return DONE

@@ -10,6 +10,7 @@ from rps_exudyn.base.files import replacing
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.polyhedron import Solid
 from rps_exudyn.gears.solids import CHORD_ERROR, bush_segment_solid, gear_solids
+from rps_exudyn.gears.step_file import step_text
 from rps_exudyn.parameters.gear import SteeringGear
 
 
@@ -53,29 +54,35 @@ def assembled(gear: SteeringGear, angle: float = 0.0, chord_error: float = CHORD
     }
 
 
-# --- The assembled gear as STL or GLB, for other programs
-
-FORMATS = (".stl", ".glb")
+# --- The assembled gear, or a part of it, for other programs
 
 
-def export_solids(gear: SteeringGear, path: str | Path, chord_error: float = CHORD_ERROR) -> None:
-    """Write all parts at pinion angle 0, housing frame.
+def export_solids(
+    gear: SteeringGear, path: str | Path, part: str | None = None, chord_error: float = CHORD_ERROR
+) -> None:
+    """Write all parts at pinion angle 0, or one of them, in the housing frame.
 
     GLB keeps the parts apart by name and is in metres, as its standard asks; STL is one mesh in
-    millimetres, the unit its readers assume. Both formats hold single precision.
+    millimetres, the unit its readers assume; both hold single precision. STEP has plane faces and
+    millimetres.
 
     Raises:
-        InputError: another suffix, or the file cannot be written.
+        InputError: no such part, or the file cannot be written.
     """
-    kind = Path(path).suffix.lower()
-    if kind not in FORMATS:
-        raise InputError(f"{path} is no geometry file; its suffix must be {' or '.join(FORMATS)}.")
+    solids = assembled(gear, chord_error=chord_error)
+    if part is not None and part not in solids:
+        raise InputError(f"{part} is no part of the gear; these are {', '.join(solids)}.")
+    solids = {name: solid for name, solid in solids.items() if part in (None, name)}
     parts = {
-        name: trimesh.Trimesh(solid.vertices, solid.faces, process=False)
-        for name, solid in assembled(gear, chord_error=chord_error).items()
+        name: trimesh.Trimesh(solid.vertices, solid.faces, process=False) for name, solid in solids.items()
     }
     with replacing(path) as partial:
-        if kind == ".glb":
+        if partial.suffix.lower() == ".step":
+            text = step_text(
+                part or "gear", {name: (each.vertices, each.faces) for name, each in solids.items()}
+            )
+            partial.write_text(text, encoding="ascii")
+        elif partial.suffix.lower() == ".glb":
             partial.write_bytes(trimesh.Scene(parts).export(file_type="glb"))
         else:
             joined = trimesh.util.concatenate(list(parts.values()))

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import PlainSerializer, WrapValidator, model_validator
 
-from rps_exudyn.base.errors import check_kind
+from rps_exudyn.base.errors import InputError, check_kind
 from rps_exudyn.base.units import mm
 from rps_exudyn.parameters import derived
 from rps_exudyn.parameters.conditions import Conditions, Grease, Housing
@@ -129,6 +129,10 @@ class Pinion(Table):
     deviation: FilePath = parameter(
         "none", "file of deviations measured normal to the flanks, added to the designed form: a grid as CSV"
     )
+    surface: FilePath = parameter(
+        "none",
+        "file of the pinion's surface in place of its parameters: STL, PLY, OBJ, GLB, or STEP (extra step)",
+    )
     profile_slope: Length = parameter(
         0.0, "profile slope deviation f_Halpha: surplus at the tip", ge=-1e-4, le=1e-4
     )
@@ -163,6 +167,10 @@ class Rack(Table):
     )
     deviation: FilePath = parameter(
         "none", "file of deviations measured normal to the rack's flanks: a grid as CSV"
+    )
+    surface: FilePath = parameter(
+        "none",
+        "file of the rack's surface in place of its parameters: STL, PLY, OBJ, GLB, or STEP (extra step)",
     )
     back_parallelism: Angle = parameter(
         0.0,
@@ -524,13 +532,27 @@ class SteeringGear(Table):
 
 
 def check_gear(gear: object) -> None:
-    """Check that an argument is a gear.
+    """Check that an argument is a gear that can be run.
 
     Raises:
-        InputError: it is something else.
+        InputError: it is something else, or has a surface.
     """
     example = 'a SteeringGear, for instance SteeringGear().replace({"yoke.preload": "400 N"})'
     check_kind("gear", gear, SteeringGear, example)
+    refuse_surfaces(gear)  # type: ignore[arg-type]
+
+
+def refuse_surfaces(gear: SteeringGear) -> None:
+    """Refuse a gear with a surface where flanks are those of its parameters.
+
+    Raises:
+        InputError: it has one.
+    """
+    if given := [f"{part}.surface" for part in ("pinion", "rack") if getattr(gear, part).surface]:
+        raise InputError(
+            f"{' and '.join(given)} cannot be used, because no contact law takes surfaces; "
+            "rps-exudyn geometry compares them with the drawing."
+        )
 
 
 class Setup(SteeringGear):

@@ -20,6 +20,8 @@ from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of
 
+LARGEST_NAMED = 2**28
+"""Bytes of the largest file that a parameter names: five million triangles as STL."""
 _MARKED = re.compile(r"(?P<path>.*\S) sha256:(?P<mark>[0-9a-f]{16})")
 
 
@@ -42,7 +44,7 @@ class NamedFile:
         if path in ("", "none") or _MARKED.fullmatch(path):
             return "" if path == "none" else path
         try:
-            return f"{path} sha256:{_mark(content_of(path))}"
+            return f"{path} sha256:{_mark(content_of(path, LARGEST_NAMED))}"
         except InputError as error:
             raise ValueError(f"names a file that cannot be read: {error}".rstrip(".")) from None
 
@@ -60,7 +62,7 @@ def named_content(text: str, parameter: str) -> tuple[Path, bytes]:
     assert found is not None
     path = Path(found["path"])
     try:
-        content = content_of(path)
+        content = content_of(path, LARGEST_NAMED)
     except InputError as error:
         raise InputError(f"{parameter}: {error}") from None
     if _mark(content) != found["mark"]:

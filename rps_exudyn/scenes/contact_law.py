@@ -12,7 +12,7 @@ from collections.abc import Collection
 from typing import Literal, TypeVar
 
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import BY_SCENE, SteeringGear
+from rps_exudyn.parameters.gear import BY_SCENE, SteeringGear, refuse_surfaces
 
 Gear = TypeVar("Gear", bound=SteeringGear)
 ContactLaw = Literal["line", "teeth"]
@@ -43,7 +43,11 @@ def resolve_contact_law(
         fidelity: how it is modelled.
         needed: law that the task needs.
         varied: paths that vary from gear to gear of a task, which has one law.
+
+    Raises:
+        InputError: it has a surface, which no law takes.
     """
+    refuse_surfaces(gear)
     if gear.mesh.law != BY_SCENE:
         return gear
     deviates = any(path in varied or gear.value_at(path) for path in FLANK_DEVIATIONS)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import trimesh
 
-from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.export import assembled, export_solids
 from rps_exudyn.pages.animation.camera import UNCUT, Camera
 from rps_exudyn.pages.animation.drawn import Triangles
@@ -67,6 +66,18 @@ def test_stl_holds_the_volume_of_all_parts_in_millimetres(tmp_path: Path) -> Non
     assert trimesh.load(tmp_path / "gear.stl").volume == pytest.approx(1e9 * volume, rel=1e-5)
 
 
-def test_other_formats_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"suffix must be .stl or .glb"):
-        export_solids(GEAR, tmp_path / "gear.obj")
+def test_step_holds_the_volume_of_a_part_in_millimetres(tmp_path: Path) -> None:
+    """A closed shell of plane faces: the divergence theorem over its loops, read from the text."""
+    import re
+
+    export_solids(GEAR, tmp_path / "yokenut.step", part="yokenut")
+    text = (tmp_path / "yokenut.step").read_text(encoding="ascii")
+    points = {
+        number: np.array(at.split(","), dtype=float)
+        for number, at in re.findall(r"(#\d+)=CARTESIAN_POINT\('',\((.+?)\)\)", text)
+    }
+    loops = re.findall(r"POLY_LOOP\('',\((.+?)\)\)", text)
+    corners = np.array([[points[number] for number in loop.split(",")] for loop in loops])
+    volume = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
+    own = assembled(GEAR)["yokenut"].mass_properties.volume
+    assert volume == pytest.approx(1e9 * own, rel=1e-9)

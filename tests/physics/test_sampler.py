@@ -23,6 +23,8 @@ FIXED = {
     "swing_steps",  # 0: published plans of impacts are in the steps of their scene
     "pinion.deviation",  # a grid is measured on one gear
     "rack.deviation",
+    "pinion.surface",
+    "rack.surface",
 }
 
 

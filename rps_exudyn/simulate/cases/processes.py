@@ -23,6 +23,7 @@ from pathlib import Path
 from time import monotonic
 from typing import IO
 
+from rps_exudyn.base.child_process import child_environment
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.kernel_code import object_files
 from rps_exudyn.base.progress import Making, Progress, passed_on, publish
@@ -40,15 +41,6 @@ LARGEST_BATCH = 32
 COMPILING = "while force laws were compiled, which later runs do not repeat"
 HANDING_OVER = 5.0  # [s] for an interrupted run to hand over what it has recorded
 RUNNING = "in compiled code"  # where a process is that does not hear its alarm
-PINNED = (
-    "OMP_NUM_THREADS",
-    "OPENBLAS_NUM_THREADS",
-    "MKL_NUM_THREADS",
-    "BLIS_NUM_THREADS",
-    "VECLIB_MAXIMUM_THREADS",
-    "NUMEXPR_NUM_THREADS",
-    "NUMBA_NUM_THREADS",
-)
 
 
 class StartError(InputError):
@@ -195,7 +187,7 @@ class Processes:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=messages,
-                env=environment(),
+                env=child_environment(),
                 start_new_session=True,  # Ctrl-C is for whoever started it
             )
         finally:
@@ -305,13 +297,6 @@ class Processes:
                 f"{FAILED_STARTS} processes in a row ended before they had done anything ({how}){where}."
             )
         self._next_start = monotonic() + min(FIRST_PAUSE * 2**self._failed_starts, LONGEST_PAUSE)
-
-
-def environment() -> dict[str, str]:
-    """One thread per process, and the very package that started it."""
-    home = str(Path(__file__).parents[3])
-    paths = [home, *filter(None, [os.environ.get("PYTHONPATH")])]
-    return {**os.environ, **dict.fromkeys(PINNED, "1"), "PYTHONPATH": os.pathsep.join(paths)}
 
 
 def cpu_of(pid: int) -> float:

@@ -1,0 +1,190 @@
+"""Surfaces of gears from files of others: STL, PLY, OBJ, GLB by trimesh, STEP by cascadio (extra `step`).
+
+A file is read in a process of its own with bounded memory and time, because a reader may allocate what some
+bytes state, or never end. The surface comes back as triangles, in the numbers of the file; their unit is that
+in which the gear has the size of a steering gear (`unit_of`).
+
+Surfaces may be open. Their normals point out of the material: an edge that two triangles pass in the same
+sense states that one of them is inverted.
+"""
+
+import io
+import os
+import subprocess
+import sys
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from rps_exudyn.base.child_process import child_environment
+from rps_exudyn.base.errors import InputError
+
+MOST_TRIANGLES = 2_000_000
+MOST_MEMORY = 2**32  # of the reading process [bytes]
+MOST_TIME = 60  # of its CPU [s]
+READERS = ("stl", "ply", "obj", "glb", "step", "stp")
+STEP_CHORD = 1e-4  # of curved faces [mm]
+SIZES = (2e-3, 60e-3)  # of a tip radius, and of a rack's pitch [m]
+UNITS = {"mm": 1e-3, "m": 1.0}
+OWN_SENTENCE = 3  # exit status of the process whose error is one
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Triangles of one part.
+
+    Attributes:
+        corners: in the unit of the file, counter-clockwise seen from outside, shape (m, 3, 3).
+    """
+
+    corners: np.ndarray
+
+    @cached_property
+    def area_vectors(self) -> np.ndarray:
+        """Area times outward unit normal, shape (m, 3)."""
+        a, b, c = np.moveaxis(self.corners, 1, 0)
+        return np.cross(b - a, c - a) / 2
+
+    @cached_property
+    def areas(self) -> np.ndarray:
+        """Areas, shape (m,)."""
+        return np.linalg.norm(self.area_vectors, axis=1)
+
+    @cached_property
+    def normals(self) -> np.ndarray:
+        """Outward unit normals, shape (m, 3)."""
+        return self.area_vectors / self.areas[:, None]
+
+    @cached_property
+    def _edges(self) -> tuple[np.ndarray, np.ndarray]:
+        """Keys of all edges in their triangle's sense, and of the same edges in the other one, both sorted: a
+        hash of the end points' bits, by which six million are compared in a second."""
+        odd = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
+        bits = (self.corners + 0.0).view(np.uint64)
+        bits ^= bits >> np.uint64(29)
+        start = (bits * odd).sum(axis=2, dtype=np.uint64)
+        start ^= start >> np.uint64(31)
+        end = np.roll(start, -1, axis=1)
+        forward, backward = start * odd[0] + end * odd[1], end * odd[0] + start * odd[1]
+        return np.sort(forward, axis=None), np.sort(backward, axis=None)
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether each edge is passed in both senses."""
+        return np.array_equal(*self._edges)
+
+    @property
+    def volume(self) -> float:
+        """Volume that a closed surface encloses, below 0 with inverted normals."""
+        middle = self.corners.mean(axis=(0, 1))
+        return float(np.einsum("ij,ij->", self.corners[:, 0] - middle, self.area_vectors) / 3)
+
+    def check_normals(self) -> None:
+        """Refuse inverted triangles.
+
+        Raises:
+            InputError: some, or all of a closed surface, are inverted.
+        """
+        forward, backward = self._edges
+        keys, counts = np.unique(forward, return_counts=True)
+        twice = keys[counts == 2]
+        at = np.minimum(np.searchsorted(backward, twice), len(backward) - 1)
+        if mixed := np.count_nonzero(backward[at] != twice):
+            raise InputError(
+                f"has mixed normals: {mixed} edges are passed in the same sense by both their triangles"
+            )
+        if self.is_closed and self.volume < 0:
+            raise InputError("has inverted normals: they point into the material")
+
+
+def surface_in(content: bytes, suffix: str, part: str = "") -> Surface:
+    """Return the surface in the bytes of a file; of files with several named parts that of `part`.
+
+    Raises:
+        InputError: what is wrong with them, to follow the file's name.
+    """
+    kind = suffix.lower().removeprefix(".")
+    if kind not in READERS:
+        raise InputError(f"is no surface; its suffix must be one of .{', .'.join(READERS)}")
+    command = [sys.executable, "-P", "-m", "rps_exudyn.gears.mesh_file", kind, part]
+    done = subprocess.run(command, input=content, capture_output=True, check=False, env=child_environment())
+    if done.returncode == OWN_SENTENCE:
+        raise InputError(done.stderr.decode(errors="replace").strip().splitlines()[-1])
+    if done.returncode:
+        raise InputError(
+            f"is no {kind.upper()}, or takes more than {MOST_TIME} s or {MOST_MEMORY / 2**30:.0f} GB to read"
+        )
+    return Surface(np.frombuffer(done.stdout).reshape(-1, 3, 3))
+
+
+def unit_of(length: float, what: str) -> tuple[str, float]:
+    """Return name and size [m] of the unit in which a length is that of a steering gear.
+
+    Raises:
+        InputError: it is in none.
+    """
+    for name, size in UNITS.items():
+        if SIZES[0] <= length * size <= SIZES[1]:
+            return name, size
+    low, high = (f"{1e3 * each:g}" for each in SIZES)
+    raise InputError(
+        f"has a {what} of {length:.4g} in its own unit; in mm or m it must be from {low} to {high} mm"
+    )
+
+
+# --- The process that reads: kind and part as arguments, bytes in, array out
+
+
+def _triangles(content: bytes, kind: str, part: str) -> np.ndarray:
+    import trimesh
+
+    options: dict[str, float] = {}
+    if kind in ("step", "stp"):
+        if kind not in trimesh.available_formats():
+            raise InputError('needs the extra step: pip install "rps-exudyn[step]"')
+        options = {"tol_linear": STEP_CHORD}
+    scene = trimesh.load_scene(io.BytesIO(content), file_type=kind, process=False, **options)
+    places = [scene.graph[node] for node in scene.graph.nodes_geometry]
+    named = [place for place in places if place[1] == part] or places
+    blocks: list[np.ndarray] = []
+    count = 0
+    for matrix, name in named:
+        mesh = scene.geometry[name]
+        faces = np.asarray(getattr(mesh, "faces", np.empty((0, 3), dtype=int)))
+        count += len(faces)
+        if count > MOST_TRIANGLES:
+            raise InputError(f"has more than {MOST_TRIANGLES} triangles")
+        if faces.size and not 0 <= faces.min() <= faces.max() < len(mesh.vertices):
+            raise InputError("names vertices that it does not have")
+        blocks.append(trimesh.transform_points(np.asarray(mesh.vertices, dtype=float), matrix)[faces])
+    corners = blocks[0] if len(blocks) == 1 else np.concatenate([np.empty((0, 3, 3)), *blocks])
+    areas = Surface(corners).areas
+    if not np.isfinite(areas).all():
+        raise InputError("has vertices that are no finite numbers")
+    if not areas.any():
+        raise InputError("holds no triangles")
+    return corners if areas.all() else corners[areas > 0]
+
+
+def _main() -> int:
+    with suppress(ImportError):  # of Windows
+        import resource
+
+        for kind, most in (("AS", MOST_MEMORY), ("CPU", MOST_TIME), ("CORE", 0)):
+            resource.setrlimit(getattr(resource, f"RLIMIT_{kind}"), (most, most))
+    answer = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # libraries print there
+    try:
+        corners = _triangles(sys.stdin.buffer.read(), *sys.argv[1:])
+    except InputError as error:
+        print(error, file=sys.stderr)
+        return OWN_SENTENCE
+    with answer:
+        answer.write(corners.tobytes())
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(_main())
