@@ -65,7 +65,7 @@ def flanks(chord_error: float) -> Surface:
 def cut_rack(gear: SteeringGear, chord_error: float = 40e-6) -> list[np.ndarray]:
     """Faces of the rack as a Boolean cut leaves it."""
     solid = RackBar.of(gear).solid(chord_error).to_mesh64()
-    return convex_faces(np.array(solid.vert_properties[:, :3]), np.array(solid.tri_verts, dtype=np.int64))
+    return convex_faces(np.array(solid.vert_properties[:, :3])[np.array(solid.tri_verts, dtype=np.int64)])
 
 
 def faceted_run(

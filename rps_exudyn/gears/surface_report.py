@@ -12,7 +12,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.mesh_file import Surface, surface_in
 from rps_exudyn.gears.mesh_frames import PinionPlacement, Placement, RackPlacement, place_pinion, place_rack
 from rps_exudyn.gears.rack_bar import RackBar, pinion_reach
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import FLANK_DEVIATIONS, SteeringGear, surfaces_of
 from rps_exudyn.parameters.named_file import named_content
 
 ANGLE, LENGTH = np.deg2rad(0.02), 2e-6  # accuracy of frames and of what is measured in them [rad], [m]
@@ -132,6 +132,10 @@ def contradictions(gear: SteeringGear) -> Iterator[str]:
                 f"The hand of {each.part}.surface is {mesh} and that of the drawing {drawing}: the file is "
                 f"mirrored, or {angles[each.part]} has the wrong sign."
             )
+    for given in surfaces_of(gear):
+        part = given.partition(".")[0]
+        if own := [path for path in FLANK_DEVIATIONS if path.startswith(part) and gear.value_at(path)]:
+            yield f"{own[0]} is given, but {given} has a form of its own: leave out one of them."
     for _, rack in placed_surfaces(gear).values():
         if isinstance(rack, RackPlacement):
             travel = 2 * ((rack.teeth - 1) // 2 * rack.pitch - pinion_reach(GearPair.of(gear)))

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import PlainSerializer, WrapValidator, model_validator
 
-from rps_exudyn.base.errors import InputError, check_kind
+from rps_exudyn.base.errors import check_kind
 from rps_exudyn.base.units import mm
 from rps_exudyn.parameters import derived
 from rps_exudyn.parameters.conditions import Conditions, Grease, Housing
@@ -532,27 +532,32 @@ class SteeringGear(Table):
 
 
 def check_gear(gear: object) -> None:
-    """Check that an argument is a gear that can be run.
+    """Check that an argument is a gear.
 
     Raises:
-        InputError: it is something else, or has a surface.
+        InputError: it is something else.
     """
     example = 'a SteeringGear, for instance SteeringGear().replace({"yoke.preload": "400 N"})'
     check_kind("gear", gear, SteeringGear, example)
-    refuse_surfaces(gear)  # type: ignore[arg-type]
 
 
-def refuse_surfaces(gear: SteeringGear) -> None:
-    """Refuse a gear with a surface where flanks are those of its parameters.
+FLANK_DEVIATIONS = (
+    "pinion.tip_relief",
+    "pinion.crowning",
+    "pinion.profile_slope",
+    "pinion.lead_error",
+    "pinion.pitch_error",
+    "pinion.pitch_errors",
+    "rack.pitch_errors",
+    "pinion.deviation",
+    "rack.deviation",
+)
+"""Parameters of flanks other than the drawing's: they shift load along a flank or from tooth to tooth."""
 
-    Raises:
-        InputError: it has one.
-    """
-    if given := [f"{part}.surface" for part in ("pinion", "rack") if getattr(gear, part).surface]:
-        raise InputError(
-            f"{' and '.join(given)} cannot be used, because no contact law takes surfaces; "
-            "rps-exudyn geometry compares them with the drawing."
-        )
+
+def surfaces_of(gear: SteeringGear) -> list[str]:
+    """Return the parameters of a gear that name surfaces: pinion.surface, rack.surface."""
+    return [f"{part}.surface" for part in ("pinion", "rack") if getattr(gear, part).surface]
 
 
 class Setup(SteeringGear):

@@ -4,33 +4,39 @@
     teeth    loads, impacts and ripple: scenes that declare it (`Scene.law`), the scatter of a series
              (`LAW_OF_SERIES`), and every gear whose flanks have deviations
 
-A model without teeth that bend, of formulas or of spheres, has `line`. A result names the law that it was
-made with in the parameters of its gear.
+A model without teeth that bend, of formulas, spheres or triangles, has `line`. A result names the law that
+it was made with in the parameters of its gear.
 """
 
 from collections.abc import Collection
 from typing import Literal, TypeVar
 
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import BY_SCENE, SteeringGear, refuse_surfaces
+from rps_exudyn.parameters.gear import BY_SCENE, FLANK_DEVIATIONS, SteeringGear, surfaces_of
 
 Gear = TypeVar("Gear", bound=SteeringGear)
 ContactLaw = Literal["line", "teeth"]
 LAW_OF_SERIES: ContactLaw = "teeth"
 """Law of bands, requirement sheets and studies of uncertain inputs: by `line` the quantiles of the torque's
 variation over a series are a fifth too small."""
-FLANK_DEVIATIONS = (
-    "pinion.tip_relief",
-    "pinion.crowning",
-    "pinion.profile_slope",
-    "pinion.lead_error",
-    "pinion.pitch_error",
-    "pinion.pitch_errors",
-    "rack.pitch_errors",
-    "pinion.deviation",
-    "rack.deviation",
-)
-"""Parameters that shift load along a flank or from tooth to tooth, which takes the right stiffness."""
+
+
+def with_meshes(fidelity: Fidelity, gear: SteeringGear) -> Fidelity:
+    """Return the model of a gear: contact of triangles in place of lines where the gear has surfaces.
+
+    Raises:
+        InputError: a model that has no surfaces.
+    """
+    if not (given := surfaces_of(gear)):
+        return fidelity
+    if fidelity.solver == "closed-form" or fidelity.mesh == "general-contact":
+        part = ("solver", "mesh")[fidelity.solver != "closed-form"]
+        raise InputError(
+            f"{given[0]} is given, but fidelity.{part} is {getattr(fidelity, part)}, which has only flanks "
+            "by parameters: choose quasi-static or flank."
+        )
+    return fidelity.replace({"mesh": "triangles"})
 
 
 def resolve_contact_law(
@@ -43,13 +49,9 @@ def resolve_contact_law(
         fidelity: how it is modelled.
         needed: law that the task needs.
         varied: paths that vary from gear to gear of a task, which has one law.
-
-    Raises:
-        InputError: it has a surface, which no law takes.
     """
-    refuse_surfaces(gear)
     if gear.mesh.law != BY_SCENE:
         return gear
     deviates = any(path in varied or gear.value_at(path) for path in FLANK_DEVIATIONS)
-    teeth = fidelity.bends_teeth and (needed == "teeth" or deviates)
+    teeth = fidelity.bends_teeth and not surfaces_of(gear) and (needed == "teeth" or deviates)
     return gear.replace({"mesh.law": "teeth" if teeth else "line"})

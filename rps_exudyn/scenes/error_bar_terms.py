@@ -54,7 +54,7 @@ FORCES = {"N", "N*m", "J"}
 """Units of metrics that change as forces do."""
 MODEL_BIAS = {"closed-form": 0.02, "general-contact": 0.003, "triangles": 0.001}
 """Model -> share of forces by which it may differ from equilibria with lines of contact: means of gears by
-formulas differ by 1.7 % at most, those of spheres by 0.3 %, of triangles by 0.1 %. Formulas leave out whatever
+formulas differ by 1.7 % at most, those of spheres by 0.3 %, of triangles by 0.1 %. Formulas leave out what
 varies."""
 
 MISSED_TORQUE = 1e-3  # whose work is none: a gear without friction takes none [N m]

@@ -48,8 +48,8 @@ GAIN = ("pinion.normal_module", "rack.tooth_angle")  # from lock to lock each ge
 UNSUPPORTED = {
     "scene": "the gears of this scene are run singly",
     "fidelity": "many gears are computed together only by the fidelity quasi-static",
-    "parts": "a bow, a side force, the rack's weight, listed pitch errors, measured flanks or a sloping back "
-    "need single runs",
+    "parts": "a bow, a side force, the rack's weight, listed pitch errors, measured flanks, surfaces or a "
+    "sloping back need single runs",
     "friction": "bristles, or friction of the plunger in its bore or along the pinion, need single runs",
     "conditions": "temperature, wear or a grease needs single runs",
     "parameter": "gears that differ in {path} are run singly",
@@ -67,6 +67,7 @@ def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, value
     supported = fidelity.pinion == "supported"
     rack, pinion = gear.rack, gear.pinion
     listed = rack.pitch_errors or pinion.pitch_errors or rack.deviation or pinion.deviation
+    listed = listed or rack.surface or pinion.surface
     parts = rack.bow or rack.side_force or rack.back_parallelism or gear.installation.gravity or listed
     reasons = {
         "scene": scene_named(scene).test is None,

@@ -16,7 +16,7 @@ from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.rules import breaches_of_plan, refused
-from rps_exudyn.scenes.contact_law import resolve_contact_law
+from rps_exudyn.scenes.contact_law import resolve_contact_law, with_meshes
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.scenes.two_levels import Levels
@@ -38,7 +38,7 @@ class Plan:
             InputError: a gear that cannot exist.
         """
         self._wall, self._cpu = perf_counter(), process_time()
-        self.scene, self.fidelity = scene_named(scene), fidelity
+        self.scene, self.fidelity = scene_named(scene), with_meshes(fidelity, gear)
         self.gear = resolve_contact_law(gear, fidelity, self.scene.law)
         self._geometry, in_operation = geometry_report(self.gear).numbers, operating_gear(self.gear)
         self.tested, self._numbers = (

@@ -21,7 +21,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import pinion_inertia, pinion_on_supports, rack_masses
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS, check_friction_laws
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear, surfaces_of
 from rps_exudyn.parameters.retired import choice_instead
 from rps_exudyn.solvers.balance import SIZE, Balance
 from rps_exudyn.solvers.bent_rack import ALONG_BAR, ON_BAR, BentBar, bent_bar
@@ -161,6 +161,8 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
     zone = fidelity.zone_ratio * pair.least_sliding * gear.test.speed
     check_friction_laws({part: getattr(gear, part) for part in RUBBING_PARTS}, fidelity.mesh)
     law = MESH_LAWS.get(fidelity.mesh, gear.mesh.contact_law)
+    if law != "triangles" and (given := surfaces_of(gear)):
+        raise InputError(f"{given[0]} is given, but fidelity.mesh is {fidelity.mesh}; it must be triangles.")
     if law not in LAWS:
         instead = choice_instead("mesh.law", law)
         raise InputError(f"mesh.law is {law!r}, which only earlier versions have: {instead}.")

@@ -29,6 +29,7 @@ from rps_exudyn.tooth_contact.sampled_contact import begin_points, press_point, 
 
 OPPOSED = -0.9  # cosine of the normals, at most; true pairs oppose within 10 degrees
 MOST_CORNERS = 64  # of a clipped polygon: a cut adds one to those of the triangle
+MOST_EDGES = MOST_CORNERS - 4  # of a face
 BLOCK = 16  # triangles of the pinion that one sphere encloses
 LEAF = 4  # faces of the rack in a leaf of the tree
 TRIANGLE = 12  # numbers of a pinion's triangle: corners (9), normal (3)

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.tooth_contact.mesh_contact import BLOCK, LEAF, MOST_CORNERS, MeshData
+from rps_exudyn.tooth_contact.mesh_contact import BLOCK, LEAF, MOST_EDGES, MeshData
 
 BITS = 10  # of each coordinate along the curve
 
@@ -35,8 +35,8 @@ def mesh_data(corners: np.ndarray, polygons: Sequence[np.ndarray]) -> MeshData:
     faces, edges, boxes = [np.zeros((0, 6))], [np.zeros((0, 4))], [np.zeros((0, 6))]
     for each in polygons:
         count = each.shape[1]
-        if count > MOST_CORNERS - 4:
-            raise InputError(f"A face has {count} corners; contact of triangles takes {MOST_CORNERS - 4}.")
+        if count > MOST_EDGES:
+            raise InputError(f"A face has {count} corners; contact of triangles takes {MOST_EDGES}.")
         after, middle = np.roll(each, -1, axis=1), each.mean(axis=1)
         normal = np.cross(each - middle[:, None], after - middle[:, None]).sum(axis=1)
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)

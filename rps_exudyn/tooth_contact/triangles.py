@@ -10,6 +10,7 @@ are one face where their outline is convex: a flank that a Boolean cut has left 
 """
 
 from collections import defaultdict
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
@@ -19,14 +20,17 @@ from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.flank_grid import FlankGrid, measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
+from rps_exudyn.gears.mesh_file import Surface
+from rps_exudyn.gears.mesh_frames import Placement
 from rps_exudyn.gears.pinion_mesh import flank_patch
 from rps_exudyn.gears.pitch_errors import rack_errors
 from rps_exudyn.gears.rack_bar import RackBar, RackFlank
+from rps_exudyn.gears.surface_report import contradictions, placed_surfaces
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.tooth_contact.mean_depth import mean_depth
-from rps_exudyn.tooth_contact.mesh_contact import MeshData, pooled_meshes
+from rps_exudyn.tooth_contact.mesh_contact import MOST_EDGES, MeshData, pooled_meshes
 from rps_exudyn.tooth_contact.mesh_search import mesh_data
 from rps_exudyn.tooth_contact.spheres import SHALLOWEST, SIDES
 
@@ -77,9 +81,21 @@ def triangles_of(
 
 
 def own_meshes(gear: SteeringGear, chord_error: float) -> MeshData:
-    """Return the flanks of a gear's pinion and rack, chords within `chord_error` [m]."""
-    corners = own_corners(gear, chord_error) + GearPair.of(gear).eccentricity
-    return mesh_data(corners, own_polygons(gear, chord_error))
+    """Return the surfaces of a gear's parts; flanks by parameters have chords within `chord_error` [m].
+
+    Raises:
+        InputError: a file that is no surface of such a gear, or parameters that contradict it.
+    """
+    for sentence in contradictions(gear):
+        raise InputError(sentence)
+    given = placed_surfaces(gear)
+    if "pinion" in given:
+        surface, placement = given["pinion"]
+        corners = placement.place(surface.corners)
+    else:
+        corners = own_corners(gear, chord_error)
+    polygons = _faces_of(*given["rack"]) if "rack" in given else own_polygons(gear, chord_error)
+    return mesh_data(corners + GearPair.of(gear).eccentricity, polygons)
 
 
 def own_corners(gear: SteeringGear, chord_error: float) -> np.ndarray:
@@ -101,20 +117,22 @@ def own_polygons(gear: SteeringGear, chord_error: float) -> list[np.ndarray]:
     return made
 
 
-def convex_faces(vertices: np.ndarray, faces: np.ndarray) -> list[np.ndarray]:
-    """Return a mesh as convex polygons, (m, c, 3) each of m with c corners [m].
+@lru_cache(maxsize=4)  # as many as surfaces that are kept
+def _faces_of(surface: Surface, placement: Placement) -> list[np.ndarray]:
+    return convex_faces(placement.place(surface.corners))
 
-    Args:
-        vertices: corners (n, 3) [m].
-        faces: their numbers (m, 3), counter-clockwise seen from outside.
-    """
+
+def convex_faces(corners: np.ndarray) -> list[np.ndarray]:
+    """Return triangles (n, 3, 3) [m] as convex polygons, (m, c, 3) each of m with c corners."""
     import trimesh
 
-    mesh = trimesh.Trimesh(vertices, faces, process=False)
+    faces = np.arange(3 * len(corners)).reshape(-1, 3)
+    mesh = trimesh.Trimesh(corners.reshape(-1, 3), faces, process=False)
+    mesh.merge_vertices(digits_vertex=9)  # of one nanometre
     by_corners, left = defaultdict(list), np.ones(len(faces), dtype=bool)
     for facet in mesh.facets:
         loop = _convex_outline(mesh.faces[facet], mesh.vertices, mesh.face_normals[facet].mean(axis=0))
-        if loop is not None:
+        if loop is not None and len(loop) <= MOST_EDGES:
             by_corners[len(loop)].append(loop)
             left[facet] = False
     triangles = mesh.vertices[mesh.faces[left & (mesh.area_faces > 0)]]

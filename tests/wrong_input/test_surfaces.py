@@ -170,7 +170,7 @@ def test_parts_of_another_gear_are_named(tmp_path: Path) -> None:
     assert last.startswith("rack.surface has 31 teeth, for a travel of")
 
 
-def test_gear_with_a_surface_is_compared_and_not_run(tmp_path: Path, command: Command) -> None:
+def test_gear_with_a_surface_is_compared_and_has_only_triangles(tmp_path: Path, command: Command) -> None:
     (tmp_path / "pinion.stl").write_bytes(stl(PINION))
     setting = ["--set", f"pinion.surface={tmp_path / 'pinion.stl'}"]
     answer = command(["geometry", *setting])
@@ -178,11 +178,17 @@ def test_gear_with_a_surface_is_compared_and_not_run(tmp_path: Path, command: Co
     assert "pinion: lead" in answer.out
     assert "read in mm" in answer.out
     gear = GEAR.replace({"pinion.surface": str(tmp_path / "pinion.stl")})
-    for model in ("closed-form", "quasi-static", "full"):
-        with pytest.raises(rps.InputError, match=r"pinion\.surface cannot be used.*rps-exudyn geometry"):
+    for model, said in (("closed-form", "solver is closed-form"), ("full", "mesh is general-contact")):
+        with pytest.raises(rps.InputError, match=rf"pinion\.surface is given.*{said}"):
             rps.run("free-pinion-torque", gear, fidelity=model)
-    with pytest.raises(rps.InputError, match=r"pinion\.surface cannot be used"):
+    with pytest.raises(rps.InputError, match=r"pinion\.surface is given.*must be triangles"):
         rps.build_model(gear, rps.Fidelity.preset("flank"))
+    with pytest.raises(rps.InputError, match=r"pinion\.surface is given.*leave it out"):
+        rps.export(gear, tmp_path / "again.stl")
+    for path, said in (("mesh.law", "only line"), ("pinion.crowning", "a form of its own")):
+        other = gear.replace({path: "teeth" if path == "mesh.law" else 5e-6})
+        with pytest.raises(rps.InputError, match=said):
+            rps.run("free-pinion-torque", other, fidelity="quasi-static")
     (tmp_path / "pinion.stl").write_bytes(stl(PINION / 1e3))
     gear = gear.replace({"pinion.surface": str(tmp_path / "pinion.stl")})
     (tmp_path / "pinion.stl").write_bytes(stl(PINION))
