@@ -88,14 +88,16 @@ def own_meshes(gear: SteeringGear, chord_error: float) -> MeshData:
     """
     for sentence in contradictions(gear):
         raise InputError(sentence)
-    given = placed_surfaces(gear)
+    given, pair = placed_surfaces(gear), GearPair.of(gear)
     if "pinion" in given:
-        surface, placement = given["pinion"]
-        corners = placement.place(surface.corners)
+        corners = _turning(*given["pinion"], pair.bar_axis_height + RackBar.of(gear).tip_height, pair.module)
     else:
         corners = own_corners(gear, chord_error)
-    polygons = _faces_of(*given["rack"]) if "rack" in given else own_polygons(gear, chord_error)
-    return mesh_data(corners + GearPair.of(gear).eccentricity, polygons)
+    if "rack" in given:
+        polygons = _met(*given["rack"], pair.tip_radius - pair.bar_axis_height + DEEPEST * pair.module)
+    else:
+        polygons = own_polygons(gear, chord_error)
+    return mesh_data(corners + pair.eccentricity, polygons)
 
 
 def own_corners(gear: SteeringGear, chord_error: float) -> np.ndarray:
@@ -117,9 +119,36 @@ def own_polygons(gear: SteeringGear, chord_error: float) -> list[np.ndarray]:
     return made
 
 
+def shortened(corners: np.ndarray, longest: float) -> np.ndarray:
+    """Return triangles (n, 3, 3) [m], bisected until no edge is longer than a length [m].
+
+    Blocks of short triangles lie in small spheres, which few faces of the rack meet.
+    """
+    done = []
+    while len(corners):
+        edges = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+        is_long, first = edges.max(axis=1) > longest, edges.argmax(axis=1)
+        done.append(corners[~is_long])
+        rows = np.flatnonzero(is_long)
+        a, b, c = (corners[rows, (first[rows] + k) % 3] for k in range(3))
+        middle = (a + b) / 2
+        corners = np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
+    return np.concatenate(done)
+
+
 @lru_cache(maxsize=4)  # as many as surfaces that are kept
-def _faces_of(surface: Surface, placement: Placement) -> list[np.ndarray]:
-    return convex_faces(placement.place(surface.corners))
+def _turning(surface: Surface, placement: Placement, nearest: float, module: float) -> np.ndarray:
+    """Triangles of a pinion that can reach the tips of a rack, nearest to the axis [m]; short ones."""
+    corners = placement.place(surface.corners)
+    radii = np.linalg.norm(corners[..., :2], axis=2).max(axis=1)
+    return shortened(corners[radii > nearest - DEEPEST * module], module)
+
+
+@lru_cache(maxsize=4)
+def _met(surface: Surface, placement: Placement, deepest: float) -> list[np.ndarray]:
+    """Faces of a rack that the tips of a pinion can reach, which are deepest at y [m]."""
+    corners = placement.place(surface.corners)
+    return convex_faces(corners[corners[..., 1].min(axis=1) < deepest])
 
 
 def convex_faces(corners: np.ndarray) -> list[np.ndarray]:
@@ -129,13 +158,14 @@ def convex_faces(corners: np.ndarray) -> list[np.ndarray]:
     faces = np.arange(3 * len(corners)).reshape(-1, 3)
     mesh = trimesh.Trimesh(corners.reshape(-1, 3), faces, process=False)
     mesh.merge_vertices(digits_vertex=9)  # of one nanometre
+    faces, vertices, normals = (np.array(each) for each in (mesh.faces, mesh.vertices, mesh.face_normals))
     by_corners, left = defaultdict(list), np.ones(len(faces), dtype=bool)
     for facet in mesh.facets:
-        loop = _convex_outline(mesh.faces[facet], mesh.vertices, mesh.face_normals[facet].mean(axis=0))
+        loop = _convex_outline(faces[facet], vertices, normals[facet].mean(axis=0))
         if loop is not None and len(loop) <= MOST_EDGES:
             by_corners[len(loop)].append(loop)
             left[facet] = False
-    triangles = mesh.vertices[mesh.faces[left & (mesh.area_faces > 0)]]
+    triangles = vertices[faces[left & (mesh.area_faces > 0)]]
     return [np.array(each) for each in by_corners.values()] + [triangles]
 
 
