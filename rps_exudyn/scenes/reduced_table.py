@@ -19,8 +19,8 @@ from rps_exudyn.solvers.closed_form import bush_drag, mean_state
 from rps_exudyn.solvers.reduced_gear import ReducedGear, elements, speed_factors
 from rps_exudyn.solvers.sliding_stability import reduced_gear
 
-PER_PITCH, LOADS = 48, 8  # equilibria in a tooth pitch, and loads either way, at level 1
-TURN = 0.05  # pinion angle of the swing that shows how friction turns about [rad]
+PER_PITCH, LOADS = 48, 12  # equilibria in a tooth pitch, and loads either way, at level 1
+TURN = 0.2  # pinion angle of the swing that shows how friction turns about [rad]
 LOCK = 0.98  # of the angle up to which the rack has teeth: the motion before a record needs some
 SPEEDS = np.concatenate([[0.0], np.geomspace(1e-3, 100.0, 41)])  # of the pinion [rad/s]
 KEPT = 8  # tables of this process
@@ -77,7 +77,7 @@ def _reduced(
 ) -> ReducedGear:
     pair = GearPair.of(gear)
     gain, pitch = float(pair.gain), 2 * np.pi / gear.pinion.teeth
-    loads = np.linspace(-largest_load, largest_load, 2 * LOADS * 2**level // 2 + 1)
+    loads = np.linspace(-largest_load, largest_load, LOADS * 2**level + 1)
     period = next((each for each in (pitch, 2 * np.pi) if whole_periods(turned, each)), None)
     first, last = (-pitch, period - pitch) if period else (-LOCK * largest_angle(gear), LOCK * largest_angle(gear))
     count = int(np.ceil(PER_PITCH * 2**level / 2 * (last - first) / pitch / 2)) * 2

@@ -19,8 +19,6 @@ from functools import cached_property
 
 import numpy as np
 
-Row = tuple[float, float, float, float]
-
 
 class BeyondTable(Exception):
     """An angle or a load outside the table, with the range as text."""
@@ -95,6 +93,18 @@ class ReducedGear:
         sums = np.concatenate([[0.0], np.cumsum(step * (self.yielding[1:] + self.yielding[:-1]) / 2)])
         return np.column_stack([sums - np.interp(0.0, self.loads, sums), self.yielding])
 
+    @cached_property
+    def cells(self) -> np.ndarray:
+        """Coefficients of R + E in each cell by powers of the place in it along both axes, (n-1, m-1, 4, 4)."""
+        h, k = self.angles[1] - self.angles[0], self.loads[1] - self.loads[0]
+        nodes = self.ripple.copy()
+        nodes[..., 0] += self.energy[:, 0]
+        nodes[..., 2] += self.energy[:, 1]
+        nodes = (nodes * [1, h, k, h * k]).reshape(*nodes.shape[:2], 2, 2)  # by load, by angle
+        ends = np.stack([nodes[:-1], nodes[1:]], axis=-1)
+        both = np.stack([ends[:, :-1], ends[:, 1:]], axis=-1)  # (., ., load, angle, end, end of load)
+        return np.asarray(np.einsum("aij,bkl,nmkijl->nmab", HERMITE, HERMITE, both))
+
     @property
     def damping(self) -> float:
         """tau [s]: elements that stick damp half as much as it takes to damp the pinion on them critically."""
@@ -106,8 +116,8 @@ class Tables:
 
     def __init__(self, gear: ReducedGear) -> None:
         self.gear = gear
-        self.ripple, self.friction = gear.ripple.tolist(), gear.friction.tolist()
-        self.energy = gear.energy.tolist()
+        self.friction = gear.friction.tolist()
+        self.cell = np.swapaxes(gear.cells, 2, 3).tolist()  # for each power of the load those of the angle
         self.first, self.step = float(gear.angles[0]), float(gear.angles[1] - gear.angles[0])
         self.least, self.spacing = float(gear.loads[0]), float(gear.loads[1] - gear.loads[0])
         self.cells, self.rows = len(gear.angles) - 1, len(gear.loads) - 1
@@ -139,22 +149,16 @@ class Tables:
             BeyondTable: the table has no such angle or load.
         """
         i, x, j, y = self._place(angle, load)
-        at, after = hermite(x, self.step), hermite_slope(x, self.step)
-        left, right = self.ripple[i], self.ripple[i + 1]
-        ends = []
-        for k in (j, j + 1):
-            a, b = left[k], right[k]
-            ends.append((_sum(at, a[0], b[0], a[1], b[1]), _sum(at, a[2], b[2], a[3], b[3])))
-            ends.append((_sum(after, a[0], b[0], a[1], b[1]), _sum(after, a[2], b[2], a[3], b[3])))
-        up, rise = hermite(y, self.spacing), hermite_slope(y, self.spacing)
-        bend = hermite_bend(y, self.spacing)
-        (p, p_f), (q, q_f), (r, r_f), (s, s_f) = ends
-        e, f = self.energy[j], self.energy[j + 1]
+        one, slope = [], []
+        for a, b, c, d in self.cell[i][j]:
+            one.append(a + x * (b + x * (c + x * d)))
+            slope.append(b + x * (2 * c + 3 * x * d))
+        (a, b, c, d), (p, q, r, s) = one, slope
         return (
-            self.gain * angle * load + _sum(up, p, r, p_f, r_f) + _sum(up, e[0], f[0], e[1], f[1]),
-            self.gain * load + _sum(up, q, s, q_f, s_f),
-            self.gain * angle + _sum(rise, p, r, p_f, r_f) + _sum(rise, e[0], f[0], e[1], f[1]),
-            _sum(bend, p, r, p_f, r_f) + _sum(bend, e[0], f[0], e[1], f[1]),
+            self.gain * angle * load + a + y * (b + y * (c + y * d)),
+            self.gain * load + (p + y * (q + y * (r + y * s))) / self.step,
+            self.gain * angle + (b + y * (2 * c + 3 * y * d)) / self.spacing,
+            (2 * c + 6 * y * d) / self.spacing**2,
         )
 
     def limits(self, angle: float, load: float) -> tuple[float, float]:
@@ -172,23 +176,10 @@ class Tables:
         return up, down
 
 
-def hermite(x: float, h: float) -> Row:
-    """Return weights of the values at both ends of a cell of length h, and of the slopes there."""
-    return (1 + 2 * x) * (1 - x) ** 2, x * x * (3 - 2 * x), h * x * (1 - x) ** 2, h * x * x * (x - 1)
-
-
-def hermite_slope(x: float, h: float) -> Row:
-    """Return the derivatives of these weights."""
-    return 6 * x * (x - 1) / h, 6 * x * (1 - x) / h, (1 - x) * (1 - 3 * x), x * (3 * x - 2)
-
-
-def hermite_bend(x: float, h: float) -> Row:
-    """Return their second derivatives."""
-    return (12 * x - 6) / h**2, (6 - 12 * x) / h**2, (6 * x - 4) / h, (6 * x - 2) / h
-
-
-def _sum(weights: Row, a: float, b: float, a_slope: float, b_slope: float) -> float:
-    return weights[0] * a + weights[1] * b + weights[2] * a_slope + weights[3] * b_slope
+HERMITE = np.array(
+    [[[1, 0], [0, 0]], [[0, 0], [1, 0]], [[-3, 3], [-2, -1]], [[2, -2], [1, 1]]], dtype=float
+)
+"""Powers of the place in a cell, from values and slopes at its ends: (power, value or slope, end)."""
 
 
 def elements(slip: np.ndarray, turned: np.ndarray, friction: float) -> tuple[np.ndarray, np.ndarray]:
@@ -202,8 +193,10 @@ def elements(slip: np.ndarray, turned: np.ndarray, friction: float) -> tuple[np.
     from scipy.optimize import nnls
 
     yields = np.geomspace(*YIELDS)
-    reached = np.minimum(slip[:, None] / (2 * yields), 1.0)
-    weight = np.append(np.ones(len(slip)), WHOLE)  # the shares are the whole friction
+    # each element counts as much as the next one; what turns about at once is in the fastest one
+    places = np.geomspace(2 * YIELDS[0], min(4 * YIELDS[1], slip[-1]), 10 * len(yields))
+    turned, reached = np.interp(places, slip, turned), np.minimum(places[:, None] / (2 * yields), 1.0)
+    weight = np.append(np.ones(len(places)), WHOLE)  # the shares are the whole friction
     shares, _ = nnls(
         np.vstack([reached, np.ones(len(yields))]) * weight[:, None], np.append(turned, 1.0) * weight
     )
@@ -213,7 +206,7 @@ def elements(slip: np.ndarray, turned: np.ndarray, friction: float) -> tuple[np.
     return shares, shares * friction / yields[kept]
 
 
-YIELDS = (5e-5, 2e-2, 11)  # pinion angles over which elements are tried [rad]
+YIELDS = (2e-5, 2e-2, 13)  # pinion angles over which elements are tried [rad]
 MOST_ELEMENTS = 4
 LEAST_SHARE = 0.01  # of the friction, below which an element is none
 WHOLE = 100.0  # weight of the sum of all shares beside each measured one
