@@ -20,7 +20,7 @@ from rps_exudyn.base.interrupts import INTERRUPTED
 from rps_exudyn.cli.output import DONE, WRONG_INPUT, say
 
 COMMANDS = (
-    *("run", "study", "show", "diff", "rerun", "geometry", "describe", "collect", "report", "fit"),
+    *("run", "study", "show", "diff", "rerun", "geometry", "export", "describe", "collect", "report", "fit"),
     *("plan-tests", "judge-batch", "check", "validate", "animate", "view", "explore", "doctor", "init"),
     "schema",
 )

@@ -22,7 +22,7 @@ from rps_exudyn.solvers.reduced_motion import THETA, Push, RackEnd, ReducedMotio
 from rps_exudyn.solvers.steering_column import ColumnModel, WheelTorque
 
 SUBSTEPS = 4  # of a step of the maneuver: those of equilibria and of the dynamics are long for a column
-ROOM = 1.25  # times the load that the torque's peak would hold: the wheel overshoots
+ROOM = 1.5  # times the load that the torque's peak would hold: the wheel overshoots
 STARTS = 5  # times that the twist of the column at a start is found
 
 
