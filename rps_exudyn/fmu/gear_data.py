@@ -25,7 +25,7 @@ def header(gear: SteeringGear, reduced: ReducedGear, parameters: Iterable[float]
         "ANGLE_STEP": reduced.angles[1] - reduced.angles[0],
         "LEAST_LOAD": reduced.loads[0],
         "LOAD_STEP": reduced.loads[1] - reduced.loads[0],
-        "LEAST_COMPLIANCE": float(np.abs(np.diff(reduced.yielding)).min() / np.diff(reduced.loads)[0]) or 1e-12,
+        "LEAST_COMPLIANCE": max(float(-np.diff(reduced.error, axis=1).max() / np.diff(reduced.loads)[0]), 1e-10),
         "CONSTANT": reduced.constant,
         "SEAT_SHARE": reduced.seat_share,
         "TABLE_PRELOAD": tested.yoke.preload,
@@ -41,9 +41,9 @@ def header(gear: SteeringGear, reduced: ReducedGear, parameters: Iterable[float]
         "TEMPERATURES": len(operation),
     }
     arrays = {
-        "RIPPLE": reduced.ripple,
+        "FREE": reduced.free,
+        "UNDER_LOAD": reduced.loaded,
         "LIMIT": reduced.friction,
-        "ENERGY": reduced.energy,
         "SHARE": reduced.shares,
         "STIFFNESS": reduced.stiffness,
         "NODE_SPEED": reduced.speeds,

@@ -9,14 +9,15 @@
 #define SAME 1e-6         /* turn over which the mean of a slope is that in the middle [rad] */
 #define PRECISE 1e-10     /* of the torques, that a step's balance leaves */
 #define TRIALS 60
-#define LOAD_TRIALS 30
+#define LOAD_TRIALS 100
+#define SAME_TRAVEL 1e-10 /* of the rack, to which a load is found [m] */
 #define MOST_STEPS 1e9     /* within a communication step */
 #define ROUNDED 0.1       /* of an element's limit, over which it begins to slide in model exchange */
 
 enum { PHI, OMEGA, LOST, STRETCH };
 
 typedef struct { double energy, torque, travel, bend; } Potential;
-typedef struct { double load, energy, torque; } Held;
+typedef struct { double load, energy, torque, stiffness; } Held;
 typedef struct { double up[ELEMENTS], down[ELEMENTS]; } Limits;
 
 static double parameter(const Gear *g, int reference) { return g->parameter[reference - PRELOAD]; }
@@ -70,7 +71,7 @@ static void hermite(double x, double h, double value[4], double slope[4], double
 }
 
 /* W(phi, F) and its derivatives: torque dW/dphi, travel dW/dF, d2W/dF2. Under a preload p times that of the
-   table R is p R(phi, F/p), geometry, and E is p^2 E(F/p), elasticity. */
+   table the free gear's potential R is p R(phi), the integral D of what yields is p^2 D(phi, F/p). */
 static int potential(Gear *g, double angle, double load, Potential *w) {
     double p = g->press, x, y, at[4], after[4], none[4], up[4], rise[4], bend[4], sum[4] = {0, 0, 0, 0};
     double mounts = parameter(g, MOUNT_STIFFNESS), soft = mounts > 0 ? 1 / mounts : 0.0;
@@ -79,19 +80,21 @@ static int potential(Gear *g, double angle, double load, Potential *w) {
     hermite(x, ANGLE_STEP, at, after, none);
     hermite(y, LOAD_STEP, up, rise, bend);
     for (k = 0; k < 2; k++) {
-        const double *a = RIPPLE[i][j + k], *b = RIPPLE[i + 1][j + k], *e = ENERGY[j + k];
+        const double *a = UNDER_LOAD[i][j + k], *b = UNDER_LOAD[i + 1][j + k];
         double value = at[0] * a[0] + at[1] * b[0] + at[2] * a[1] + at[3] * b[1];
         double by_load = at[0] * a[2] + at[1] * b[2] + at[2] * a[3] + at[3] * b[3];
-        double slope = after[0] * a[0] + after[1] * b[0] + after[2] * a[1] + after[3] * b[1];
-        double slope_by_load = after[0] * a[2] + after[1] * b[2] + after[2] * a[3] + after[3] * b[3];
-        sum[0] += p * (up[k] * value + up[k + 2] * by_load) + p * p * (up[k] * e[0] + up[k + 2] * e[1]);
-        sum[1] += p * (up[k] * slope + up[k + 2] * slope_by_load);
-        sum[2] += rise[k] * value + rise[k + 2] * by_load + p * (rise[k] * e[0] + rise[k + 2] * e[1]);
-        sum[3] += (bend[k] * value + bend[k + 2] * by_load) / p + bend[k] * e[0] + bend[k + 2] * e[1];
+        sum[0] += up[k] * value + up[k + 2] * by_load;
+        sum[1] += up[k] * (after[0] * a[0] + after[1] * b[0] + after[2] * a[1] + after[3] * b[1])
+                  + up[k + 2] * (after[0] * a[2] + after[1] * b[2] + after[2] * a[3] + after[3] * b[3]);
+        sum[2] += rise[k] * value + rise[k + 2] * by_load;
+        sum[3] += bend[k] * value + bend[k + 2] * by_load;
     }
-    w->energy = GAIN * angle * load + sum[0] - soft * load * load / 2;
-    w->torque = GAIN * load + sum[1];
-    w->travel = GAIN * angle + sum[2] - soft * load;
+    const double *a = FREE[i], *b = FREE[i + 1];
+    w->energy = GAIN * angle * load + p * (at[0] * a[0] + at[1] * b[0] + at[2] * a[1] + at[3] * b[1])
+                + p * p * sum[0] - soft * load * load / 2;
+    w->torque = GAIN * load + p * (after[0] * a[0] + after[1] * b[0] + after[2] * a[1] + after[3] * b[1])
+                + p * p * sum[1];
+    w->travel = GAIN * angle + p * sum[2] - soft * load;
     w->bend = sum[3] - soft;
     return FINE;
 }
@@ -99,21 +102,32 @@ static int potential(Gear *g, double angle, double load, Potential *w) {
 /* the load, and the potential of gear and rack's end, where the rack is at `travel` or under the load */
 static int held(Gear *g, double angle, double travel, double load, Held *h) {
     Potential w;
+    double low = -gear_largest_load(g), high = -low;
     int k, status = potential(g, angle, load, &w);
     if (status) return status;
     h->load = load;
     h->energy = w.energy;
     h->torque = w.torque;
+    h->stiffness = 0;
     if (g->rack_input == LOADED) return FINE;
     for (k = 0; k < LOAD_TRIALS; k++) {
-        /* where the table's ripple would make it stiffen against the load, as without that ripple */
-        double change = (travel - w.travel) / fmin(w.bend, -LEAST_COMPLIANCE);
-        h->load += change;
-        if ((status = potential(g, angle, h->load, &w))) return status;
-        if (fabs(change) < 1e-9 * (1 + fabs(h->load))) break;
+        /* the travel falls with the load; the middle, where Newton's method leaves the bracket */
+        double next = h->load + (travel - w.travel) / fmin(w.bend, -LEAST_COMPLIANCE), last = h->load;
+        if (travel < w.travel) low = last;
+        else high = last;
+        if (!(low <= next && next <= high)) next = (low + high) / 2;
+        h->load = next;
+        if ((status = potential(g, angle, next, &w))) return status;
+        if (fabs(next - last) < 1e-12 * (1 + fabs(last))) break;
+    }
+    if (!(fabs(travel - w.travel) < SAME_TRAVEL)) { /* the load that it takes is none of the table's */
+        g->beyond[0] = h->load + (travel - w.travel) / fmin(w.bend, -LEAST_COMPLIANCE);
+        g->beyond[1] = angle;
+        return BEYOND_TABLE;
     }
     h->energy = w.energy - h->load * travel;
     h->torque = w.torque;
+    h->stiffness = GAIN * GAIN / fmax(-w.bend, LEAST_COMPLIANCE);
     return FINE;
 }
 
@@ -197,7 +211,7 @@ static double damping(void) {
 static int push(Gear *g, double torque, double resistance, double travel, double h, double *turned) {
     double *s = g->state, damped = damping() / h, mass = INERTIA / (THETA * h), drag = g->drag;
     double straight = mass / h + drag / h + resistance, low = -INFINITY, high = INFINITY, x = h * s[OMEGA];
-    double slope, change;
+    double slope, change, last = INFINITY;
     Held before, after;
     Limits l;
     int status = held(g, s[PHI], travel, g->rack_input == LOADED ? g->in[FORCE_IN] : g->load, &before);
@@ -218,8 +232,10 @@ static int push(Gear *g, double torque, double resistance, double travel, double
         if (fabs(left) <= PRECISE * (fabs(friction) + fabs(mean) + fabs(torque) + fabs(mass * s[OMEGA]))) break;
         if (left < 0) low = x;
         else high = x;
-        x -= left / (straight + slope);
-        if (!(low < x && x < high)) x = (low + high) / 2;
+        x -= left / (straight + slope + after.stiffness / 2);
+        /* the middle, where Newton's method leaves the bracket or does not halve what is left */
+        if (!(low < x && x < high) || (fabs(left) > last / 2 && isfinite(high - low))) x = (low + high) / 2;
+        last = fabs(left);
         if (high - low < 1e-15 * (1 + fabs(x))) break;
     }
     slide(g, x, damped, &l);

@@ -83,13 +83,14 @@ def _reduced(
     count = int(np.ceil(PER_PITCH * 2**level / 2 * (last - first) / pitch / 2)) * 2
     rows = [_both_ways(follow, turned, model, load, first, last, count) for load in loads.tolist()]
     up, down = (np.column_stack([row[way]["pinion_torque"] for row in rows]) for way in (0, 1))
-    errors = np.array([
-        np.mean([each["rack_displacement"] - gain * each["pinion_angle"] for each in row]) for row in rows
+    error = np.column_stack([
+        np.mean([each["rack_displacement"] - gain * each["pinion_angle"] for each in row], axis=0) for row in rows
     ])
     angles = np.linspace(first, last, count + 1)
     if period:  # both ends are the same place, of which the later one has settled
         up[0], down[0] = up[-1], down[0]
         down[-1] = down[0]
+        error[-1] = error[0] = (error[0] + error[-1]) / 2
     oscillator, mean = reduced_gear(gear), mean_state(turned, 1, 0.0)
     of_load = max(mean.mesh_loss + mean.plunger_loss, 1e-300)
     reduced = ReducedGear(
@@ -101,7 +102,7 @@ def _reduced(
         loads=loads,
         up=up,
         down=down,
-        yielding=errors - errors[len(loads) // 2],
+        error=error,
         shares=np.ones(1),
         stiffness=np.ones(1),
         speeds=SPEEDS if oscillator.surplus > 0 else SPEEDS[:1],

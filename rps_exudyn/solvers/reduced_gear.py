@@ -4,12 +4,13 @@ Equilibria give the torque T of the pinion at angles phi under loads F, turned u
 (`scenes.reduced_table`). What is conservative in it follows from one potential, so that the gear makes no
 energy; the rest is friction:
 
-    W(phi, F) = g phi F + R(phi, F) + E(F),        T_c = dW/dphi,        rack travel X = dW/dF
+    W(phi, F) = g phi F + R(phi) + int_0^F e(phi, F') dF',    T_c = dW/dphi,    rack travel X = dW/dF
     J phi'' = T - T_c - sum k_i (xi_i + tau xi_i') - c phi'
     - s_i H_down <= k_i xi_i <= s_i H_up,          H_up = T_up - T_c,     H_down = T_c - T_down
 
-R is the ripple, E the complementary energy of what yields under load; F pulls the rack towards -X. The k_i
-are elasto-plastic elements side by side (Iwan, J. Appl. Mech. 33, 1966; Dupont et al., IEEE Trans. Autom.
+R is the potential of the free gear's ripple, e the transmission error, the mean of both directions; F pulls
+the rack towards -X. What T_up and T_down have beside T_c is friction, so that both are those of the table. The
+k_i are elasto-plastic elements side by side (Iwan, J. Appl. Mech. 33, 1966; Dupont et al., IEEE Trans. Autom.
 Control 47, 2002), whose limits have the table's friction and fall with speed as that of the gear's parts.
 """
 
@@ -37,7 +38,7 @@ class ReducedGear:
         loads: (m,) even, with 0 among them [N].
         up: (n, m) torque on the pinion that turns towards +X [N m].
         down: the same of one that turns towards -X.
-        yielding: (m,) mean transmission error under each load, without that of no load [m].
+        error: (n, m) transmission error, the mean of both ways, which falls with the load [m].
         shares: (e,) of the friction that the elements carry.
         stiffness: (e,) of the elements [N m/rad].
         speeds: (s,) rising, from 0 [rad/s].
@@ -54,7 +55,7 @@ class ReducedGear:
     loads: np.ndarray
     up: np.ndarray
     down: np.ndarray
-    yielding: np.ndarray
+    error: np.ndarray
     shares: np.ndarray
     stiffness: np.ndarray
     speeds: np.ndarray = field(default_factory=lambda: np.zeros(1))
@@ -63,43 +64,46 @@ class ReducedGear:
     seat_share: float = 0.0
 
     @cached_property
-    def ripple(self) -> np.ndarray:
-        """R and its derivatives by angle, by load and by both at the table's nodes, (n, m, 4)."""
-        h, both = self.angles[1] - self.angles[0], (self.up + self.down) / 2
+    def free(self) -> np.ndarray:
+        """R and its slope at the angles, (n, 2) [J, N m]."""
+        h, middle = self.angles[1] - self.angles[0], len(self.loads) // 2
+        both = (self.up[:, middle] + self.down[:, middle]) / 2
         weight = np.full(len(self.angles), h)
         weight[[0, -1]] = h / 2
         slope = both - weight @ both / weight.sum()
+        whole = np.concatenate([[0.0], np.cumsum(h / 2 * (slope[1:] + slope[:-1]))])
+        return np.column_stack([whole, slope])
+
+    @cached_property
+    def loaded(self) -> np.ndarray:
+        """The integral of e and its derivatives by angle, by load and by both at the nodes, (n, m, 4)."""
+        h, k = self.angles[1] - self.angles[0], self.loads[1] - self.loads[0]
         if self.repeats:
-            bend = (np.roll(slope[:-1], -1, 0) - np.roll(slope[:-1], 1, 0)) / (2 * h)
-            bend = np.concatenate([bend, bend[:1]])
+            rolled = (np.roll(self.error[:-1], shift, 0) for shift in (-1, 1))
+            ahead, behind = rolled
+            slope = (ahead - behind) / (2 * h)
+            slope = np.concatenate([slope, slope[:1]])
         else:
-            bend = np.gradient(slope, h, axis=0)
-        steps = h / 2 * (slope[1:] + slope[:-1]) + h**2 / 12 * (bend[:-1] - bend[1:])
-        whole = np.concatenate([np.zeros((1, slope.shape[1])), np.cumsum(steps, axis=0)])
-        whole -= weight @ whole / weight.sum()
-        by_load = (np.gradient(each, self.loads, axis=1) for each in (whole, slope))
-        return np.stack([whole, slope, *by_load], axis=-1)
+            slope = np.gradient(self.error, h, axis=0)
+        integrals = []
+        for each in (self.error, slope):
+            sums = np.cumsum(k / 2 * (each[:, 1:] + each[:, :-1]), axis=1)
+            sums = np.concatenate([np.zeros((len(each), 1)), sums], axis=1)
+            integrals.append(sums - sums[:, len(self.loads) // 2, None])
+        return np.stack([*integrals, self.error, slope], axis=-1)
 
     @cached_property
     def friction(self) -> np.ndarray:
         """H_up and H_down at the nodes, (n, m, 2) [N m]."""
-        held = self.gain * self.loads + self.ripple[..., 1]
+        held = self.gain * self.loads + self.free[:, 1, None] + self.loaded[..., 1]
         return np.maximum(np.stack([self.up - held, held - self.down], axis=-1), 0.0)
 
     @cached_property
-    def energy(self) -> np.ndarray:
-        """E and its derivative at the loads, (m, 2) [J, m]."""
-        step = np.diff(self.loads)
-        sums = np.concatenate([[0.0], np.cumsum(step * (self.yielding[1:] + self.yielding[:-1]) / 2)])
-        return np.column_stack([sums - np.interp(0.0, self.loads, sums), self.yielding])
-
-    @cached_property
     def cells(self) -> np.ndarray:
-        """Coefficients of R + E in each cell by powers of the place in it along both axes, (n-1, m-1, 4, 4)."""
+        """Coefficients of R and the integral in each cell by powers of the place in it along both axes, (n-1, m-1, 4, 4)."""
         h, k = self.angles[1] - self.angles[0], self.loads[1] - self.loads[0]
-        nodes = self.ripple.copy()
-        nodes[..., 0] += self.energy[:, 0]
-        nodes[..., 2] += self.energy[:, 1]
+        nodes = self.loaded.copy()
+        nodes[..., :2] += self.free[:, None]
         nodes = (nodes * [1, h, k, h * k]).reshape(*nodes.shape[:2], 2, 2)  # by load, by angle
         ends = np.stack([nodes[:-1], nodes[1:]], axis=-1)
         both = np.stack([ends[:, :-1], ends[:, 1:]], axis=-1)  # (., ., load, angle, end, end of load)

@@ -195,17 +195,19 @@ class ReducedMotion:
 def root(left: Callable[[float], tuple[float, float, float]], guess: float) -> float:
     """Return where what is left of a balance is none; it rises but for the table's ripple.
 
-    Newton's method within the bracket found so far, whose middle follows where that leads out of it.
+    Newton's method within the bracket found so far; its middle, where that leads out of it or does not halve
+    what is left.
     """
-    low, high, x = -float("inf"), float("inf"), guess
+    low, high, x, last = -float("inf"), float("inf"), guess, float("inf")
     for _ in range(MOST_TRIALS):
         value, slope, size = left(x)
         if abs(value) <= PRECISE * size:
             break
         low, high = (x, high) if value < 0 else (low, x)
         x -= value / slope
-        if not low < x < high:
+        if not low < x < high or (abs(value) > last / 2 and high - low < float("inf")):
             x = (low + high) / 2
+        last = abs(value)
         if high - low < 1e-15 * (1 + abs(x)):
             break
     return x
