@@ -6,7 +6,6 @@
 #define R const fmi2ValueReference r[], size_t n
 #define ONE ((Instance *)instance)
 #define GEAR (&ONE->gear)
-
 static fmi2Status ended(C, int status) {
     const fmi2CallbackFunctions *callback = ONE->environment;
     if (!status) return fmi2OK;
@@ -14,29 +13,22 @@ static fmi2Status ended(C, int status) {
         callback->logger(callback->componentEnvironment, ONE->name, fmi2Error, "error", "%s", sentence_of(ONE, status));
     return fmi2Error;
 }
-
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
 const char *fmi2GetVersion(void) { return fmi2Version; }
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean logging) {
-    (void)resources; (void)visible; (void)logging;
     return type == fmi2CoSimulation ? new_instance(name, guid, (void *)callbacks, NULL) : NULL;
 }
 void fmi2FreeInstance(C) { free(instance); }
 fmi2Status fmi2Reset(C) { gear_reset(GEAR); return fmi2OK; }
-fmi2Status fmi2Terminate(C) { (void)instance; return fmi2OK; }
+fmi2Status fmi2Terminate(C) { return fmi2OK; }
 fmi2Status fmi2EnterInitializationMode(C) { ONE->starts = 1; return fmi2OK; }
 fmi2Status fmi2ExitInitializationMode(C) { return ended(instance, started(ONE)); }
 fmi2Status fmi2SetupExperiment(C, fmi2Boolean tolerant, fmi2Real tolerance, fmi2Real start, fmi2Boolean stops,
                                fmi2Real stop) {
-    (void)tolerant; (void)tolerance; (void)stops; (void)stop;
     return ended(instance, gear_set(GEAR, TIME, start));
 }
-fmi2Status fmi2SetDebugLogging(C, fmi2Boolean on, size_t n, const fmi2String categories[]) {
-    (void)instance; (void)on; (void)n; (void)categories;
-    return fmi2OK;
-}
-
+fmi2Status fmi2SetDebugLogging(C, fmi2Boolean on, size_t n, const fmi2String categories[]) { return fmi2OK; }
 fmi2Status fmi2GetReal(C, R, fmi2Real v[]) { return ended(instance, get_values(ONE, r, n, v)); }
 fmi2Status fmi2SetReal(C, R, const fmi2Real v[]) { return ended(instance, set_values(ONE, r, n, v)); }
 fmi2Status fmi2GetInteger(C, R, fmi2Integer v[]) { return ended(instance, get_choices(ONE, r, n, v)); }
@@ -55,15 +47,10 @@ NONE(fmi2GetIntegerStatus, const fmi2StatusKind k, fmi2Integer *v)
 NONE(fmi2GetBooleanStatus, const fmi2StatusKind k, fmi2Boolean *v)
 NONE(fmi2GetStringStatus, const fmi2StatusKind k, fmi2String *v)
 fmi2Status fmi2CancelStep(C) { return ended(instance, -1); }
-
 fmi2Status fmi2GetFMUstate(C, fmi2FMUstate *state) { return ended(instance, copied(state, GEAR, SAVED)); }
 fmi2Status fmi2SetFMUstate(C, fmi2FMUstate state) { memcpy(GEAR, state, SAVED); return fmi2OK; }
-fmi2Status fmi2FreeFMUstate(C, fmi2FMUstate *state) { (void)instance; free(*state); *state = NULL; return fmi2OK; }
-fmi2Status fmi2SerializedFMUstateSize(C, fmi2FMUstate state, size_t *size) {
-    (void)instance; (void)state;
-    *size = SAVED;
-    return fmi2OK;
-}
+fmi2Status fmi2FreeFMUstate(C, fmi2FMUstate *state) { free(*state); *state = NULL; return fmi2OK; }
+fmi2Status fmi2SerializedFMUstateSize(C, fmi2FMUstate state, size_t *size) { *size = SAVED; return fmi2OK; }
 fmi2Status fmi2SerializeFMUstate(C, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
     void *to = bytes;
     return ended(instance, copied(&to, state, size));
@@ -77,6 +64,5 @@ fmi2Status fmi2GetDirectionalDerivative(C, R, const fmi2ValueReference known[], 
 }
 fmi2Status fmi2DoStep(C, fmi2Real time, fmi2Real step, fmi2Boolean no_return) {
     int status = gear_set(GEAR, TIME, time);
-    (void)no_return;
     return ended(instance, status ? status : gear_step(GEAR, step));
 }

@@ -6,68 +6,51 @@
 #define R const fmi3ValueReference r[], size_t n
 #define ONE ((Instance *)instance)
 #define GEAR (&ONE->gear)
-
 static fmi3Status ended(I, int status) {
     if (!status) return fmi3OK;
     if (ONE->log) ((fmi3LogMessageCallback)ONE->log)(ONE->environment, fmi3Error, "error", sentence_of(ONE, status));
     return fmi3Error;
 }
-
 const char *fmi3GetVersion(void) { return fmi3Version; }
-
-fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
-                                          fmi3Boolean logging, fmi3InstanceEnvironment environment,
-                                          fmi3LogMessageCallback log) {
+#define NAMES fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible, fmi3Boolean logging
+#define CALLER fmi3InstanceEnvironment environment, fmi3LogMessageCallback log
+fmi3Instance fmi3InstantiateModelExchange(NAMES, CALLER) {
     fmi3Instance instance = new_instance(name, token, environment, (void (*)(void))log);
-    (void)resources; (void)visible; (void)logging;
+    if (instance) ONE->exchanges = 1;
     if (!instance && log) log(environment, fmi3Error, "error", "no memory, or the instantiation token of another model");
     return instance;
 }
-
-fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
-                                         fmi3Boolean logging, fmi3Boolean events, fmi3Boolean early,
-                                         const fmi3ValueReference between[], size_t n,
-                                         fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
-                                         fmi3IntermediateUpdateCallback update) {
-    (void)events; (void)early; (void)between; (void)n; (void)update;
-    return fmi3InstantiateModelExchange(name, token, resources, visible, logging, environment, log);
+fmi3Instance fmi3InstantiateCoSimulation(NAMES, fmi3Boolean events, fmi3Boolean early, const fmi3ValueReference r[],
+                                         size_t n, CALLER, fmi3IntermediateUpdateCallback update) {
+    fmi3Instance instance = fmi3InstantiateModelExchange(name, token, resources, visible, logging, environment, log);
+    if (instance) ONE->exchanges = 0;
+    return instance;
 }
-
-fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources,
-                                               fmi3Boolean visible, fmi3Boolean logging,
-                                               fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
-                                               fmi3ClockUpdateCallback update, fmi3LockPreemptionCallback lock,
-                                               fmi3UnlockPreemptionCallback unlock) {
-    (void)name; (void)token; (void)resources; (void)visible; (void)logging; (void)environment; (void)log;
-    (void)update; (void)lock; (void)unlock;
+fmi3Instance fmi3InstantiateScheduledExecution(NAMES, CALLER, fmi3ClockUpdateCallback update,
+                                               fmi3LockPreemptionCallback lock, fmi3UnlockPreemptionCallback unlock) {
     return NULL;
 }
-
 void fmi3FreeInstance(I) { free(instance); }
 fmi3Status fmi3Reset(I) { gear_reset(GEAR); return fmi3OK; }
 fmi3Status fmi3ExitInitializationMode(I) { return ended(instance, started(ONE)); }
 fmi3Status fmi3EnterInitializationMode(I, fmi3Boolean tolerant, fmi3Float64 tolerance, fmi3Float64 start,
                                        fmi3Boolean stops, fmi3Float64 stop) {
-    (void)tolerant; (void)tolerance; (void)stops; (void)stop;
     ONE->starts = 1;
     return ended(instance, gear_set(GEAR, TIME, start));
 }
-
 /* modes that change nothing */
-#define MODE(name) fmi3Status name(I) { (void)instance; return fmi3OK; }
+#define MODE(name) fmi3Status name(I) { return fmi3OK; }
 MODE(fmi3EnterEventMode) MODE(fmi3Terminate) MODE(fmi3EnterConfigurationMode) MODE(fmi3ExitConfigurationMode)
 MODE(fmi3EvaluateDiscreteStates) MODE(fmi3EnterContinuousTimeMode) MODE(fmi3EnterStepMode)
-
 /* --- values: of two types, and of those that no variable has --- */
 #define TYPE(name, type, get, set)                                                                           \
     fmi3Status fmi3Get##name(I, R, type v[], size_t m) { return ended(instance, m == n ? get : -1); }        \
     fmi3Status fmi3Set##name(I, R, const type v[], size_t m) { return ended(instance, m == n ? set : -1); }
-#define NO_TYPE(type) TYPE(type, fmi3##type, ((void)r, (void)v, n ? -1 : FINE), ((void)r, (void)v, n ? -1 : FINE))
+#define NO_TYPE(type) TYPE(type, fmi3##type, n ? -1 : FINE, n ? -1 : FINE)
 TYPE(Float64, fmi3Float64, get_values(ONE, r, n, v), set_values(ONE, r, n, v))
 TYPE(Int32, fmi3Int32, get_choices(ONE, r, n, v), set_choices(ONE, r, n, v))
 NO_TYPE(Float32) NO_TYPE(Int8) NO_TYPE(UInt8) NO_TYPE(Int16) NO_TYPE(UInt16) NO_TYPE(UInt32) NO_TYPE(Int64)
 NO_TYPE(UInt64) NO_TYPE(Boolean) NO_TYPE(String)
-
 /* functions of what the model does not have */
 #define NONE(name, ...) fmi3Status name(I, __VA_ARGS__) { return ended(instance, -1); }
 NONE(fmi3GetBinary, R, size_t s[], fmi3Binary v[], size_t m)
@@ -89,20 +72,12 @@ NONE(fmi3GetAdjointDerivative, R, const fmi3ValueReference k[], size_t m, const 
      fmi3Float64 v[], size_t b)
 NONE(fmi3GetOutputDerivatives, R, const fmi3Int32 o[], fmi3Float64 v[], size_t m)
 NONE(fmi3ActivateModelPartition, fmi3ValueReference r, fmi3Float64 t)
-fmi3Status fmi3SetDebugLogging(I, fmi3Boolean on, size_t n, const fmi3String categories[]) {
-    (void)instance; (void)on; (void)n; (void)categories;
-    return fmi3OK;
-}
-
+fmi3Status fmi3SetDebugLogging(I, fmi3Boolean on, size_t n, const fmi3String categories[]) { return fmi3OK; }
 /* --- state and derivatives --- */
 fmi3Status fmi3GetFMUState(I, fmi3FMUState *state) { return ended(instance, copied(state, GEAR, SAVED)); }
 fmi3Status fmi3SetFMUState(I, fmi3FMUState state) { memcpy(GEAR, state, SAVED); return fmi3OK; }
-fmi3Status fmi3FreeFMUState(I, fmi3FMUState *state) { (void)instance; free(*state); *state = NULL; return fmi3OK; }
-fmi3Status fmi3SerializedFMUStateSize(I, fmi3FMUState state, size_t *size) {
-    (void)instance; (void)state;
-    *size = SAVED;
-    return fmi3OK;
-}
+fmi3Status fmi3FreeFMUState(I, fmi3FMUState *state) { free(*state); *state = NULL; return fmi3OK; }
+fmi3Status fmi3SerializedFMUStateSize(I, fmi3FMUState state, size_t *size) { *size = SAVED; return fmi3OK; }
 fmi3Status fmi3SerializeFMUState(I, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
     void *to = bytes;
     return ended(instance, copied(&to, state, size));
@@ -114,16 +89,13 @@ fmi3Status fmi3GetDirectionalDerivative(I, R, const fmi3ValueReference known[], 
                                         size_t seeds, fmi3Float64 slope[], size_t slopes) {
     return ended(instance, seeds == m && slopes == n ? gear_slope(GEAR, r, n, known, m, seed, slope) : -1);
 }
-
 /* --- model exchange --- */
 fmi3Status fmi3UpdateDiscreteStates(I, fmi3Boolean *again, fmi3Boolean *terminate, fmi3Boolean *nominals,
                                     fmi3Boolean *states, fmi3Boolean *next, fmi3Float64 *time) {
-    (void)instance; (void)time;
     *again = *terminate = *nominals = *states = *next = fmi3False;
     return fmi3OK;
 }
 fmi3Status fmi3CompletedIntegratorStep(I, fmi3Boolean no_return, fmi3Boolean *event, fmi3Boolean *terminate) {
-    (void)instance; (void)no_return;
     *event = *terminate = fmi3False;
     return fmi3OK;
 }
@@ -139,19 +111,17 @@ fmi3Status fmi3GetContinuousStates(I, fmi3Float64 x[], size_t n) {
 fmi3Status fmi3GetContinuousStateDerivatives(I, fmi3Float64 d[], size_t n) {
     return ended(instance, n == STATES ? gear_derivatives(GEAR, d) : -1);
 }
-fmi3Status fmi3GetEventIndicators(I, fmi3Float64 z[], size_t n) { (void)z; return ended(instance, n ? -1 : FINE); }
+fmi3Status fmi3GetEventIndicators(I, fmi3Float64 z[], size_t n) { return ended(instance, n ? -1 : FINE); }
 fmi3Status fmi3GetNominalsOfContinuousStates(I, fmi3Float64 x[], size_t n) {
     for (size_t k = 0; k < n; k++) x[k] = gear_nominal(STATE + (unsigned)k);
     return ended(instance, n == STATES ? FINE : -1);
 }
-fmi3Status fmi3GetNumberOfEventIndicators(I, size_t *n) { (void)instance; *n = 0; return fmi3OK; }
-fmi3Status fmi3GetNumberOfContinuousStates(I, size_t *n) { (void)instance; *n = STATES; return fmi3OK; }
-
+fmi3Status fmi3GetNumberOfEventIndicators(I, size_t *n) { *n = 0; return fmi3OK; }
+fmi3Status fmi3GetNumberOfContinuousStates(I, size_t *n) { *n = STATES; return fmi3OK; }
 /* --- co-simulation --- */
 fmi3Status fmi3DoStep(I, fmi3Float64 time, fmi3Float64 step, fmi3Boolean no_return, fmi3Boolean *event,
                       fmi3Boolean *terminate, fmi3Boolean *early, fmi3Float64 *last) {
     int status = gear_set(GEAR, TIME, time);
-    (void)no_return;
     *event = *terminate = *early = fmi3False;
     if (!status) status = gear_step(GEAR, step);
     *last = GEAR->time;

@@ -26,6 +26,7 @@ def header(gear: SteeringGear, reduced: ReducedGear, parameters: Iterable[float]
         "LEAST_LOAD": reduced.loads[0],
         "LOAD_STEP": reduced.loads[1] - reduced.loads[0],
         "LEAST_COMPLIANCE": max(float(-np.diff(reduced.error, axis=1).max() / np.diff(reduced.loads)[0]), 1e-10),
+        "DAMPING": reduced.damping,
         "CONSTANT": reduced.constant,
         "SEAT_SHARE": reduced.seat_share,
         "TABLE_PRELOAD": tested.yoke.preload,

@@ -4,19 +4,16 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 #define SAVED sizeof(Gear)
 #define NO_MEMORY -2
 #define TEXT 300
-
 typedef struct {
     Gear gear;
-    int starts; /* whether it is being initialised, so that values read follow those set */
+    int starts, exchanges; /* being initialised, in model exchange: values read follow those set */
     void *environment;
     void (*log)(void);
     char name[TEXT], text[TEXT];
 } Instance;
-
 static void *new_instance(const char *name, const char *token, void *environment, void (*log)(void)) {
     Instance *one = token && !strcmp(token, TOKEN) ? calloc(1, sizeof *one) : NULL;
     if (!one) return NULL;
@@ -26,7 +23,6 @@ static void *new_instance(const char *name, const char *token, void *environment
     snprintf(one->name, TEXT, "%s", name ? name : "");
     return one;
 }
-
 static const char *sentence_of(Instance *one, int status) {
     double most = gear_largest_load(&one->gear), degree = 57.29577951308232;
     if (status == BEYOND_TABLE)
@@ -38,21 +34,19 @@ static const char *sentence_of(Instance *one, int status) {
                   : "the gear has no such variable, or not with this value");
     return one->text;
 }
-
 static int get_values(Instance *one, const unsigned r[], size_t n, double values[]) {
-    int status = one->starts ? gear_start(&one->gear) : FINE;
+    double d[STATES];
+    int status = one->starts ? gear_start(&one->gear) : one->exchanges ? gear_derivatives(&one->gear, d) : FINE;
     for (size_t k = 0; k < n && !status; k++)
         status = r[k] < PINION_INPUT ? gear_value(&one->gear, r[k], values + k) : -1;
     return status;
 }
-
 static int set_values(Instance *one, const unsigned r[], size_t n, const double values[]) {
     int status = FINE;
     for (size_t k = 0; k < n && !status; k++)
         status = r[k] < PINION_INPUT ? gear_set(&one->gear, r[k], values[k]) : -1;
     return status;
 }
-
 static int get_choices(Instance *one, const unsigned r[], size_t n, int values[]) {
     double value = 0;
     int status = FINE;
@@ -62,19 +56,13 @@ static int get_choices(Instance *one, const unsigned r[], size_t n, int values[]
     }
     return status;
 }
-
 static int set_choices(Instance *one, const unsigned r[], size_t n, const int values[]) {
     int status = FINE;
     for (size_t k = 0; k < n && !status; k++)
         status = r[k] < PINION_INPUT ? -1 : gear_set(&one->gear, r[k], values[k]);
     return status;
 }
-
-static int started(Instance *one) {
-    one->starts = 0;
-    return gear_start(&one->gear);
-}
-
+static int started(Instance *one) { one->starts = 0; return gear_start(&one->gear); }
 static int copied(void **to, const void *from, size_t size) {
     if (size != SAVED || (!*to && !(*to = malloc(SAVED)))) return NO_MEMORY;
     memcpy(*to, from, SAVED);

@@ -14,6 +14,8 @@
 #define MOST_STEPS 1e9     /* within a communication step */
 #define ROUNDED 0.1       /* of an element's limit, over which it begins to slide in model exchange */
 
+#define TRY(call) do { int status_ = (call); if (status_) return status_; } while (0)
+
 enum { PHI, OMEGA, LOST, STRETCH };
 
 typedef struct { double energy, torque, travel, bend; } Potential;
@@ -48,14 +50,12 @@ static int place(Gear *g, double angle, double load, double *x, double *y, int *
     if (REPEATS) *x -= CELLS * floor(*x / CELLS);
     *y = (load - LEAST_LOAD) / LOAD_STEP;
     if (!(*x > -1e-9 && *x < CELLS + 1e-9 && *y > -1e-9 && *y < ROWS + 1e-9)) {
-        g->beyond[0] = load;
-        g->beyond[1] = angle;
+        g->beyond[0] = load, g->beyond[1] = angle;
         return isfinite(angle) && isfinite(load) ? BEYOND_TABLE : NOT_FINITE;
     }
     *i = (int)fmin(fmax(*x, 0.0), CELLS - 1);
     *j = (int)fmin(fmax(*y, 0.0), ROWS - 1);
-    *x -= *i;
-    *y -= *j;
+    *x -= *i, *y -= *j;
     return FINE;
 }
 
@@ -75,8 +75,8 @@ static void hermite(double x, double h, double value[4], double slope[4], double
 static int potential(Gear *g, double angle, double load, Potential *w) {
     double p = g->press, x, y, at[4], after[4], none[4], up[4], rise[4], bend[4], sum[4] = {0, 0, 0, 0};
     double mounts = parameter(g, MOUNT_STIFFNESS), soft = mounts > 0 ? 1 / mounts : 0.0;
-    int i, j, k, status = place(g, angle, load / p, &x, &y, &i, &j);
-    if (status) return status;
+    int i, j, k;
+    TRY(place(g, angle, load / p, &x, &y, &i, &j));
     hermite(x, ANGLE_STEP, at, after, none);
     hermite(y, LOAD_STEP, up, rise, bend);
     for (k = 0; k < 2; k++) {
@@ -100,24 +100,20 @@ static int potential(Gear *g, double angle, double load, Potential *w) {
 }
 
 /* the load, and the potential of gear and rack's end, where the rack is at `travel` or under the load */
-static int held(Gear *g, double angle, double travel, double load, Held *h) {
+static int held(Gear *g, double angle, double travel, Held *h) {
     Potential w;
-    double low = -gear_largest_load(g), high = -low;
-    int k, status = potential(g, angle, load, &w);
-    if (status) return status;
-    h->load = load;
-    h->energy = w.energy;
-    h->torque = w.torque;
-    h->stiffness = 0;
+    double low = -gear_largest_load(g), high = -low, load = g->rack_input == LOADED ? g->in[FORCE_IN] : g->load;
+    int k;
+    TRY(potential(g, angle, load, &w));
+    *h = (Held){load, w.energy, w.torque, 0};
     if (g->rack_input == LOADED) return FINE;
     for (k = 0; k < LOAD_TRIALS; k++) {
         /* the travel falls with the load; the middle, where Newton's method leaves the bracket */
         double next = h->load + (travel - w.travel) / fmin(w.bend, -LEAST_COMPLIANCE), last = h->load;
-        if (travel < w.travel) low = last;
-        else high = last;
+        *(travel < w.travel ? &low : &high) = last;
         if (!(low <= next && next <= high)) next = (low + high) / 2;
         h->load = next;
-        if ((status = potential(g, angle, next, &w))) return status;
+        TRY(potential(g, angle, next, &w));
         if (fabs(next - last) < 1e-12 * (1 + fabs(last))) break;
     }
     if (!(fabs(travel - w.travel) < SAME_TRAVEL)) { /* the load that it takes is none of the table's */
@@ -125,9 +121,7 @@ static int held(Gear *g, double angle, double travel, double load, Held *h) {
         g->beyond[1] = angle;
         return BEYOND_TABLE;
     }
-    h->energy = w.energy - h->load * travel;
-    h->torque = w.torque;
-    h->stiffness = GAIN * GAIN / fmax(-w.bend, LEAST_COMPLIANCE);
+    *h = (Held){h->load, w.energy - h->load * travel, w.torque, GAIN * GAIN / fmax(-w.bend, LEAST_COMPLIANCE)};
     return FINE;
 }
 
@@ -143,8 +137,8 @@ static double speed_factor(double speed) {
 /* stretch at which each element slides, either way */
 static int limits(Gear *g, double angle, double speed, Limits *l) {
     double x, y, size[2], factor = speed_factor(fabs(speed));
-    int i, j, k, status = place(g, angle, g->load / g->press, &x, &y, &i, &j);
-    if (status) return status;
+    int i, j, k;
+    TRY(place(g, angle, g->load / g->press, &x, &y, &i, &j));
     for (k = 0; k < 2; k++) {
         double of_table = (1 - x) * ((1 - y) * LIMIT[i][j][k] + y * LIMIT[i][j + 1][k])
                           + x * ((1 - y) * LIMIT[i + 1][j][k] + y * LIMIT[i + 1][j + 1][k]);
@@ -201,37 +195,23 @@ static double elastic_torque(const Gear *g) {
     return torque;
 }
 
-static double damping(void) {
-    double stiff = 0;
-    for (int k = 0; k < ELEMENTS; k++) stiff += STIFFNESS[k];
-    return sqrt(INERTIA / stiff);
-}
-
 /* --- steps ---------------------------------------------------------------------------------------- */
 static int push(Gear *g, double torque, double resistance, double travel, double h, double *turned) {
-    double *s = g->state, damped = damping() / h, mass = INERTIA / (THETA * h), drag = g->drag;
+    double *s = g->state, damped = DAMPING / h, mass = INERTIA / (THETA * h), drag = g->drag;
     double straight = mass / h + drag / h + resistance, low = -INFINITY, high = INFINITY, x = h * s[OMEGA];
     double slope, change, last = INFINITY;
-    Held before, after;
-    Limits l;
-    int status = held(g, s[PHI], travel, g->rack_input == LOADED ? g->in[FORCE_IN] : g->load, &before);
-    if (status) return status;
+    Held before, after; Limits l;
+    TRY(held(g, s[PHI], travel, &before));
     g->load = before.load;
-    if ((status = limits(g, s[PHI] + x, s[OMEGA], &l))) return status;
+    TRY(limits(g, s[PHI] + x, s[OMEGA], &l));
     relax(g, &l);
     for (int trial = 0; trial < TRIALS; trial++) {
         double friction = resisting(g, x, damped, &l, &slope), mean, left;
-        if (fabs(x) < SAME) {
-            if ((status = held(g, s[PHI] + x / 2, travel, g->load, &after))) return status;
-            mean = after.torque;
-        } else {
-            if ((status = held(g, s[PHI] + x, travel, g->load, &after))) return status;
-            mean = (after.energy - before.energy) / x;
-        }
+        TRY(held(g, s[PHI] + (fabs(x) < SAME ? x / 2 : x), travel, &after));
+        mean = fabs(x) < SAME ? after.torque : (after.energy - before.energy) / x;
         left = straight * x - mass * s[OMEGA] + mean + friction - torque;
         if (fabs(left) <= PRECISE * (fabs(friction) + fabs(mean) + fabs(torque) + fabs(mass * s[OMEGA]))) break;
-        if (left < 0) low = x;
-        else high = x;
+        *(left < 0 ? &low : &high) = x;
         x -= left / (straight + slope + after.stiffness / 2);
         /* the middle, where Newton's method leaves the bracket or does not halve what is left */
         if (!(low < x && x < high) || (fabs(left) > last / 2 && isfinite(high - low))) x = (low + high) / 2;
@@ -241,22 +221,19 @@ static int push(Gear *g, double torque, double resistance, double travel, double
     slide(g, x, damped, &l);
     change = (x / h - s[OMEGA]) / THETA;
     s[LOST] += drag * x * x / h + (THETA - 0.5) * INERTIA * change * change;
-    s[PHI] += x;
+    s[PHI] += *turned = x;
     s[OMEGA] += change;
-    *turned = x;
-    if ((status = held(g, s[PHI], travel, g->load, &after))) return status;
+    TRY(held(g, s[PHI], travel, &after));
     g->load = after.load;
     return isfinite(x) ? FINE : NOT_FINITE;
 }
 
 static int follow(Gear *g, double angle, double speed, double travel, double h) {
     double *s = g->state, turn = angle - s[PHI];
-    Held after;
-    Limits l;
-    int status = held(g, angle, travel, g->rack_input == LOADED ? g->in[FORCE_IN] : g->load, &after);
-    if (status) return status;
+    Held after; Limits l;
+    TRY(held(g, angle, travel, &after));
     g->load = after.load;
-    if ((status = limits(g, angle, speed, &l))) return status;
+    TRY(limits(g, angle, speed, &l));
     relax(g, &l);
     slide(g, turn, 0.0, &l);
     s[LOST] += h > 0 ? g->drag * turn * turn / h : 0.0;
@@ -291,15 +268,13 @@ int gear_step(Gear *g, double duration) {
 }
 
 int gear_derivatives(Gear *g, double d[STATES]) {
-    double *s = g->state, damped = damping(), friction = 0, lost = 0, torque = g->in[TORQUE_IN], drag;
-    int turned = g->pinion_input == TURNED, status;
+    double *s = g->state, damped = DAMPING, friction = 0, lost = 0, torque = g->in[TORQUE_IN], drag = g->drag;
+    int turned = g->pinion_input == TURNED;
     double angle = turned ? g->in[ANGLE_IN] : s[PHI], speed = turned ? g->in[SPEED_IN] : s[OMEGA];
-    Held h;
-    Limits l;
-    if ((status = held(g, angle, g->in[TRAVEL_IN], g->rack_input == LOADED ? g->in[FORCE_IN] : g->load, &h)))
-        return status;
+    Held h; Limits l;
+    TRY(held(g, angle, g->in[TRAVEL_IN], &h));
     g->load = h.load;
-    if ((status = limits(g, angle, speed, &l))) return status;
+    TRY(limits(g, angle, speed, &l));
     for (int k = 0; k < MOST_ELEMENTS; k++) d[STRETCH + k] = 0;
     for (int k = 0; k < ELEMENTS; k++) {
         double x = s[STRETCH + k], room = speed > 0 ? l.up[k] - x : l.down[k] + x, share, creep;
@@ -310,7 +285,6 @@ int gear_derivatives(Gear *g, double d[STATES]) {
         friction += STIFFNESS[k] * (x + creep);
         lost += STIFFNESS[k] * (x * speed * (1 - share) + creep * speed);
     }
-    drag = g->drag;
     if (g->pinion_input == BEHIND_COLUMN)
         torque = parameter(g, COLUMN_STIFFNESS) * (g->in[ANGLE_IN] - angle)
                  + parameter(g, COLUMN_DAMPING) * (g->in[SPEED_IN] - speed);
@@ -330,13 +304,12 @@ void gear_reset(Gear *g) {
 
 int gear_start(Gear *g) {
     double d[STATES];
-    int status;
     Held h;
     g->wheel = g->in[ANGLE_IN];
     g->state[PHI] = g->pinion_input == PUSHED ? parameter(g, START_ANGLE) : g->in[ANGLE_IN];
     g->state[OMEGA] = g->pinion_input == PUSHED ? 0.0 : g->in[SPEED_IN];
     g->load = g->rack_input == LOADED ? g->in[FORCE_IN] : 0.0;
-    if ((status = held(g, g->state[PHI], g->in[TRAVEL_IN], g->load, &h))) return status;
+    TRY(held(g, g->state[PHI], g->in[TRAVEL_IN], &h));
     g->load = h.load;
     return gear_derivatives(g, d);
 }
@@ -356,10 +329,8 @@ int gear_value(Gear *g, unsigned r, double *value) {
         *value = d[r - DERIVATIVE];
     } else if (r == PINION_INPUT) *value = g->pinion_input;
     else if (r == RACK_INPUT) *value = g->rack_input;
-    else if (r == ANGLE) *value = angle;
-    else if (r == SPEED) *value = speed;
-    else if (r == TORQUE) *value = g->torque;
-    else if (r == FORCE) *value = load;
+    else if (r == ANGLE || r == SPEED) *value = r == ANGLE ? angle : speed;
+    else if (r == TORQUE || r == FORCE) *value = r == TORQUE ? g->torque : load;
     else if (r == RACK_SPEED) *value = g->rack_input == MOVED ? g->in[RACK_SPEED_IN] : GAIN * speed;
     else if (r == FRICTION) *value = elastic_torque(g);
     else if (r == TRAVEL || r == STORED) {

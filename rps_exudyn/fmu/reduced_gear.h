@@ -2,14 +2,11 @@
 #ifndef REDUCED_GEAR_H
 #define REDUCED_GEAR_H
 #include <stddef.h>
-
 #define MOST_ELEMENTS 4
 #define STATES (3 + MOST_ELEMENTS) /* angle, speed, stretch of the elements, lost work */
-
 enum { PUSHED, TURNED, BEHIND_COLUMN }; /* pinion_input */
 enum { LOADED, MOVED };                 /* rack_input */
 enum { FINE, BEYOND_TABLE, NOT_FINITE };
-
 /* Value references of the FMU; rps_exudyn/fmu/variables.py has the same */
 enum {
     TIME,
@@ -21,7 +18,6 @@ enum {
     MOUNT_STIFFNESS, LONGEST_STEP, START_ANGLE,
     PINION_INPUT = 50, RACK_INPUT
 };
-
 /* No pointers: a copy of the bytes is a copy of the gear. */
 typedef struct {
     double time, in[RACK_SPEED_IN + 1], parameter[START_ANGLE - PRELOAD + 1];
@@ -33,7 +29,6 @@ typedef struct {
     double press, rubbing, constant, drag; /* what temperature, preload and friction make of the table */
     double beyond[2]; /* load and angle outside the table, of the last call that was not fine */
 } Gear;
-
 void gear_reset(Gear *gear);
 int gear_start(Gear *gear);
 int gear_step(Gear *gear, double duration);
