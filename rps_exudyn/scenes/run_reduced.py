@@ -38,9 +38,8 @@ def by_reduced(
     steady = isinstance(drive, Steady) and not isinstance(drive, SetOff)
     if steady or drive.body == "rack" or maneuver.pulse is not None:
         raise InputError(
-            "fidelity.solver is reduced, which has a pinion or a wheel that is steered to and fro or sets off: "
-            "it runs reversal, steering-feel, steering-torque and stick-slip; choose equilibrium or "
-            "generalized-alpha."
+            "fidelity.solver is reduced, which has a pinion or a wheel steered to and fro or setting off; choose "
+            "equilibrium or generalized-alpha."
         )
     start, gain = process_time(), float(GearPair.of(gear).gain)
     largest = max(abs(maneuver.rack_load), gear.yoke.preload, 1.0)

@@ -62,6 +62,7 @@ class ReducedMotion:
         self.stretch = [0.0] * len(self.share)
         self.damping, self.inertia, self.drag = gear.damping, gear.inertia, gear.drag
         self.speeds, self.factors = gear.speeds.tolist(), gear.speed_factor.tolist()
+        self.load = self.conservative(angle)[2]
 
     # --- conservative part ------------------------------------------------------------------------
     def conservative(self, angle: float) -> Conservative:
