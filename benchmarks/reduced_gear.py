@@ -1,7 +1,8 @@
-"""The reduced gear beside the dynamics `flank`, on random gears: loop, dead bands, the wheel's angle; its speed.
+"""The reduced gear beside the dynamics `flank`, on random gears: loops, dead bands, wheel angle; its speed.
 
-Gears are drawn from the ranges of passenger cars (`verification.population`), half of them with errors. Each is steered to and fro at the pinion, and at the wheel
-by a torque against tyres. The FMU steps its pinion under a torque and a load that change all the time.
+Gears are drawn from the ranges of passenger cars (`verification.population`), half of them with errors. Each
+is steered to and fro at the pinion, and at the wheel by a torque against tyres. The FMU steps its pinion under
+a torque and a load that change all the time.
 """
 
 import ctypes
@@ -51,7 +52,7 @@ def run(folder: Path, gears: int = 20, seconds: float = 10.0) -> None:
 
 
 def speed(seconds: float) -> dict[str, float]:
-    """Return CPU times: of the default gear's table, and of the FMU's C code over those of the gear's time."""
+    """Return CPU times: of the default gear's table, and of the FMU's C code over the gear's time."""
     gear = SteeringGear()
     begun = process_time()
     reduced = reduced_of(gear.replace({"mesh.law": "line"}), LOAD)

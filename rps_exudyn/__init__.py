@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rps_exudyn.analysis.measured import compare_with_measured
     from rps_exudyn.base.errors import InputError
+    from rps_exudyn.fmu.export_fmu import export
     from rps_exudyn.inference.fitting.fit import fit
     from rps_exudyn.inference.fitting.fitted import Fit
     from rps_exudyn.inference.measured.reading import read_measured_torque
@@ -46,6 +47,7 @@ __all__ = [
     "batch",
     "build_model",
     "compare_with_measured",
+    "export",
     "fit",
     "load",
     "open_study",
@@ -63,6 +65,7 @@ _HOME = {
     "build_model": "multibody.model",
     "compare_with_measured": "analysis.measured",
     "read_measured_torque": "inference.measured.reading",
+    "export": "fmu.export_fmu",
     "Fit": "inference.fitting.fitted",
     "fit": "inference.fitting.fit",
     "SteeringGear": "parameters.gear",

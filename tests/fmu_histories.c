@@ -5,6 +5,7 @@
 #include <string.h>
 
 static unsigned long long seed;
+static int simpson_parts;
 
 static double uniform(double a, double b) { /* xorshift64* */
     seed ^= seed >> 12; seed ^= seed << 25; seed ^= seed >> 27;
@@ -18,7 +19,7 @@ static double value(Gear *g, unsigned r) {
 
 /* -int F dX of a load that changes while the pinion stands, by Simpson's rule over X(F) */
 static double work_of_change(const Gear *gear, double from, double to) {
-    enum { PARTS = 400 };
+    const int PARTS = simpson_parts;
     Gear g = *gear;
     double sum = 0, first = 0, last = 0;
     if (from == to) return 0;
@@ -36,11 +37,12 @@ static double work_of_change(const Gear *gear, double from, double to) {
 
 /* result: largest made, largest missing, smallest change of the lost work, histories that left the table,
    values that are not finite, steps */
-void histories(int count, int steps, unsigned long long first_seed, double *result) {
+void histories(int count, int steps, int parts, unsigned long long first_seed, double *result) {
+    simpson_parts = parts;
     for (int k = 0; k < 6; k++) result[k] = 0;
     for (int n = 0; n < count; n++) {
         Gear g, moved;
-        double h, work = 0, flow = 1e-9, angle = 0, rate = 0, before, most, start;
+        double h, work = 0, flow = 1e-9, angle = 0, rate = 0, most, start;
         int status = FINE;
         seed = first_seed + 7919ULL * (unsigned)n + 1;
         for (int k = 0; k < 8; k++) uniform(0, 1);
@@ -78,7 +80,6 @@ void histories(int count, int steps, unsigned long long first_seed, double *resu
             mean = g.pinion_input == PUSHED ? g.in[TORQUE_IN]
                  : g.parameter[COLUMN_STIFFNESS - PRELOAD] * (twist + x) / 2
                    + g.parameter[COLUMN_DAMPING - PRELOAD] * (x - twist) / h;
-            before = work;
             work += mean * turned + changed;
             flow += fabs(mean * turned) + fabs(changed);
             if (g.rack_input == LOADED) {
@@ -93,7 +94,6 @@ void histories(int count, int steps, unsigned long long first_seed, double *resu
             result[1] = fmax(result[1], fabs(stored + now - work) / flow);
             result[2] = fmin(result[2], now - lost);
             result[5]++;
-            (void)before;
         }
         if (status == BEYOND_TABLE) result[3]++;
         if (status == NOT_FINITE) result[4]++;

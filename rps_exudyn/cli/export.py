@@ -14,21 +14,17 @@ def export(
 
     Args:
         path: File to write.
-        load: FMU: largest load on the rack, either way, that the table has [N]; ten times the preload without it.
+        load: FMU: largest load on the rack, either way [N]; by default ten times the preload.
         fmi: FMU: version of FMI, 3 (co-simulation and model exchange) or 2 (co-simulation).
     """
-    from rps_exudyn.fmu.export_fmu import export_fmu
+    from rps_exudyn.fmu.export_fmu import SUFFIXES
     from rps_exudyn.results.sheet import Grid, Sheet, Text
 
-    check_writable(path, SUFFIXES)
-    done = export_fmu(gear.load(), path, load=load, fmi=fmi)
+    suffix = check_writable(path, tuple(SUFFIXES)).suffix.lower()
+    done = SUFFIXES[suffix](gear.load(), path, load=load, fmi=fmi)
     rows = [(name, f"{100 * error:+.2f} %") for name, error in done.errors.items()]
     binary = done.platform or "none, because no C compiler was found; importers compile the sources"
     text = [Grid(("metric", "error against flank"), rows), Text(f"binary inside: {binary}")]
     data = {"errors": done.errors, "platform": done.platform}
-    present(Sheet(text=text, data=data), [path], json=json)
+    present(Sheet(text=text, data=lambda: data), [path], json=json)
     return DONE
-
-
-SUFFIXES = (".fmu",)
-"""Suffixes of what is exported."""

@@ -7,12 +7,14 @@ import shutil
 import subprocess
 import sys
 import zipfile
+from collections.abc import Callable
 from dataclasses import dataclass
 from hashlib import sha256
 from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import check_writable, replacing
@@ -20,7 +22,7 @@ from rps_exudyn.fmu.gear_data import header
 from rps_exudyn.fmu.model_error import REFERENCE, model_error
 from rps_exudyn.fmu.variables import SOURCES, build_description, description, parameters_of, variables_of
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear, gear_file
+from rps_exudyn.parameters.gear import SteeringGear, check_gear, gear_file
 from rps_exudyn.scenes.contact_law import resolve_contact_law
 from rps_exudyn.scenes.reduced_table import TableLost, table_of
 from rps_exudyn.scenes.run_maneuver import by_equilibrium
@@ -90,19 +92,39 @@ def export_fmu(
     inside: dict[str, bytes | str] = {
         "modelDescription.xml": description(fmi, about, token, listed),
         "resources/gear.toml": gear_file(gear),
-        "resources/model_error.json": json.dumps({"reference": REFERENCE, "relative_error": errors}, indent=1),
+        "resources/model_error.json": json.dumps(
+            {"reference": REFERENCE, "relative_error": errors}, indent=1
+        ),
         **{f"sources/{name}": text for name, text in sources.items()},
     }
     if fmi == 3:
         inside["sources/buildDescription.xml"] = build_description()
     folder, library = platform_of(fmi)
-    binary = compiled(sources, [name for name in SOURCES[fmi]])
+    binary = compiled(sources, list(SOURCES[fmi]))
     if binary is not None:
         inside[f"binaries/{folder}/reduced_gear{library}"] = binary
     with replacing(path) as partial, zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, text in inside.items():
             archive.writestr(zipfile.ZipInfo(name, LATER), text, zipfile.ZIP_DEFLATED)
     return ExportedFmu(target, errors, folder if binary is not None else "")
+
+
+SUFFIXES: dict[str, Callable[..., ExportedFmu]] = {".fmu": export_fmu}
+"""Suffix of a file -> what writes it."""
+
+
+def export(gear: SteeringGear, path: str | Path, **options: Any) -> ExportedFmu:
+    """Write a gear as a file for other programs: by its suffix an FMU (`export_fmu`).
+
+    Raises:
+        InputError: another suffix, or what the writer refuses.
+
+    Examples:
+        >>> rps.export(rps.SteeringGear(), "gear.fmu").errors["hysteresis_area"] < 0.01
+        True
+    """
+    check_gear(gear)
+    return SUFFIXES[check_writable(path, tuple(SUFFIXES)).suffix.lower()](gear, path, **options)
 
 
 def reduced_of(gear: SteeringGear, load: float) -> ReducedGear:
@@ -151,7 +173,9 @@ def compiled(sources: dict[str, str], names: list[str]) -> bytes | None:
     Raises:
         InputError: the compiler refuses them.
     """
-    compiler = next((found for name in (os.environ.get("CC"), *COMPILERS) if name and (found := shutil.which(name))), None)
+    compiler = next(
+        (found for name in (os.environ.get("CC"), *COMPILERS) if name and (found := shutil.which(name))), None
+    )
     if compiler is None:
         return None
     with TemporaryDirectory() as folder:
@@ -159,7 +183,11 @@ def compiled(sources: dict[str, str], names: list[str]) -> bytes | None:
             Path(folder, name).write_text(text, "utf-8")
         library = Path(folder, "gear.lib")
         done = subprocess.run(
-            [compiler, *FLAGS, *names, "-o", str(library), "-lm"], cwd=folder, capture_output=True, text=True, check=False
+            [compiler, *FLAGS, *names, "-o", str(library), "-lm"],
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            check=False,
         )
         if done.returncode:
             raise InputError(f"{compiler} cannot compile the FMU: {done.stderr.strip().splitlines()[0]}.")

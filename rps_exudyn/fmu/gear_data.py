@@ -25,7 +25,9 @@ def header(gear: SteeringGear, reduced: ReducedGear, parameters: Iterable[float]
         "ANGLE_STEP": reduced.angles[1] - reduced.angles[0],
         "LEAST_LOAD": reduced.loads[0],
         "LOAD_STEP": reduced.loads[1] - reduced.loads[0],
-        "LEAST_COMPLIANCE": max(float(-np.diff(reduced.error, axis=1).max() / np.diff(reduced.loads)[0]), 1e-10),
+        "LEAST_COMPLIANCE": max(
+            float(-np.diff(reduced.error, axis=1).max() / np.diff(reduced.loads)[0]), 1e-10
+        ),
         "DAMPING": reduced.damping,
         "CONSTANT": reduced.constant,
         "SEAT_SHARE": reduced.seat_share,

@@ -1,4 +1,4 @@
-"""What the reduced gear differs by from the dynamics `flank`, in a swing and in a wheel that a torque steers."""
+"""What the reduced gear differs by from the dynamics `flank`, in a swing and at a wheel that a torque turns."""
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from rps_exudyn.solvers.closed_form import closed_form
 
 REFERENCE = "flank"
 PULLED = 6.0  # times the gear's own friction that the hand's torque has at its peak
+SLOWER = 5.0  # times than the wheel would swing on the tyres: models differ, not a resonance
 REACH, SWING = 0.25, 0.5236  # of the angle that the teeth allow; of a swing [rad]
 METRICS = {
     "reversal": ("hysteresis_area", "torque_jump"),
@@ -28,11 +29,13 @@ def compared_test(gear: SteeringGear) -> SteeringGear:
     free, gain = abs(closed_form(gear).free_torque), float(GearPair.of(gear).gain)
     turn = REACH * largest_angle(gear)
     torque = PULLED * max(free, 1e-3)
+    swings = np.sqrt(torque / turn / gear.column.wheel_inertia) / (2 * np.pi)
     return gear.replace(
         {
             "test.start_angle": 0.0,
             "test.amplitude": min(SWING, turn),
             "test.steer_torque": torque,
+            "test.steer_frequency": min(SteeringGear().test.steer_frequency, float(swings) / SLOWER),
             "test.steer_shape": "sine",
             "test.tyre_stiffness": torque / (turn * gain**2),
             "test.cycles": 1,

@@ -112,7 +112,7 @@ def variables_of(gear: SteeringGear, longest_step: float) -> list[Variable]:
     rates = {"rad": "rad/s", "rad/s": "rad/s2", "J": "W"}
     return [
         Variable("time", 0, "independent", "s", "time"),
-        *(Variable(name, 1 + i, "input", unit, text, start=0.0) for i, (name, unit, text) in enumerate(inputs)),
+        *(Variable(each[0], 1 + i, "input", *each[1:], start=0.0) for i, each in enumerate(inputs)),
         *(Variable(name, 10 + i, "output", unit, text) for i, (name, unit, text) in enumerate(outputs)),
         *(
             Variable(name, 20 + i, "local", unit, text, start=0.0)
@@ -155,7 +155,7 @@ def _units(root: xml.Element) -> None:
 
 
 def _of_fmi3(about: dict[str, str], token: str, variables: list[Variable]) -> xml.Element:
-    root = xml.Element("fmiModelDescription", fmiVersion="3.0", instantiationToken=token, **about)
+    root = xml.Element("fmiModelDescription", {"fmiVersion": "3.0", "instantiationToken": token} | about)
     state = {
         "modelIdentifier": "reduced_gear",
         "canGetAndSetFMUState": "true",
@@ -184,7 +184,7 @@ def _of_fmi3(about: dict[str, str], token: str, variables: list[Variable]) -> xm
 
 
 def _of_fmi2(about: dict[str, str], token: str, variables: list[Variable]) -> xml.Element:
-    root = xml.Element("fmiModelDescription", fmiVersion="2.0", guid=token, **about)
+    root = xml.Element("fmiModelDescription", {"fmiVersion": "2.0", "guid": token} | about)
     state = {
         "modelIdentifier": "reduced_gear",
         "canHandleVariableCommunicationStepSize": "true",

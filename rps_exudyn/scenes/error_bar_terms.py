@@ -4,7 +4,7 @@
     unsettled start  the share of the force that depends on where the motion began
     open cycle       the share of its range by which a slow motion ends a swing elsewhere than it began
     work             missing in the balance of work, or taken along where loaded material passes a tooth edge
-    model            formulas, spheres and the reduced gear: what they leave out, measured against models that have it
+    model            formulas, spheres, the reduced gear: what they leave out, measured against models that have it
 
 All are biases, so that they add up.
 """
@@ -54,8 +54,8 @@ FORCES = {"N", "N*m", "J"}
 """Units of metrics that change as forces do."""
 MODEL_BIAS = {"closed-form": 0.02, "general-contact": 0.003, "reduced": 0.015}
 """Model -> share of forces by which it may differ from equilibria with lines of contact: means of gears by
-formulas differ by 1.7 % at most, those of spheres by 0.3 %; loops and dead bands of the reduced gear by 1.4 % from
-those of the dynamics. Formulas leave out whatever varies."""
+formulas differ by 1.7 % at most, those of spheres by 0.3 %; loops and dead bands of the
+reduced gear by WORST % from those of the dynamics. Formulas leave out whatever varies."""
 
 MISSED_TORQUE = 1e-3  # whose work is none: a gear without friction takes none [N m]
 ROUNDING = 1e-9  # of the works of a gear that nothing moves [J]

@@ -79,13 +79,18 @@ def _reduced(
     gain, pitch = float(pair.gain), 2 * np.pi / gear.pinion.teeth
     loads = np.linspace(-largest_load, largest_load, LOADS * 2**level + 1)
     period = next((each for each in (pitch, 2 * np.pi) if whole_periods(turned, each)), None)
-    first, last = (-pitch, period - pitch) if period else (-LOCK * largest_angle(gear), LOCK * largest_angle(gear))
+    first, last = (
+        (-pitch, period - pitch) if period else (-LOCK * largest_angle(gear), LOCK * largest_angle(gear))
+    )
     count = int(np.ceil(PER_PITCH * 2**level / 2 * (last - first) / pitch / 2)) * 2
     rows = [_both_ways(follow, turned, model, load, first, last, count) for load in loads.tolist()]
     up, down = (np.column_stack([row[way]["pinion_torque"] for row in rows]) for way in (0, 1))
-    error = np.column_stack([
-        np.mean([each["rack_displacement"] - gain * each["pinion_angle"] for each in row], axis=0) for row in rows
-    ])
+    error = np.column_stack(
+        [
+            np.mean([each["rack_displacement"] - gain * each["pinion_angle"] for each in row], axis=0)
+            for row in rows
+        ]
+    )
     angles = np.linspace(first, last, count + 1)
     if period:  # both ends are the same place, of which the later one has settled
         up[0], down[0] = up[-1], down[0]
@@ -137,9 +142,7 @@ def _both_ways(
     return found[0], found[1]
 
 
-def _with_elements(
-    follow: Follow, reduced: ReducedGear, gear: SteeringGear, model: Fidelity
-) -> ReducedGear:
+def _with_elements(follow: Follow, reduced: ReducedGear, gear: SteeringGear, model: Fidelity) -> ReducedGear:
     """Return the reduced gear whose elements turn about as equilibria without load do.
 
     Raises:

@@ -1,11 +1,9 @@
 """Make a maneuver with the reduced gear: a pinion that turns as prescribed, or behind the steering column."""
 
-from dataclasses import dataclass
 from time import process_time
 
 import numpy as np
 
-from rps_exudyn.analysis.work_balance import integral_from_start
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import reached
 from rps_exudyn.gears.gear_pair import GearPair
@@ -38,8 +36,8 @@ def by_reduced(
     steady = isinstance(drive, Steady) and not isinstance(drive, SetOff)
     if steady or drive.body == "rack" or maneuver.pulse is not None:
         raise InputError(
-            "fidelity.solver is reduced, which has a pinion or a wheel steered to and fro or setting off; choose "
-            "equilibrium or generalized-alpha."
+            "fidelity.solver is reduced, which has a pinion or a wheel steered to and fro or setting off; "
+            "choose equilibrium or generalized-alpha."
         )
     start, gain = process_time(), float(GearPair.of(gear).gain)
     largest = max(abs(maneuver.rack_load), gear.yoke.preload, 1.0)

@@ -9,9 +9,9 @@ energy; the rest is friction:
     - s_i H_down <= k_i xi_i <= s_i H_up,          H_up = T_up - T_c,     H_down = T_c - T_down
 
 R is the potential of the free gear's ripple, e the transmission error, the mean of both directions; F pulls
-the rack towards -X. What T_up and T_down have beside T_c is friction, so that both are those of the table. The
-k_i are elasto-plastic elements side by side (Iwan, J. Appl. Mech. 33, 1966; Dupont et al., IEEE Trans. Autom.
-Control 47, 2002), whose limits have the table's friction and fall with speed as that of the gear's parts.
+the rack towards -X. What T_up and T_down have beside T_c is friction, so that both are those of the table.
+The k_i are elasto-plastic elements side by side (Iwan, J. Appl. Mech. 33, 1966; Dupont et al., IEEE Trans.
+Autom. Control 47, 2002). Their limits have the table's friction, and fall with speed as the gear's parts do.
 """
 
 from collections.abc import Sequence
@@ -100,7 +100,7 @@ class ReducedGear:
 
     @cached_property
     def cells(self) -> np.ndarray:
-        """Coefficients of R and the integral in each cell by powers of the place in it along both axes, (n-1, m-1, 4, 4)."""
+        """Coefficients of R and the integral in each cell, by powers of the place in it, (n-1, m-1, 4, 4)."""
         h, k = self.angles[1] - self.angles[0], self.loads[1] - self.loads[0]
         nodes = self.loaded.copy()
         nodes[..., :2] += self.free[:, None]
@@ -111,7 +111,7 @@ class ReducedGear:
 
     @property
     def damping(self) -> float:
-        """tau [s]: elements that stick damp half as much as it takes to damp the pinion on them critically."""
+        """tau [s]: elements that stick damp the pinion on them half as much as critically."""
         return float(np.sqrt(self.inertia / self.stiffness.sum()))
 
 
@@ -140,8 +140,8 @@ class Tables:
         if not (-1e-9 <= x <= self.cells + 1e-9 and -1e-9 <= y <= self.rows + 1e-9):
             ends = self.least, self.least + self.rows * self.spacing
             raise BeyondTable(
-                f"a load of {load:.4g} N on the rack at {np.degrees(angle):.4g} deg lies beyond the table, which "
-                f"has {ends[0]:.4g} to {ends[1]:.4g} N"
+                f"a load of {load:.4g} N on the rack at {np.degrees(angle):.4g} deg lies beyond the table, "
+                f"which has {ends[0]:.4g} to {ends[1]:.4g} N"
             )
         i, j = min(max(int(x), 0), self.cells - 1), min(max(int(y), 0), self.rows - 1)
         return i, x - i, j, y - j
@@ -180,9 +180,7 @@ class Tables:
         return up, down
 
 
-HERMITE = np.array(
-    [[[1, 0], [0, 0]], [[0, 0], [1, 0]], [[-3, 3], [-2, -1]], [[2, -2], [1, 1]]], dtype=float
-)
+HERMITE = np.array([[[1, 0], [0, 0]], [[0, 0], [1, 0]], [[-3, 3], [-2, -1]], [[2, -2], [1, 1]]], dtype=float)
 """Powers of the place in a cell, from values and slopes at its ends: (power, value or slope, end)."""
 
 

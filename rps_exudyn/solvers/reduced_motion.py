@@ -119,9 +119,7 @@ class ReducedMotion:
             self.lost += self.stiffness[i] * (self.stretch[i] ** 2 - held**2) / 2
             self.stretch[i] = held
 
-    def resisting(
-        self, turn: float, damped: float, limits: list[tuple[float, float]]
-    ) -> tuple[float, float]:
+    def resisting(self, turn: float, damped: float, limits: list[tuple[float, float]]) -> tuple[float, float]:
         """Return the mean torque of the elements over a turn [N m], and its slope [N m/rad]; `damped` is
         their damping over the time of the step."""
         torque = slope = 0.0
@@ -167,7 +165,7 @@ class ReducedMotion:
         Raises:
             BeyondTable: the table has no such angle or load.
         """
-        before, slope_before, self.load = self.conservative(self.angle)
+        before, _slope_before, self.load = self.conservative(self.angle)
         limits = self.limits(self.angle + h * self.speed, self.speed)
         self.relax(limits)
         mass, damped = self.inertia / (THETA * h), self.damping / h
