@@ -113,7 +113,7 @@ def speed_table(folder: Path) -> str:
 
 
 TOPIC = Topic(
-    "4 min",
+    "6 min",
     "reduced_gear",
     run,
     {"gears": 1, "seconds": 0.01},

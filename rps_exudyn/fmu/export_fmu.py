@@ -20,7 +20,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import check_writable, replacing
 from rps_exudyn.fmu.gear_data import header
 from rps_exudyn.fmu.model_error import REFERENCE, model_error
-from rps_exudyn.fmu.variables import SOURCES, build_description, description, parameters_of, variables_of
+from rps_exudyn.fmu.variables import description, parameters_of, variables_of
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear, check_gear, gear_file
 from rps_exudyn.scenes.contact_law import resolve_contact_law
@@ -82,15 +82,11 @@ def export_fmu(
     content = header(gear, reduced, parameters.values(), "")
     token = "{" + sha256(f"{content}{fmi}".encode()).hexdigest()[:32] + "}"
     sources = sources_of(fmi) | {"gear_data.h": header(gear, reduced, parameters.values(), token)}
-    about = {
-        "modelName": "rack-and-pinion steering gear",
-        "description": f"{gear!r}; largest load {load:g} N; error against {REFERENCE}: {shown(errors)}",
-        "generationTool": f"rps-exudyn {version('rps-exudyn')}",
-        "variableNamingConvention": "flat",
-    }
+    about = f"{gear!r}; largest load {load:g} N; error against {REFERENCE}: {shown(errors)}"
+    tool = f"rps-exudyn {version('rps-exudyn')}"
     listed = variables_of(gear, LONGEST_STEP)
     inside: dict[str, bytes | str] = {
-        "modelDescription.xml": description(fmi, about, token, listed),
+        "modelDescription.xml": description(fmi, token, about, tool, listed),
         "resources/gear.toml": gear_file(gear),
         "resources/model_error.json": json.dumps(
             {"reference": REFERENCE, "relative_error": errors}, indent=1
@@ -98,9 +94,11 @@ def export_fmu(
         **{f"sources/{name}": text for name, text in sources.items()},
     }
     if fmi == 3:
-        inside["sources/buildDescription.xml"] = build_description()
+        inside["sources/buildDescription.xml"] = (
+            files("rps_exudyn.fmu").joinpath("buildDescription.xml").read_bytes()
+        )
     folder, library = platform_of(fmi)
-    binary = compiled(sources, list(SOURCES[fmi]))
+    binary = compiled(sources, ["reduced_gear.c", f"fmi{fmi}.c"])
     if binary is not None:
         inside[f"binaries/{folder}/reduced_gear{library}"] = binary
     with replacing(path) as partial, zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -147,7 +145,7 @@ def shown(errors: dict[str, float]) -> str:
 def sources_of(fmi: int) -> dict[str, str]:
     """Return the C files of a version of FMI, and the headers they include."""
     here = files("rps_exudyn.fmu")
-    names = [*SOURCES[fmi], "instance.h", "reduced_gear.h"]
+    names = ["reduced_gear.c", f"fmi{fmi}.c", "instance.h", "reduced_gear.h"]
     found = {name: here.joinpath(name).read_text("utf-8") for name in names}
     standard = sorted(each.name for each in here.joinpath("headers").iterdir())
     return found | {

@@ -1,4 +1,4 @@
-"""What the reduced gear differs by from the dynamics `flank`, in a swing and at a wheel that a torque turns."""
+"""What the reduced gear differs by from `flank`: in a swing, and at a wheel that a torque turns."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Make a maneuver: by dynamics in Exudyn, by equilibria, a table of them, or formulas, by the fidelity's choice.
+"""Make a maneuver: by dynamics in Exudyn, equilibria, a table of them or formulas, as the fidelity asks.
 
     run = run_maneuver(gear, fidelity, maneuver)
     run = run_maneuver(gear, fidelity, [there, back], options)

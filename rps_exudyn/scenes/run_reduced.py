@@ -66,133 +66,113 @@ class _Stepped:
 
     def __init__(self, gear: SteeringGear, table: ReducedGear, maneuver: Maneuver) -> None:
         self.drive, drive = maneuver.drive, maneuver.drive
-        tyre = drive.tyre if isinstance(drive, WheelTorque) else None
-        end = RackEnd(maneuver.rack_load)
-        if tyre is not None:
-            end = RackEnd(maneuver.rack_load, tyre.stiffness, tyre.relaxed)
-        self.tyre, self.column = tyre, ColumnModel.of(gear) if drive.body == "wheel" else None
+        self.tyre = drive.tyre if isinstance(drive, WheelTorque) else None
+        spring = (self.tyre.stiffness, self.tyre.relaxed) if self.tyre else ()
+        self.column = ColumnModel.of(gear) if drive.body == "wheel" else None
         self.wheel, self.rate = float(drive.place(0.0)), float(drive.rate(0.0))
-        self.motion = motion = ReducedMotion(table, end, self.wheel)
+        self.output = self.wheel if self.column is None else float(self.column.output(self.wheel))
+        self.motion = motion = ReducedMotion(table, RackEnd(maneuver.rack_load, *spring), self.output)
         self.work = self.held = self.damped = 0.0  # of drive, of the load, of the column
-        if self.column is None:
-            motion.speed = self.rate
-            self._slide_on()
-        else:
-            self.wheel_output = float(self.column.output(self.wheel))
-            motion.angle = self.wheel_output
-            if not isinstance(drive, SetOff | WheelTorque):
-                motion.speed = float(self.column.ratio(self.wheel)) * self.rate
-                for _ in range(STARTS):  # sliding at its place, the column is twisted by its torque
-                    self._slide_on()
-                    motion.angle = self.wheel_output - motion.torque / self.column.stiffness
-            else:
-                motion.angle -= motion.torque / self.column.stiffness
+        slides = not isinstance(drive, SetOff | WheelTorque)
+        ratio = 1.0 if self.column is None else float(self.column.ratio(self.wheel))
+        motion.speed = ratio * self.rate if slides else 0.0
+        for _ in range(STARTS):  # sliding at its place, the column is twisted by its torque
+            if slides:
+                limits = motion.limits(motion.angle, motion.speed)
+                motion.stretch = [up if motion.speed > 0 else -down for up, down in limits]
+            if self.column is not None:
+                motion.angle = self.output - motion.torque / self.column.stiffness
         self.rows: list[tuple[float, ...]] = []
         self._record(0.0)
 
-    def _slide_on(self) -> None:
-        limits, sense = self.motion.limits(self.motion.angle, self.motion.speed), self.motion.speed
-        self.motion.stretch = [up if sense > 0 else -down for up, down in limits]
-
     def step(self, before: float, after: float) -> None:
         """Go on from one instant to the next [s]."""
+        h = (after - before) / SUBSTEPS
         for i in range(SUBSTEPS):
-            h = (after - before) / SUBSTEPS
-            self._substep(before + i * h, before + (i + 1) * h)
+            travel, load = self.motion.travel, self.motion.end.load
+            turned = self._turn if self.column is None else self._push
+            turned(before + i * h, before + (i + 1) * h)
+            self.held -= load * (self.motion.travel - travel)
         self._record(after)
 
-    def _substep(self, before: float, after: float) -> None:
+    def _turn(self, before: float, after: float) -> None:
+        """Turn the pinion; what the drive gives is what is stored and lost, and the load's."""
+        motion = self.motion
+        had, travel = motion.stored + motion.lost, motion.travel
+        rate = float(self.drive.rate(after))
+        motion.follow(float(self.drive.place(after)) - motion.angle, rate, after - before)
+        self.work += motion.stored + motion.lost - had + motion.end.load * (motion.travel - travel)
+
+    def _push(self, before: float, after: float) -> None:
+        """Push the pinion by the column, whose upper end moves as prescribed or by its own balance."""
         h, motion, column, drive = after - before, self.motion, self.column, self.drive
-        travel = motion.travel
-        if column is None:
-            place, rate = float(drive.place(after)), float(drive.rate(after))
-            change = motion.stored + motion.lost
-            torque = motion.inertia * (rate - motion.speed) / h
-            motion.follow(place - motion.angle, rate, h)
-            self.held -= motion.end.load * (motion.travel - travel)
-            # what the drive gives over a step is what is stored and lost, and the load's
-            self.work += motion.stored + motion.lost - change + motion.end.load * (motion.travel - travel)
-            self.last = torque
-            return
-        twist = self.wheel_output - motion.angle
-        middle = float(column.ratio(self.wheel))
+        assert column is not None
+        twist, ratio = self.output - motion.angle, float(column.ratio(self.wheel))
         half = column.stiffness / 2 + column.damping / h
         if not isinstance(drive, WheelTorque):
-            wheel = float(drive.place(after))
-            output = float(column.output(wheel)) - self.wheel_output
+            wheel, rate = float(drive.place(after)), float(drive.rate(after))
+            output = float(column.output(wheel)) - self.output
             turn = motion.push(Push(column.stiffness * twist + half * output, half), h)
-            rate = float(drive.rate(after))
-        else:
-            # the wheel's own balance, linear in the turns of both
-            hand = float(drive.torque((before + after) / 2))
-            inert = column.inertia / (THETA * h)
-            divisor = inert / h + middle**2 * half
-            free = (hand + inert * self.rate - middle * column.stiffness * twist) / divisor
-            along = middle * half / divisor
-            turn = motion.push(
-                Push(column.stiffness * twist + half * middle * free, half * (1 - middle * along)), h
-            )
+        else:  # linear in the turns of both
+            hand, inert = float(drive.torque((before + after) / 2)), column.inertia / (THETA * h)
+            divisor = inert / h + ratio**2 * half
+            free = (hand + inert * self.rate - ratio * column.stiffness * twist) / divisor
+            along = ratio * half / divisor
+            torque = column.stiffness * twist + half * ratio * free
+            turn = motion.push(Push(torque, half * (1 - ratio * along)), h)
             wheel = self.wheel + free + along * turn
+            output = float(column.output(wheel)) - self.output
             rate = self.rate + ((wheel - self.wheel) / h - self.rate) / THETA
-            output = float(column.output(wheel)) - self.wheel_output
             self.damped += (THETA - 0.5) * column.inertia * (rate - self.rate) ** 2
-        torque = column.stiffness * twist + half * (output - turn)
-        self.damped += column.damping / h * (output - turn) ** 2
-        if isinstance(drive, WheelTorque):
             self.work += hand * (wheel - self.wheel)
-        else:
-            self.work += torque * output + column.inertia * (rate**2 - self.rate**2) / 2
-        self.wheel, self.rate, self.wheel_output = wheel, rate, self.wheel_output + output
-        self.held -= motion.end.load * (motion.travel - travel)
+        self.damped += column.damping / h * (output - turn) ** 2
+        if not isinstance(drive, WheelTorque):
+            given = column.stiffness * twist + half * (output - turn)
+            self.work += given * output + column.inertia * (rate**2 - self.rate**2) / 2
+        self.wheel, self.rate, self.output = wheel, rate, self.output + output
 
     def _record(self, time: float) -> None:
-        motion, column = self.motion, self.column
-        torque = motion.torque
-        stored, twist, energy = motion.stored, 0.0, 0.0
-        if column is not None:
-            twist = self.wheel_output - motion.angle
-            twisting = float(column.ratio(self.wheel)) * self.rate - motion.speed
-            torque = float(column.torque(twist, twisting))
-            energy = column.stiffness * twist**2 / 2
-            stored += energy + column.inertia * self.rate**2 / 2
+        motion, column, twist = self.motion, self.column, self.output - self.motion.angle
+        stored, energy, pulled = motion.stored, 0.0, 0.0
+        if column is None:
+            torque = motion.torque + motion.inertia * float(self.drive.acceleration(time))
         else:
-            torque += motion.inertia * float(self.drive.acceleration(time))
-        pulled = 0.0
+            twisting = float(column.ratio(self.wheel)) * self.rate - motion.speed
+            torque, energy = float(column.torque(twist, twisting)), column.stiffness * twist**2 / 2
+            stored += energy + column.inertia * self.rate**2 / 2
         if self.tyre is not None:
             pulled = float(self.tyre.force(motion.travel))
             stored += float(self.tyre.energy(motion.travel))
-        self.rows.append(
-            (time, motion.angle, torque, motion.travel, stored, motion.lost, self.work, self.held, self.wheel,
-             self.rate, twist, energy, self.damped, pulled)
-        )  # fmt: skip
+        places = time, motion.angle, torque, motion.travel, stored, motion.lost, self.work, self.held
+        self.rows.append((*places, self.wheel, twist, energy, self.damped, pulled))
 
     def signals(self, start: float) -> Signals:
         """Return the signals from an instant [s] on."""
-        names = (
-            *("time", "pinion_angle", "pinion_torque", "rack_displacement", "stored_energy"),
-            *("work_gear_friction", "work_drive", "work_load", "wheel_angle", "rate", "column_twist"),
-            *("column_energy", "work_column_damping", "tyre_force"),
-        )
         rows = np.array(self.rows)
         rows = rows[rows[:, 0] >= rows[rows[:, 0] <= start, 0].max(initial=0.0)]
-        columns = dict(zip(names, rows.T.copy(), strict=True))
-        for name in ("time", "stored_energy", *(each for each in names if each.startswith("work_"))):
-            columns[name] = columns[name] - columns[name][0]
-        del columns["rate"]
-        if self.column is None:
-            for name in ("wheel_angle", "column_twist", "column_energy", "work_column_damping"):
-                del columns[name]
+        columns = dict(zip(RECORDED, rows.T.copy(), strict=True))
+        for name in columns:
+            if name in ("time", "stored_energy") or name.startswith("work_"):
+                columns[name] = columns[name] - columns[name][0]
+        absent = [] if self.tyre else ["tyre_force"]
+        absent += [] if self.motion.end.load else ["work_load"]
+        if (column := self.column) is None:
+            absent += ["wheel_angle", "column_twist", "column_energy", "work_column_damping"]
         else:
-            column, drive, time = self.column, self.drive, rows[:, 0]
-            ratio = column.ratio(columns["wheel_angle"])
-            columns["column_torque"] = ratio * columns["pinion_torque"]
+            drive, time = self.drive, rows[:, 0]
+            columns["column_torque"] = column.ratio(columns["wheel_angle"]) * columns["pinion_torque"]
             columns["column_twist"] *= column.own_share
             if isinstance(drive, WheelTorque):
                 columns["wheel_torque"] = drive.torque(time)
             else:
-                columns["wheel_torque"] = columns["column_torque"] + column.inertia * drive.acceleration(time)
-        if self.tyre is None:
-            del columns["tyre_force"]
-        if not self.motion.end.load:
-            del columns["work_load"]
-        return columns
+                inert = column.inertia * drive.acceleration(time)
+                columns["wheel_torque"] = columns["column_torque"] + inert
+        return {name: values for name, values in columns.items() if name not in absent}
+
+
+RECORDED = (
+    *("time", "pinion_angle", "pinion_torque", "rack_displacement", "stored_energy", "work_gear_friction"),
+    *("work_drive", "work_load", "wheel_angle", "column_twist", "column_energy", "work_column_damping"),
+    "tyre_force",
+)
+"""Signals of a row."""
