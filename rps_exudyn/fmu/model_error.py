@@ -8,7 +8,9 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.checks.before_run import largest_angle
+from rps_exudyn.scenes.reversal import SCENE as SWUNG
 from rps_exudyn.scenes.scene import WITHOUT_BARS
+from rps_exudyn.scenes.steering_torque import SCENE as TURNED
 from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.closed_form import closed_form
 
@@ -17,8 +19,8 @@ PULLED = 6.0  # times the gear's own friction that the hand's torque has at its 
 SLOWER = 5.0  # times than the wheel would swing on the tyres: models differ, not a resonance
 REACH, SWING = 0.25, 0.5236  # of the angle that the teeth allow; of a swing [rad]
 METRICS = {
-    "reversal": ("hysteresis_area", "torque_jump"),
-    "steering-torque": ("feel_area", "angle_dead_band", "torque_dead_band", "steering_gradient"),
+    SWUNG.name: ("hysteresis_area", "torque_jump"),
+    TURNED.name: ("feel_area", "angle_dead_band", "torque_dead_band", "steering_gradient"),
 }
 """Scene -> metrics that are compared."""
 
@@ -75,7 +77,7 @@ def model_error(gear: SteeringGear) -> dict[str, float]:
         for name in names
         if name in reduced[scene].summary and reference[scene].summary.get(name)
     }
-    own, other = (runs["steering-torque"] for runs in (reduced, reference))
+    own, other = (runs[TURNED.name] for runs in (reduced, reference))
     expected = other["wheel_angle"]
     there = np.interp(other["time"], own["time"], own["wheel_angle"])
     rms = float(np.sqrt(np.mean((there - expected) ** 2) / np.mean(expected**2)))

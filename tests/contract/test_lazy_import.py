@@ -59,6 +59,7 @@ def test_public_names_are_there_when_used() -> None:
             "batch",
             "build_model",
             "compare_with_measured",
+            "export",
             "fit",
             "load",
             "open_study",
