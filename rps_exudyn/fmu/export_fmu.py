@@ -33,7 +33,7 @@ PRELOADS = 10.0  # largest load of the table, where none is given, over the prel
 LONGEST_STEP = 1e-4  # within a communication step [s]
 VERSIONS = (3, 2)  # of FMI
 COMPILERS = ("cc", "gcc", "clang")
-FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-shared", "-fPIC", "-w")
+FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-shared", "-fPIC", "-w")
 LATER = (1980, 1, 1, 0, 0, 0)  # of all files inside, so that equal gears give equal FMUs
 
 

@@ -53,8 +53,8 @@ static int place(Gear *g, double angle, double load, double *x, double *y, int *
         g->beyond[0] = load, g->beyond[1] = angle;
         return isfinite(angle) && isfinite(load) ? BEYOND_TABLE : NOT_FINITE;
     }
-    *i = (int)fmin(fmax(*x, 0.0), CELLS - 1);
-    *j = (int)fmin(fmax(*y, 0.0), ROWS - 1);
+    *i = *x < 0 ? 0 : *x < CELLS ? (int)*x : CELLS - 1;
+    *j = *y < 0 ? 0 : *y < ROWS ? (int)*y : ROWS - 1;
     *x -= *i, *y -= *j;
     return FINE;
 }
@@ -142,7 +142,7 @@ static int limits(Gear *g, double angle, double speed, Limits *l) {
     for (k = 0; k < 2; k++) {
         double of_table = (1 - x) * ((1 - y) * LIMIT[i][j][k] + y * LIMIT[i][j + 1][k])
                           + x * ((1 - y) * LIMIT[i + 1][j][k] + y * LIMIT[i + 1][j + 1][k]);
-        double fixed = fmin(CONSTANT, of_table);
+        double fixed = CONSTANT < of_table ? CONSTANT : of_table;
         size[k] = factor * (g->press * (of_table - fixed) * g->rubbing + fixed * g->constant);
     }
     for (k = 0; k < ELEMENTS; k++) {
@@ -152,7 +152,7 @@ static int limits(Gear *g, double angle, double speed, Limits *l) {
     return FINE;
 }
 
-static double within(double x, double least, double most) { return fmin(fmax(x, least), most); }
+static double within(double x, double least, double most) { return x < least ? least : x > most ? most : x; }
 
 static void relax(Gear *g, const Limits *l) {
     double *stretch = g->state + STRETCH;
@@ -223,8 +223,8 @@ static int push(Gear *g, double torque, double resistance, double travel, double
     s[LOST] += drag * x * x / h + (THETA - 0.5) * INERTIA * change * change;
     s[PHI] += *turned = x;
     s[OMEGA] += change;
-    TRY(held(g, s[PHI], travel, &after));
-    g->load = after.load;
+    if (g->rack_input == MOVED) TRY(held(g, s[PHI], travel, &after));
+    g->load = g->rack_input == MOVED ? after.load : before.load;
     return isfinite(x) ? FINE : NOT_FINITE;
 }
 

@@ -67,12 +67,14 @@ def described(cycle: dict[str, np.ndarray]) -> np.ndarray:
         for way in (rising, ~rising)
         for near in (np.abs(acceleration) < 0.3,)
     ]
-    return np.array([
-        half_width(acceleration, torque, rising),
-        half_width(torque, acceleration, rising),
-        np.mean(gradient),
-        np.degrees(half_width(acceleration, angle, rising)),
-    ])
+    return np.array(
+        [
+            half_width(acceleration, torque, rising),
+            half_width(torque, acceleration, rising),
+            np.mean(gradient),
+            np.degrees(half_width(acceleration, angle, rising)),
+        ]
+    )
 
 
 def half_width(along: np.ndarray, across: np.ndarray, rising: np.ndarray) -> float:
@@ -91,7 +93,9 @@ cycle = weave(gear)
 numbers = described(cycle)
 changes = {}
 for path, share in UNSURE.items():
-    ends = [described(weave(gear.replace({path: gear.value_at(path) * (1 + way * share)}))) for way in (-1, 1)]
+    ends = [
+        described(weave(gear.replace({path: gear.value_at(path) * (1 + way * share)}))) for way in (-1, 1)
+    ]
     changes[path] = (ends[1] - ends[0]) / 2
 band = np.sqrt(sum(change**2 for change in changes.values()))
 
