@@ -1,8 +1,8 @@
 """The reduced gear beside the dynamics `flank`, on random gears: loops, dead bands, wheel angle; its speed.
 
-Gears are drawn from the ranges of passenger cars (`verification.population`), half of them with errors. Each
-is steered to and fro at the pinion, and at the wheel by a torque against tyres. The FMU steps its pinion under
-a torque and a load that change all the time.
+Gears are drawn from the ranges of passenger cars (`verification.population`), half of them with errors.
+Each is steered to and fro at the pinion, and at the wheel by a torque against tyres. The FMU steps its pinion
+under a torque and a load that change all the time.
 """
 
 import ctypes

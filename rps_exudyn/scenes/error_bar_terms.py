@@ -4,7 +4,7 @@
     unsettled start  the share of the force that depends on where the motion began
     open cycle       the share of its range by which a slow motion ends a swing elsewhere than it began
     work             missing in the balance of work, or taken along where loaded material passes a tooth edge
-    model            formulas, spheres, reduced gear: what they leave out, measured against models that have it
+    model            formulas, spheres, reduced gear: what they leave out, measured against models with it
 
 All are biases, so that they add up.
 """

@@ -3,8 +3,8 @@
     python weave.py [PICTURE.png]
 
 The wheel is turned to and fro at 0.2 Hz and 100 km/h, to 2 m/s^2 of lateral acceleration. A linear
-single-track car gives the rack's load, the reduced gear (docs/fidelities.md) the torque at the wheel; there is
-no power assistance. Each parameter of the gear is then moved by its uncertainty, both ways.
+single-track car gives the rack's load, the reduced gear the torque at the wheel, without power assistance.
+Each parameter of the gear is then moved by its uncertainty, both ways.
 """
 
 import sys

@@ -68,7 +68,7 @@ def test_sweep_finds_the_torque_that_the_preload_does_not_make(ran: Ran, tmp_pat
 
 
 def test_weave_feels_the_friction_of_the_gear(ran: Ran, tmp_path: Path) -> None:
-    """On centre the hand holds the free torque and that of the rack's load, which lags: 1.0 to 1.3 times it."""
+    """On centre the hand holds the free torque and what lags of the rack's load: 1.0 to 1.3 times it."""
     printed = ran("weave", "weave.png")
     assert (tmp_path / "examples" / "weave.png").stat().st_size > 5000
     torque, band = map(float, re.findall(r"no acceleration +([\d.]+) \+- ([\d.]+) N m", printed)[0])
