@@ -16,7 +16,7 @@ from rps_exudyn.scenes.maneuver import Maneuver, StepLimits, steady_maneuver, sw
 from rps_exudyn.scenes.scene import WITHOUT_BARS, RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.closed_form import bush_drag, mean_state
-from rps_exudyn.solvers.reduced_gear import ReducedGear, elements, speed_factors
+from rps_exudyn.solvers.reduced_gear import ReducedGear, elements
 from rps_exudyn.solvers.sliding_stability import reduced_gear
 
 PER_PITCH, LOADS = 48, 12  # equilibria in a tooth pitch, and loads either way, at level 1
@@ -47,6 +47,7 @@ class TableLost(Exception):
         return f"the table under a load of {self.load:.4g} N: {self.run.outcome.message}"
 
 
+@lru_cache(maxsize=KEPT)
 def table_of(
     follow: Follow, gear: SteeringGear, fidelity: Fidelity, largest_load: float, level: int = 1
 ) -> ReducedGear:
@@ -62,42 +63,26 @@ def table_of(
     # what else the test asks for changes nothing in the table
     test = {"test.start_angle": 0.0, "test.amplitude": TURN, "test.cycles": 1, "test.direction": 1}
     kinetic = {f"{part}.static_ratio": 1.0 for part in RUBBING_PARTS}
-    drag = {"bush.viscous_drag": 0.0}
-    return _reduced(follow, gear, gear.replace({**test, **kinetic, **drag}), model, largest_load, level)
-
-
-@lru_cache(maxsize=KEPT)
-def _reduced(
-    follow: Follow,
-    gear: SteeringGear,
-    turned: SteeringGear,
-    model: Fidelity,
-    largest_load: float,
-    level: int,
-) -> ReducedGear:
-    pair = GearPair.of(gear)
-    gain, pitch = float(pair.gain), 2 * np.pi / gear.pinion.teeth
+    turned = gear.replace({**test, **kinetic, "bush.viscous_drag": 0.0})
+    gain, pitch = float(GearPair.of(gear).gain), 2 * np.pi / gear.pinion.teeth
     loads = np.linspace(-largest_load, largest_load, LOADS * 2**level + 1)
     period = next((each for each in (pitch, 2 * np.pi) if whole_periods(turned, each)), None)
-    first, last = (
-        (-pitch, period - pitch) if period else (-LOCK * largest_angle(gear), LOCK * largest_angle(gear))
-    )
+    lock = LOCK * largest_angle(gear)
+    first, last = (-pitch, period - pitch) if period else (-lock, lock)
     count = int(np.ceil(PER_PITCH * 2**level / 2 * (last - first) / pitch / 2)) * 2
-    rows = [_both_ways(follow, turned, model, load, first, last, count) for load in loads.tolist()]
+    rows = [_both_ways(follow, turned, model, load, (first, last), count) for load in loads.tolist()]
     up, down = (np.column_stack([row[way]["pinion_torque"] for row in rows]) for way in (0, 1))
-    error = np.column_stack(
-        [
-            np.mean([each["rack_displacement"] - gain * each["pinion_angle"] for each in row], axis=0)
-            for row in rows
-        ]
-    )
+    travel = np.column_stack([sum(each["rack_displacement"] for each in row) / 2 for row in rows])
     angles = np.linspace(first, last, count + 1)
+    error = travel - gain * angles[:, None]
     if period:  # both ends are the same place, of which the later one has settled
         up[0], down[0] = up[-1], down[0]
         down[-1] = down[0]
         error[-1] = error[0] = (error[0] + error[-1]) / 2
     oscillator, mean = reduced_gear(gear), mean_state(turned, 1, 0.0)
     of_load = max(mean.mesh_loss + mean.plunger_loss, 1e-300)
+    speeds = SPEEDS if oscillator.surplus > 0 else SPEEDS[:1]
+    at_speed = np.array([float(oscillator.friction(speed)) for speed in speeds])
     reduced = ReducedGear(
         gain=gain,
         inertia=pinion_inertia(gear) + rack_masses(gear).mass * gain**2,
@@ -110,10 +95,8 @@ def _reduced(
         error=error,
         shares=np.ones(1),
         stiffness=np.ones(1),
-        speeds=SPEEDS if oscillator.surplus > 0 else SPEEDS[:1],
-        speed_factor=speed_factors([float(oscillator.friction(v)) for v in SPEEDS], SPEEDS)
-        if oscillator.surplus > 0
-        else np.ones(1),
+        speeds=speeds,
+        speed_factor=at_speed / at_speed[-1] if at_speed[-1] else np.ones(len(speeds)),
         constant=float(gain * bush_drag(turned) + gear.bearing.friction_torque),
         seat_share=mean.plunger_loss / of_load,
     )
@@ -121,24 +104,17 @@ def _reduced(
 
 
 def _both_ways(
-    follow: Follow,
-    gear: SteeringGear,
-    model: Fidelity,
-    load: float,
-    first: float,
-    last: float,
-    count: int,
+    follow: Follow, gear: SteeringGear, model: Fidelity, load: float, ends: tuple[float, float], count: int
 ) -> tuple[Signals, Signals]:
     """Return the records of the pinion turned to and fro, both in the order of rising angles."""
     found: list[Signals] = []
-    for ends in ((first, last), (last, first)):
-        least = StepLimits(count, count)
-        maneuver = replace(steady_maneuver(gear, "pinion", *ends, 2 * np.pi, least).one_period())
+    for sense in (1, -1):
+        (first, last), least = ends[::sense], StepLimits(count, count)
+        maneuver = steady_maneuver(gear, "pinion", first, last, 2 * np.pi, least).one_period()
         run = follow(gear, model, maneuver.under(load), WITHOUT_BARS)
         if not run.ok:
             raise TableLost(run, load)
-        sense = slice(None, None, 1 if ends[0] == first else -1)
-        found.append({name: values[..., sense] for name, values in run.signals.items()})
+        found.append({name: values[..., ::sense] for name, values in run.signals.items()})
     return found[0], found[1]
 
 

@@ -14,7 +14,6 @@ The k_i are elasto-plastic elements side by side (Iwan, J. Appl. Mech. 33, 1966;
 Autom. Control 47, 2002). Their limits have the table's friction, and fall with speed as the gear's parts do.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -212,9 +211,3 @@ YIELDS = (2e-5, 2e-2, 13)  # pinion angles over which elements are tried [rad]
 MOST_ELEMENTS = 4
 LEAST_SHARE = 0.01  # of the friction, below which an element is none
 WHOLE = 100.0  # weight of the sum of all shares beside each measured one
-
-
-def speed_factors(friction_at: Sequence[float], speeds: np.ndarray) -> np.ndarray:
-    """Return friction at speeds over that at the highest one."""
-    at = np.asarray(friction_at)
-    return np.asarray(at / at[-1]) if at[-1] > 0 else np.ones(len(speeds))
