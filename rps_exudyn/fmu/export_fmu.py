@@ -114,6 +114,11 @@ SUFFIXES: dict[str, Callable[..., ExportedFmu]] = {".fmu": export_fmu}
 def export(gear: SteeringGear, path: str | Path, **options: Any) -> ExportedFmu:
     """Write a gear as a file for other programs: by its suffix an FMU (`export_fmu`).
 
+    Args:
+        gear: the gear.
+        path: of the file, which is replaced; its suffix chooses what is written.
+        options: of what writes it, by name: `load` [N] and `fmi` of an FMU.
+
     Raises:
         InputError: another suffix, or what the writer refuses.
 
