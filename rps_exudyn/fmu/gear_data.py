@@ -11,6 +11,7 @@ from rps_exudyn.solvers.closed_form import bush_drag
 from rps_exudyn.solvers.reduced_gear import ReducedGear
 from rps_exudyn.solvers.temperature_and_wear import friction_factor, tested_gear
 
+LEAST_COMPLIANCE = 1e-10  # of the rack under a load, by which one is sought at the least [m/N]
 TEMPERATURES = np.arange(233.15, 374.0, 10.0)  # at which the conditions' laws are asked [K]
 
 
@@ -18,42 +19,25 @@ def header(gear: SteeringGear, reduced: ReducedGear, parameters: Iterable[float]
     """Return the header of a gear's table; `gear` is as given, the table that of the gear in operation."""
     tested = tested_gear(gear)
     operation = operation_table(gear, reduced)
+    step, spacing = (float(each[1] - each[0]) for each in (reduced.angles, reduced.loads))
+    least = max(float(-np.diff(reduced.error, axis=1).max() / spacing), LEAST_COMPLIANCE)
     numbers = {
-        "GAIN": reduced.gain,
-        "INERTIA": reduced.inertia,
-        "FIRST_ANGLE": reduced.angles[0],
-        "ANGLE_STEP": reduced.angles[1] - reduced.angles[0],
-        "LEAST_LOAD": reduced.loads[0],
-        "LOAD_STEP": reduced.loads[1] - reduced.loads[0],
-        "LEAST_COMPLIANCE": max(
-            float(-np.diff(reduced.error, axis=1).max() / np.diff(reduced.loads)[0]), 1e-10
-        ),
-        "DAMPING": reduced.damping,
-        "CONSTANT": reduced.constant,
-        "SEAT_SHARE": reduced.seat_share,
-        "TABLE_PRELOAD": tested.yoke.preload,
-        "MESH_FRICTION_OF_TABLE": tested.mesh.friction,
-        "YOKE_FRICTION_OF_TABLE": tested.yoke.friction,
-    }
+        "GAIN": reduced.gain, "INERTIA": reduced.inertia, "DAMPING": reduced.damping,
+        "FIRST_ANGLE": reduced.angles[0], "ANGLE_STEP": step, "LEAST_LOAD": reduced.loads[0],
+        "LOAD_STEP": spacing, "LEAST_COMPLIANCE": least, "CONSTANT": reduced.constant,
+        "SEAT_SHARE": reduced.seat_share, "TABLE_PRELOAD": tested.yoke.preload,
+        "MESH_FRICTION_OF_TABLE": tested.mesh.friction, "YOKE_FRICTION_OF_TABLE": tested.yoke.friction,
+    }  # fmt: skip
     counts = {
-        "CELLS": len(reduced.angles) - 1,
-        "ROWS": len(reduced.loads) - 1,
-        "REPEATS": int(reduced.repeats),
-        "ELEMENTS": len(reduced.shares),
-        "SPEEDS": len(reduced.speeds),
-        "TEMPERATURES": len(operation),
-    }
+        "CELLS": len(reduced.angles) - 1, "ROWS": len(reduced.loads) - 1, "REPEATS": int(reduced.repeats),
+        "ELEMENTS": len(reduced.shares), "SPEEDS": len(reduced.speeds), "TEMPERATURES": len(operation),
+    }  # fmt: skip
     arrays = {
-        "FREE": reduced.free,
-        "UNDER_LOAD": reduced.loaded,
-        "LIMIT": reduced.friction,
-        "SHARE": reduced.shares,
-        "STIFFNESS": reduced.stiffness,
-        "NODE_SPEED": reduced.speeds,
-        "SPEED_FACTOR": reduced.speed_factor,
-        "OPERATION": operation,
+        "FREE": reduced.free, "UNDER_LOAD": reduced.loaded, "LIMIT": reduced.friction,
+        "SHARE": reduced.shares, "STIFFNESS": reduced.stiffness, "NODE_SPEED": reduced.speeds,
+        "SPEED_FACTOR": reduced.speed_factor, "OPERATION": operation,
         "PARAMETERS": np.array(list(parameters)),
-    }
+    }  # fmt: skip
     lines = [
         "/* One gear: made by rps-exudyn export. SI units. */",
         "#ifndef GEAR_DATA_H",
