@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rps_exudyn.analysis.measured import compare_with_measured
     from rps_exudyn.base.errors import InputError
+    from rps_exudyn.fmu.export import export
     from rps_exudyn.inference.fitting.fit import fit
     from rps_exudyn.inference.fitting.fitted import Fit
     from rps_exudyn.inference.measured.reading import read_measured_torque
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
     from rps_exudyn.scenes import add_scene
     from rps_exudyn.scenes.scene import Scene
     from rps_exudyn.simulate.batch import Batch, batch
-    from rps_exudyn.simulate.export import export
     from rps_exudyn.simulate.run import run
     from rps_exudyn.study.case_blocks import load
     from rps_exudyn.study.dataset import open_study, study_frame
@@ -65,6 +65,7 @@ _HOME = {
     "build_model": "multibody.model",
     "compare_with_measured": "analysis.measured",
     "read_measured_torque": "inference.measured.reading",
+    "export": "fmu.export",
     "Fit": "inference.fitting.fitted",
     "fit": "inference.fitting.fit",
     "SteeringGear": "parameters.gear",
@@ -73,7 +74,6 @@ _HOME = {
     "Batch": "simulate.batch",
     "batch": "simulate.batch",
     "run": "simulate.run",
-    "export": "simulate.export",
     "open_study": "study.dataset",
     "study_frame": "study.dataset",
 }

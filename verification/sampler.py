@@ -24,7 +24,7 @@ from rps_exudyn.parameters.declaration import Table
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes import SCENE_NAMES, scene_named
 from rps_exudyn.scenes.at_rest import FREE_RACK_MODELS
 from rps_exudyn.scenes.checks.before_run import check_travel, largest_angle
 from rps_exudyn.scenes.checks.rules import LEAST_STATIONS
@@ -60,7 +60,7 @@ SCENE_WEIGHTS = {
     "rattle": 0.03,
     "yoke-setting": 0.05,
 }
-PRESET_WEIGHTS = {"quasi-static": 0.42, "flank": 0.42, "full": 0.08, "closed-form": 0.08}
+PRESET_WEIGHTS = {"quasi-static": 0.4, "flank": 0.4, "full": 0.08, "closed-form": 0.08, "reduced": 0.04}
 ONE_LAW = 0.6  # of the gears: all their parts have the same friction law
 BY_FORMULA = (
     "free-pinion-torque",
@@ -68,6 +68,7 @@ BY_FORMULA = (
     "rack-on-rollers",
     "load-test",
 )  # scenes that the preset closed-form has
+REDUCED = ("reversal", "steering-feel", "steering-torque", "stick-slip")  # ... and the preset reduced
 
 
 COARSE = np.deg2rad(10)  # steps by which a test is tried
@@ -198,9 +199,11 @@ def usual_plan(rng: np.random.Generator) -> ScenePlan:
         plain = {f"{name}.friction_law": PLAIN_LAW for name in RUBBING_PARTS} | {"mesh.law": "line"}
         return ScenePlan("free-pinion-torque", gear.replace(part | plain), Fidelity.preset(preset))
     scene = random_scene(rng)
-    while preset == "closed-form" and scene not in BY_FORMULA:
+    only = {"closed-form": BY_FORMULA, "reduced": REDUCED}.get(preset, SCENE_NAMES)
+    while scene not in only:
         scene = random_scene(rng)
-    fidelity = Fidelity.preset("flank" if scene_named(scene).needs_inertia else preset)
+    inert = scene_named(scene).needs_inertia and preset != "reduced"
+    fidelity = Fidelity.preset("flank" if inert else preset)
     gear = with_laws(rng, random_gear(rng, scene))
     return ScenePlan(scene, gear, affordable(gear, scene, fidelity))
 

@@ -169,7 +169,7 @@ FIDELITY: Mapping[str, Range] = {
     "rack": Choice({"by-scene": 8, "free": 1, "guided": 1, "flexible": 2}),
     "pinion": Choice({"by-scene": 8, "rigid": 1, "supported": 1}),
     # formulas have no error of method: what they leave out is said where they stand
-    "solver": Choice({"equilibrium": 1, "generalized-alpha": 1, "closed-form": 0}),
+    "solver": Choice({"equilibrium": 1, "generalized-alpha": 1, "reduced": 0, "closed-form": 0}),
     "step_angle": Logarithmic(0.1 * DEG, 15 * DEG),
     "swing_steps": Choice({0: 1}),  # the scene's own
     "tolerance": Logarithmic(1e-6, 1e-2),

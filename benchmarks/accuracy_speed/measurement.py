@@ -33,6 +33,7 @@ PRESET_FAMILIES = {
     "full": "general contact",
     "flank": "flank",
     "quasi-static": "quasi-static",
+    "reduced": "reduced",
     "closed-form": "closed form",
 }
 
@@ -45,6 +46,8 @@ def family_of(gear: SteeringGear, fidelity: Fidelity) -> str:
 def _kind_of(fidelity: Fidelity) -> str:
     if fidelity.solver == "closed-form":
         return "closed form"
+    if fidelity.solver == "reduced":
+        return "reduced"
     if fidelity.solver == "equilibrium":
         return "spheres at rest" if fidelity.mesh == "general-contact" else "quasi-static"
     if fidelity.mesh == "general-contact":

@@ -14,23 +14,35 @@ def export(
     gear: GearOptions = PAPER_GEAR,
     part: str | None = None,
     force: Flag = False,
+    load: float | None = None,
+    fmi: int | None = None,
     json: Json = False,
 ) -> int:
-    """Write a gear for other programs: its parts as a mesh (.stl, .glb, .step).
+    """Write a gear for other programs: its parts as a mesh (.stl, .glb, .step), or an FMU (.fmu).
 
     Args:
         path: File to write.
-        part: The part that is written alone, for instance pinion; default: all, assembled.
+        part: Mesh: the part that is written alone, for instance pinion; default: all, assembled.
         force: Build the gear even if it is undercut.
+        load: FMU: largest load on the rack, either way [N]; default: ten times the preload.
+        fmi: FMU: version of FMI, 3 (co-simulation and model exchange, default) or 2 (co-simulation).
     """
+    from rps_exudyn.fmu.export import WRITERS
+    from rps_exudyn.fmu.export import export as write
     from rps_exudyn.gears.geometry_report import check_gear
-    from rps_exudyn.results.sheet import Sheet
-    from rps_exudyn.simulate.export import WRITERS
-    from rps_exudyn.simulate.export import export as write
+    from rps_exudyn.results.sheet import Grid, Sheet, Text
 
     check_writable(path, tuple(WRITERS))
     chosen = gear.load()
     check_gear(chosen, force)
-    write(chosen, path, **({} if part is None else {"part": part}))
-    present(Sheet(), [path], json=json)
+    given = {"part": part, "load": load, "fmi": fmi}
+    done = write(chosen, path, **{name: value for name, value in given.items() if value is not None})
+    if done is None:
+        present(Sheet(), [path], json=json)
+        return DONE
+    rows = [(name, f"{100 * error:+.2f} %") for name, error in done.errors.items()]
+    binary = done.platform or "none, because no C compiler was found; importers compile the sources"
+    text = [Grid(("metric", "error against flank"), rows), Text(f"binary inside: {binary}")]
+    data = {"errors": done.errors, "platform": done.platform}
+    present(Sheet(text=text, data=lambda: data), [path], json=json)
     return DONE

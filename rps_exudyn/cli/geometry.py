@@ -17,11 +17,11 @@ def geometry(
         out: Drawing (.png, .svg, .pdf), or what `export` writes (.stl, .glb, .step).
         force: Build the gear even if it is undercut.
     """
+    from rps_exudyn.fmu.export import WRITERS, export
     from rps_exudyn.gears.geometry_report import geometry_report
     from rps_exudyn.gears.surface_report import compared, contradictions, placed_surfaces
     from rps_exudyn.results.quantities import GEOMETRY
     from rps_exudyn.results.sheet import Block, Grid, Sheet, Text
-    from rps_exudyn.simulate.export import WRITERS, export
 
     chosen = gear.load()
     if out:

@@ -163,7 +163,7 @@ class SetupOptions(GearOptions):
     """Options that choose the gear and its model."""
 
     fidelity: str | None = None
-    """Model preset: full, flank (default), quasi-static or closed-form; see `describe fidelity`."""
+    """Model preset: full, flank (default), quasi-static, reduced or closed-form; see `describe fidelity`."""
     mesh: str | None = None
     """Contact model of the teeth (overrides --fidelity): general-contact, triangles or flank."""
     bush: str | None = None
@@ -175,7 +175,7 @@ class SetupOptions(GearOptions):
     pinion: str | None = None
     """Pinion support (overrides --fidelity): by-scene, rigid or supported."""
     solver: str | None = None
-    """Solver (overrides --fidelity): generalized-alpha, equilibrium or closed-form."""
+    """Solver (overrides --fidelity): generalized-alpha, equilibrium, reduced or closed-form."""
 
     def load(self) -> "Setup":
         """Gear and fidelity, or an InputError with everything that is wrong with both."""

@@ -4,6 +4,7 @@
                    chain of segments, plunger body, seat and yokenut contact, in Exudyn
     flank          analytic flank contact, bush condensed to its exact stiffness, the rest the same
     quasi-static   the same forces, in equilibrium at each pinion angle
+    reduced        a table of equilibria, friction elements and the inertia of pinion and rack
     closed-form    formulas
 
 Each part can be chosen alone, for instance `Fidelity.preset("flank").replace({"bush": "chain"})`.
@@ -32,7 +33,7 @@ from rps_exudyn.parameters.wrong_values import WrongValue
 
 choice = partial(parameter, source="choice")
 LEAST_SWING_STEPS = 5  # fewer do not see an impact
-PresetName = Literal["full", "flank", "quasi-static", "closed-form"]
+PresetName = Literal["full", "flank", "quasi-static", "reduced", "closed-form"]
 
 
 class Fidelity(Table):
@@ -61,9 +62,10 @@ class Fidelity(Table):
         "pinion support: rigid (it only turns), supported (on two bearings), by-scene (supported where the "
         "scene needs it)",
     )
-    solver: Literal["generalized-alpha", "equilibrium", "closed-form"] = choice(
+    solver: Literal["generalized-alpha", "equilibrium", "reduced", "closed-form"] = choice(
         "generalized-alpha",
-        "solver: dynamics (generalized-alpha), equilibrium at each instant, or formulas (closed-form)",
+        "solver: dynamics (generalized-alpha), equilibrium at each instant, a table of equilibria with one "
+        "inertia (reduced), or formulas (closed-form)",
     )
     step_angle: Angle = choice(
         "1 deg",
@@ -241,6 +243,11 @@ _LIMITS = (
     ),
     (("solver", "closed-form"), "pinion", "by-scene rigid", "whose formulas let the pinion only turn"),
     (("solver", "closed-form"), "rack", "by-scene free guided", "whose formulas contain no bending"),
+    (("solver", "reduced"), "mesh", "flank", "whose table is that of flank contact"),
+    (
+        ("solver", "reduced"), "bush", "condensed rigid",
+        "whose table is one of equilibria: leave it condensed",
+    ),
     (
         ("solver", "equilibrium"), "bush", "condensed rigid",
         "which needs no segments; condensed has the exact static stiffness of the chain",
@@ -252,6 +259,7 @@ PRESETS: dict[str, dict[str, Any]] = {
     "full": {"mesh": "general-contact", "bush": "chain"},
     "flank": {},
     "quasi-static": {"solver": "equilibrium"},
+    "reduced": {"solver": "reduced"},
     "closed-form": {"solver": "closed-form", "step_angle": "5 deg"},
 }
 

@@ -77,6 +77,7 @@ class Code(MeaningEnum):
     RACK_OUT_OF_MESH = "rack-out-of-mesh", "the rack left the mesh"
     TEETH_UNLOADED = "teeth-unloaded", "the teeth carry no load"
     BEYOND_LAW = "beyond-law", "the contact left the range of its law"
+    BEYOND_TABLE = "beyond-table", "the load on the rack is outside the table of the reduced gear"
     BEYOND_FORMULAS = "beyond-formulas", "the gear is outside the range of the closed form"
     TURN_TOO_FAST = "turn-too-fast", "equilibria leave out inertia, which matters in this turn"
     CONTACT_DISAGREES = "contact-disagrees", "two evaluations of the contact forces differ"

@@ -122,10 +122,12 @@ def run_at_rest(
     """Find the equilibria under the loads, a body held at the test's start angle.
 
     Raises:
-        InputError: the start lies beyond the rack's teeth.
+        InputError: the start lies beyond the rack's teeth, or a model that has no rest.
     """
     start = gear.test.start_angle
     check_travel(gear, (start,), "test.start_angle")
+    if fidelity.solver == "reduced":
+        raise InputError("fidelity.solver is reduced, which has no gear at rest; choose equilibrium.")
     drive = Steady(body, travel_per_radian(body, float(GearPair.of(gear).gain)) * start, 0.0)
     run = _equilibria(_without_friction_memory(gear), fidelity, drive, loads, options)
     return run.described(lambda signals: {**metrics(signals), **balance(signals)}, gear)

@@ -1,4 +1,4 @@
-"""Make a maneuver: by dynamics in Exudyn, by equilibria, or by formula, by the fidelity's choice.
+"""Make a maneuver: by dynamics in Exudyn, equilibria, a table of them or formulas, as the fidelity asks.
 
     run = run_maneuver(gear, fidelity, maneuver)
     run = run_maneuver(gear, fidelity, [there, back], options)
@@ -8,6 +8,7 @@ All give the same signals as far as they have them. None is called ok before its
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from time import process_time
 from typing import TYPE_CHECKING
 
@@ -26,6 +27,7 @@ from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Remark, Statu
 from rps_exudyn.scenes.checks.before_run import check_memory
 from rps_exudyn.scenes.ladder import cycles_before
 from rps_exudyn.scenes.maneuver import Maneuver
+from rps_exudyn.scenes.run_reduced import by_reduced
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions, SteadyRecord, SteadyTest
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined, lost, outcome_of_path
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
@@ -422,5 +424,6 @@ Solver = Callable[[SteeringGear, Fidelity, Maneuver, RunOptions], SceneRun]
 SOLVERS: dict[str, Solver] = {
     "generalized-alpha": by_dynamics,
     "equilibrium": by_equilibrium,
+    "reduced": partial(by_reduced, by_equilibrium),
     "closed-form": by_formula,
 }

@@ -36,7 +36,7 @@ def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> S
     Raises:
         InputError: a model without inertia, or a test that leaves the rack's teeth.
     """
-    check_dynamics(fidelity, "stick-slip", "slip")
+    check_dynamics(fidelity, "stick-slip", "slip", "reduced")
     model = reduced_gear(gear)
     nothing = None if model.surplus > 0 else NOTHING_FALLS
     predicted = predictions(gear, fidelity)

@@ -66,6 +66,7 @@ class CasesRow:
 COSTS = {
     ("closed-form", "flank"): (0.010, 0.0),
     ("equilibrium", "flank"): (0.013, 1e-5),
+    ("reduced", "flank"): (1.5, 2e-4),
     ("equilibrium", "general-contact"): (1.0, 2e-3),
     ("equilibrium", "triangles"): (0.1, 3e-4),
     ("generalized-alpha", "flank"): (0.14, 2.2e-4),

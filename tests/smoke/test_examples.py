@@ -19,7 +19,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import SCENE_NAMES, add_scene, scene_named
-from rps_exudyn.solvers.closed_form import torque_per_preload
+from rps_exudyn.solvers.closed_form import closed_form, torque_per_preload
 from shell import in_fresh_process
 
 NOTEBOOKS = sorted(EXAMPLES.glob("*.ipynb"))
@@ -28,6 +28,7 @@ SCRIPTS = {
     "own_exudyn_model": "[view]",
     "own_gear": "[GEAR.toml]",
     "own_scene": "",
+    "weave": "[PICTURE.png]",
     "tables_and_datasets": "",
     "measured/make_made_up": "[FOLDER]",
 }
@@ -64,6 +65,16 @@ def test_sweep_finds_the_torque_that_the_preload_does_not_make(ran: Ran, tmp_pat
     gear = SteeringGear()
     drag = gear.bush.drag * GearPair.of(gear).gain + gear.bearing.friction_torque
     assert left == pytest.approx(1e3 * drag, rel=0.03)
+
+
+def test_weave_feels_the_friction_of_the_gear(ran: Ran, tmp_path: Path) -> None:
+    """On centre the hand holds the free torque and what lags of the rack's load: 1.0 to 1.3 times it."""
+    printed = ran("weave", "weave.png")
+    assert (tmp_path / "examples" / "weave.png").stat().st_size > 5000
+    torque, band = map(float, re.findall(r"no acceleration +([\d.]+) \+- ([\d.]+) N m", printed)[0])
+    free = closed_form(SteeringGear()).free_torque
+    assert free < torque < 1.3 * free
+    assert 0.05 < band / torque < 0.3
 
 
 def test_exudyn_system_can_be_taken_over(ran: Ran) -> None:

@@ -55,6 +55,7 @@ PLACEHOLDERS = {
     "[DIR]": "begun",
     "[ROWS]": "rows",
     "[PATH]": "yoke",
+    "GEAR.fmu": "gear.fmu",
 }
 """What stands for a word that a reader replaces: a word, or a file or folder that `lender` has."""
 

@@ -79,13 +79,14 @@ def _of_process() -> float:
 # --- What a model or a gear lacks
 
 
-def check_dynamics(fidelity: Fidelity, scene: str, missing: str) -> None:
-    """Check that a model has inertia; equilibria are without what is `missing`.
+def check_dynamics(fidelity: Fidelity, scene: str, missing: str, *others: str) -> None:
+    """Check that a model has inertia, or one of the other solvers; equilibria are without what is
+    `missing`.
 
     Raises:
         InputError: it has none.
     """
-    if fidelity.solver != "generalized-alpha":
+    if fidelity.solver not in ("generalized-alpha", *others):
         raise InputError(
             f"fidelity.solver is {fidelity.solver}; {scene} needs generalized-alpha: equilibria have no "
             f"{missing}."
