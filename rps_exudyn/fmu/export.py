@@ -52,7 +52,6 @@ def export(gear: SteeringGear, path: str | Path, **options: Any) -> ExportedFmu 
     suffix = check_writable(path, tuple(WRITERS)).suffix.lower()
     writer = WRITERS[suffix]
     if unknown := sorted(set(options) - set(writer.options)):
-        raise InputError(
-            f"{unknown[0]} is no option of {suffix} files; theirs are {', '.join(writer.options)}."
-        )
+        known = " and ".join(writer.options)
+        raise InputError(f"{unknown[0]} is no option of {suffix} files; these have {known}.")
     return writer.function(gear, path, **options)

@@ -30,8 +30,8 @@ def with_meshes(fidelity: Fidelity, gear: SteeringGear) -> Fidelity:
     """
     if not (given := surfaces_of(gear)):
         return fidelity
-    if fidelity.solver == "closed-form" or fidelity.mesh == "general-contact":
-        part = ("solver", "mesh")[fidelity.solver != "closed-form"]
+    if fidelity.solver in ("closed-form", "reduced") or fidelity.mesh == "general-contact":
+        part = "mesh" if fidelity.mesh == "general-contact" else "solver"
         raise InputError(
             f"{given[0]} is given, but fidelity.{part} is {getattr(fidelity, part)}, which has only flanks "
             "by parameters: choose quasi-static or flank."

@@ -54,8 +54,8 @@ FORCES = {"N", "N*m", "J"}
 """Units of metrics that change as forces do."""
 MODEL_BIAS = {"closed-form": 0.02, "general-contact": 0.003, "triangles": 0.001, "reduced": 0.025}
 """Model -> share of forces by which it may differ from equilibria with lines of contact: means of gears by
-formulas differ by 1.7 % at most, those of spheres by 0.3 %, of triangles by 0.1 %; loops and dead bands of the
-reduced gear by 2.4 % from those of the dynamics. Formulas leave out what varies."""
+formulas differ by 1.7 % at most, those of spheres by 0.3 %, of triangles by 0.1 %; loops and dead bands of
+the reduced gear by 2.4 % from those of the dynamics. Formulas leave out what varies."""
 
 MISSED_TORQUE = 1e-3  # whose work is none: a gear without friction takes none [N m]
 ROUNDING = 1e-9  # of the works of a gear that nothing moves [J]
