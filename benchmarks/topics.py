@@ -25,7 +25,7 @@ MODULES = {
     "validation": "validation",                        "study_scaling": "study_scaling",
     "many_gears": "many_gears",                        "start_up": "start_up",
     "peer_scene": "peers.scene_files",                 "peers": "peers.side_by_side",
-    "reduced_gear": "reduced_gear",
+    "reduced_gear": "reduced_gear",                    "triangles": "triangles",
 }  # fmt: skip
 PARTS = {
     "spheres_on_gears": "law_on_gears:SPHERES_ALONE",

@@ -61,7 +61,8 @@ def test_each_level_is_finer_in_every_knob(preset: str) -> None:
     for coarse, fine in pairwise(levels):
         for name in {"tolerance", "zone_ratio"}:
             assert getattr(fine, name) == pytest.approx(getattr(coarse, name) / 2)
-        for name in {*KNOBS} - {"tolerance", "zone_ratio", "step_angle", "swing_steps"}:
+        assert fine.chord_error == pytest.approx(coarse.chord_error / 4)
+        for name in {*KNOBS} - {"tolerance", "zone_ratio", "chord_error", "step_angle", "swing_steps"}:
             assert getattr(fine, name) > getattr(coarse, name), name
     assert model_at(1, fidelity) == fidelity
     modes = [gear_at(level, SteeringGear()).rack.modes for level in range(4)]

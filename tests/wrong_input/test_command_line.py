@@ -48,7 +48,7 @@ MISTAKES = {
     "run --out a.txt": "a.txt cannot be written: its name must end in .h5 or .hdf5.",
     "run --plot a.doc": "a.doc cannot be written: its name must end in .png or .svg or .pdf.",
     "run --mesh general-contact --solver closed-form": "fidelity.mesh is general-contact, but",
-    "export gear.xyz": "gear.xyz cannot be written: its name must end in .fmu",
+    "export gear.xyz": "gear.xyz cannot be written: its name must end in .stl or .glb or .step or .fmu",
     "export nowhere/gear.fmu": "nowhere/gear.fmu cannot be written: there is no folder",
     "export gear.fmu --load -3": "load is -3.0 N; it must be greater than 0",
     "export gear.fmu --fmi 4": "fmi is 4; it must be 3 or 2",
