@@ -97,6 +97,8 @@ def own_meshes(gear: SteeringGear, chord_error: float) -> MeshData:
         polygons = _met(*given["rack"], pair.tip_radius - pair.bar_axis_height + DEEPEST * pair.module)
     else:
         polygons = own_polygons(gear, chord_error)
+    if not len(corners) or not any(map(len, polygons)):
+        raise InputError(f"{next(iter(given))}.surface does not reach the other part's teeth.")
     return mesh_data(corners + pair.eccentricity, polygons)
 
 

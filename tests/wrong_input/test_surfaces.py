@@ -16,6 +16,7 @@ from rps_exudyn.gears.mesh_frames import place_pinion, place_rack
 from rps_exudyn.gears.pinion_mesh import pinion_mesh
 from rps_exudyn.gears.solids import pinion_solid, rack_solid
 from rps_exudyn.gears.surface_report import compared, contradictions
+from rps_exudyn.pages.animation.parts import picture_parts
 from rps_exudyn.parameters.gear import SteeringGear
 from shell import Command
 
@@ -178,6 +179,8 @@ def test_gear_with_a_surface_is_compared_and_has_only_triangles(tmp_path: Path, 
     assert "pinion: lead" in answer.out
     assert "read in mm" in answer.out
     gear = GEAR.replace({"pinion.surface": str(tmp_path / "pinion.stl")})
+    drawn = {each.name: each for each in picture_parts(gear)}
+    assert len(drawn["pinion"].faces) == len(PINION)
     for model, said in (("closed-form", "solver is closed-form"), ("full", "mesh is general-contact")):
         with pytest.raises(rps.InputError, match=rf"pinion\.surface is given.*{said}"):
             rps.run("free-pinion-torque", gear, fidelity=model)

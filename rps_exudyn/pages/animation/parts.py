@@ -7,11 +7,14 @@ plunger's mass and the spring's rate. Nothing else of the pictures is not in the
 from dataclasses import dataclass
 
 import numpy as np
+import trimesh
 from manifold3d import Manifold
 
 from rps_exudyn.gears.basic_rack import arc_segments
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.polyhedron import Solid, cylinder, from_manifold, to_manifold
 from rps_exudyn.gears.solids import bush_segment_solid, gear_solids, plunger_ends
+from rps_exudyn.gears.surface_report import placed_surfaces
 from rps_exudyn.parameters.gear import SteeringGear
 
 CHORD_ERROR = 20e-6  # finer meshes look the same [m]
@@ -26,6 +29,7 @@ COLOURS = {
     "bearings": (0.8, 0.475, 0.655),
 }
 """PicturePart -> red, green, blue in 0..1: as in `pages.charts.style`, the yoke in three blues."""
+MOST_DRAWN = 200_000  # triangles of a surface: a page of some 10 MB
 BORE = 0.52  # of the plunger, over its diameter
 BORE_DEPTH = 0.62  # over the plunger's length
 RING, RING_WIDTH = 1.5, 0.5  # outer radius and width of a bearing, over the shaft's radius and diameter
@@ -45,6 +49,8 @@ class PicturePart:
 def picture_parts(gear: SteeringGear) -> list[PicturePart]:
     """All bodies; the spring stands in the plunger's frame, the bush in one piece around its own centre.
 
+    Surfaces of up to `MOST_DRAWN` triangles stand in place of the drawing's parts.
+
     Raises:
         InputError: a gear that cannot be built.
     """
@@ -52,6 +58,11 @@ def picture_parts(gear: SteeringGear) -> list[PicturePart]:
     solids["bush"] = bush_segment_solid(gear.replace({"bush.segments": 1}), CHORD_ERROR)
     meshes = {name: (solid.vertices, solid.faces) for name, solid in solids.items()}
     meshes |= {"plunger": bored(solids["plunger"], gear), "spring": coil(gear)}
+    for name, (surface, placement) in placed_surfaces(gear).items():
+        if len(surface.areas) <= MOST_DRAWN:
+            place = GearPair.of(gear).eccentricity if name == "pinion" else np.zeros(3)
+            mesh = trimesh.Trimesh(**trimesh.triangles.to_kwargs(placement.place(surface.corners) + place))
+            meshes[name] = np.array(mesh.vertices), np.array(mesh.faces)
     bodies = [name for name in COLOURS if name != "bearings"]
     return [PicturePart(name, *with_normals(*meshes[name])) for name in bodies]
 
