@@ -9,7 +9,7 @@ from rps_exudyn.base.progress import reached
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Code, Outcome, Status
+from rps_exudyn.results.outcome import Code, Outcome, Remark, Status
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.reduced_table import Follow, TableLost, table_of
 from rps_exudyn.scenes.scene import RunOptions
@@ -44,9 +44,11 @@ def by_reduced(
     if isinstance(drive, WheelTorque):
         largest = max(largest, ROOM * abs(drive.peak) / gain)
     signals: Signals = {}
+    on_nut = 0.0
     outcome = Outcome(Status.OK, settings={"name": "reduced"})
     try:
         table = table_of(follow, gear, fidelity, largest, options.level)
+        on_nut = table.yokenut_force
         run = _Stepped(gear, table, maneuver)
         for number, (before, after) in enumerate(zip(maneuver.time, maneuver.time[1:], strict=False), 1):
             run.step(float(before), float(after))
@@ -58,7 +60,11 @@ def by_reduced(
     except BeyondTable as beyond:
         outcome = Outcome(Status.INVALID, str(beyond), (Code.BEYOND_TABLE,), settings={"name": "reduced"})
     outcome.cpu_s = process_time() - start
-    return SceneRun(outcome, signals)
+    made = SceneRun(outcome, signals)
+    if on_nut == 0:
+        return made
+    text = f"the yokenut carries up to {on_nut:.3g} N, where the error of the reduced gear is not known"
+    return made.noting(Remark(Code.YOKE_STOPPED, text))
 
 
 class _Stepped:

@@ -19,8 +19,8 @@ import numpy as np
 from rps_exudyn.base.progress import begin_stage
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Interrupted, Remark
-from rps_exudyn.results.quantities import EXTREMES, LOSS_SHARES, MOTIONS, VARIATIONS, WANDERING
+from rps_exudyn.results.outcome import Code, Interrupted, Remark
+from rps_exudyn.results.quantities import EXTREMES, LOSS_SHARES, MOTIONS, SUMMARY, VARIATIONS, WANDERING
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses
 from rps_exudyn.scenes.checks.rules import OF_BARS, VIBRATES, RuleInput, breaches
 from rps_exudyn.scenes.error_bar_terms import bar_terms
@@ -87,7 +87,9 @@ class Levels:
             begin_stage(*stage)
             gear, model, begun = gear_at(level, self.gear), model_at(level, self.fidelity), process_time()
             run = self.scene.run(gear, model, replace(self.options, level=level))
-            self.runs[level] = run.unsure_of(NOT_REDUCED) if model.solver == "reduced" else run
+            if model.solver == "reduced":
+                run = run.unsure_of(SUMMARY if Code.YOKE_STOPPED in run.outcome.codes else NOT_REDUCED)
+            self.runs[level] = run
             self.seconds[level] = process_time() - begun
         return self.runs[level]
 

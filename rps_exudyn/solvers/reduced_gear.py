@@ -44,6 +44,7 @@ class ReducedGear:
         speed_factor: (s,) friction over that of the table.
         constant: part of the friction that depends neither on preload nor on load [N m].
         seat_share: share of the rest that is the plunger's.
+        yokenut_force: largest force on the yokenut in the table [N].
     """
 
     gain: float
@@ -61,6 +62,7 @@ class ReducedGear:
     speed_factor: np.ndarray = field(default_factory=lambda: np.ones(1))
     constant: float = 0.0
     seat_share: float = 0.0
+    yokenut_force: float = 0.0
 
     @cached_property
     def free(self) -> np.ndarray:
