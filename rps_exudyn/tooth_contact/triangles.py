@@ -21,7 +21,7 @@ from rps_exudyn.gears.flank_grid import FlankGrid, measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.mesh_file import Surface
-from rps_exudyn.gears.mesh_frames import Placement
+from rps_exudyn.gears.mesh_frames import PinionPlacement, Placement, RackPlacement
 from rps_exudyn.gears.pinion_mesh import flank_patch
 from rps_exudyn.gears.pitch_errors import rack_errors
 from rps_exudyn.gears.rack_bar import RackBar, RackFlank
@@ -89,12 +89,18 @@ def own_meshes(gear: SteeringGear, chord_error: float) -> MeshData:
     for sentence in contradictions(gear):
         raise InputError(sentence)
     given, pair = placed_surfaces(gear), GearPair.of(gear)
+    pinion_tip, rack_tip = pair.tip_radius, RackBar.of(gear).tip_height
+    for _, placement in given.values():
+        if isinstance(placement, PinionPlacement):
+            pinion_tip = placement.tip_diameter / 2
+        elif isinstance(placement, RackPlacement):
+            rack_tip = -(placement.reference_height + placement.addendum)
     if "pinion" in given:
-        corners = _turning(*given["pinion"], pair.bar_axis_height + RackBar.of(gear).tip_height, pair.module)
+        corners = _turning(*given["pinion"], pair.bar_axis_height + rack_tip, pair.module)
     else:
         corners = own_corners(gear, chord_error)
     if "rack" in given:
-        polygons = _met(*given["rack"], pair.tip_radius - pair.bar_axis_height + DEEPEST * pair.module)
+        polygons = _met(*given["rack"], pinion_tip - pair.bar_axis_height + DEEPEST * pair.module)
     else:
         polygons = own_polygons(gear, chord_error)
     if not len(corners) or not any(map(len, polygons)):
