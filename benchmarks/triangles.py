@@ -93,8 +93,8 @@ def differences_table(folder: Path) -> str:
         "runout um": lambda row: digits(1e6 * row["runout"]),
         "mean N mm": lambda row: digits(1e3 * row["mean"]),
         "ripple N mm": lambda row: digits(1e3 * row["ripple"]),
+        **{name: _column(name) for name in SURFACES},
     }
-    columns |= {name: _column(name) for name in SURFACES}
     return table_of(load_data(folder / DATA)["gears"], columns)
 
 
