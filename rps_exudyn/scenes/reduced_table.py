@@ -99,7 +99,7 @@ def table_of(
         speed_factor=at_speed / at_speed[-1] if at_speed[-1] else np.ones(len(speeds)),
         constant=float(gain * bush_drag(turned) + gear.bearing.friction_torque),
         seat_share=mean.plunger_loss / of_load,
-        yokenut_force=max(float(way["yokenut_force"].max()) for row in rows for way in row),
+        yokenut_force=max(float(way["yokenut_force"].max()) for way in rows[len(rows) // 2]),
     )
     return _with_elements(follow, reduced, turned, model)
 

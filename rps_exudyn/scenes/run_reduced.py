@@ -63,7 +63,7 @@ def by_reduced(
     made = SceneRun(outcome, signals)
     if on_nut == 0:
         return made
-    text = f"the yokenut carries up to {on_nut:.3g} N, where the error of the reduced gear is not known"
+    text = f"without a load the yokenut carries {on_nut:.3g} N: the error of the reduced gear is not known"
     return made.noting(Remark(Code.YOKE_STOPPED, text))
 
 

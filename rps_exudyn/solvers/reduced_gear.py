@@ -44,7 +44,7 @@ class ReducedGear:
         speed_factor: (s,) friction over that of the table.
         constant: part of the friction that depends neither on preload nor on load [N m].
         seat_share: share of the rest that is the plunger's.
-        yokenut_force: largest force on the yokenut in the table [N].
+        yokenut_force: largest on the yokenut without a load [N].
     """
 
     gain: float

@@ -184,6 +184,6 @@ def test_where_the_nut_carries_no_error_is_known() -> None:
     """The runout closes the yoke's clearance: forces then grow as no friction of the table does."""
     tight = SteeringGear().replace({"yoke.clearance": "5 um", "pinion.runout": "40 um"})
     result = rps.run("reversal", tight, fidelity="reduced")
-    assert "the yokenut carries up to" in result.message
+    assert "without a load the yokenut carries" in result.message
     assert "yoke-stopped" in result.codes
     assert all(np.isnan(result.errors[name]) for name in ("hysteresis_area", "torque_jump"))
