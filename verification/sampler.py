@@ -180,6 +180,8 @@ def random_plan(rng: np.random.Generator) -> ScenePlan:
     fidelity = random_fidelity(rng, fixed)
     while scene_named(scene).at_rest and fidelity.rack not in FREE_RACK_MODELS:
         fidelity = random_fidelity(rng, fixed)
+    if fidelity.mesh == "triangles":  # which have one law each of contact and friction
+        gear = gear.replace({"mesh.law": "line", "mesh.friction_law": PLAIN_LAW})
     needed = resolve_contact_law(gear, fidelity, scene_named(scene).law)
     stations = max(fidelity.strip_stations, LEAST_STATIONS[needed.mesh.contact_law])
     fidelity = fidelity.replace({"strip_stations": stations})

@@ -164,7 +164,7 @@ TEST: dict[str, Range] = {
 GEAR: Mapping[str, Range] = {**TEETH, **ERRORS, **PARTS, **CONDITIONS, **COLUMN, **TEST}
 
 FIDELITY: Mapping[str, Range] = {
-    "mesh": Choice({"flank": 1, "triangles": 0, "general-contact": 0}),  # drawn apart: they cost more
+    "mesh": Choice({"flank": 19, "triangles": 1, "general-contact": 0}),  # spheres are drawn apart
     "bush": Choice({"condensed": 7, "rigid": 1, "chain": 1}),
     "rack": Choice({"by-scene": 8, "free": 1, "guided": 1, "flexible": 2}),
     "pinion": Choice({"by-scene": 8, "rigid": 1, "supported": 1}),

@@ -102,7 +102,8 @@ def levels_figure(rows: Sequence[Mapping[str, Any]]) -> Figure:
         axes.set_visible(False)
     figure.supxlabel("error of the scene's main metric [%]", fontsize=10)
     figure.supylabel("CPU time of the whole run [s]", fontsize=10)
-    looks = {preset: STYLES[family] for preset, family in PRESET_FAMILIES.items()}
+    drawn = {row["preset"] for row in rows}
+    looks = {preset: STYLES[family] for preset, family in PRESET_FAMILIES.items() if preset in drawn}
     handles = [Line2D([], [], color=c, marker=m, label=preset) for preset, (c, m) in looks.items()]
     handles += [Line2D([], [], color="black", marker="o", linestyle="", label="true error")]
     handles += [

@@ -24,7 +24,7 @@ from rps_exudyn.scenes import scene_named
 from rps_exudyn.study.cases import describe, setup_of
 from rps_exudyn.study.definition import Axis, Study, Value, axis_quantity
 from rps_exudyn.study.study_file import read_study
-from verification.faceted import FACETED, Surface, faceted_run, flanks, largest_deviation, meshed, shaped
+from verification.faceted import FACETED, Surface, faceted_run, largest_deviation, meshed, shaped
 from verification.law_area import by_law
 from verification.references import Method, as_run, by_strips, over_generators, reference_of, still
 from verification.runs import SceneReference, run_scene
@@ -139,7 +139,7 @@ def _faceted(study: str, label: str, family: str, surface: Surface) -> PlannedPo
 
 
 def reference_for(plan: PlannedPoint, reference: SceneReference) -> SceneReference:
-    """The scene's reference; for faceted pinions flanks of much finer triangles, for models of other
+    """The scene's reference; for faceted pinions a solid of much finer triangles, for models of other
     physics the same in finer steps and stations."""
     if name := of_family(plan.family):
         return reference_of_variant(reference.scene, name)
@@ -148,8 +148,8 @@ def reference_for(plan: PlannedPoint, reference: SceneReference) -> SceneReferen
 
 @cache
 def on_analytic_flank(scene: str) -> SceneReference:
-    """Reference of faceted pinions: the torque of flanks within a nanometre."""
-    signals = faceted_run(PITCH, FACETED, flanks(1e-9)).signals
+    """Reference of faceted pinions: the torque of a solid within ten nanometres."""
+    signals = faceted_run(PITCH, FACETED, meshed(1e-8)).signals
     curve, lift = (scene_named(scene).curve(signals, PITCH, FACETED, name) for name in ("", "rack_y"))
     return SceneReference(scene, PITCH, Reference(curve, 0.0, {}), lift)
 
