@@ -83,14 +83,13 @@ def faceted_forces(
     gear = by_law(gear, "line")
     corners, polygons = surface(gear), rack or own_polygons(gear, fidelity.chord_error)
     forces = gear_forces(gear, fidelity)
-    gears, smooth, pool = forces.gears.copy(), forces.ideal.copy(), forces.pool
-    perfect = gear.replace({"pinion.runout": 0.0, "mesh.friction": 0.0})
-    for each, one in ((gears, gear), (smooth, perfect)):
-        meshes = mesh_data(corners + GearPair.of(one).eccentricity, polygons)
-        record, numbers = triangles_of(one, fidelity, forces.friction_zone, pool.size, meshes)
-        record["least_rho"], record["by_curvature"] = 1.0, gear.mesh.stiffness  # the same whatever rho is
-        record["standing_out"] = 0.0
-        each["mesh"]["triangles"], pool = record, np.concatenate([pool, numbers])
+    gears, smooth, meshes = forces.gears.copy(), forces.ideal.copy(), mesh_data(corners, polygons)
+    record, numbers = triangles_of(gear, fidelity, forces.friction_zone, forces.pool.size, meshes)
+    record["least_rho"], record["by_curvature"] = 1.0, gear.mesh.stiffness  # the same whatever rho is
+    record["standing_out"] = 0.0
+    gears["mesh"]["triangles"], pool = record, np.concatenate([forces.pool, numbers])
+    record["friction"] = record["middle"] = 0.0
+    smooth["mesh"]["triangles"] = record
     offset = GearPair.of(gear).axis_offset
     approach = static_approach(gear.yoke.preload, forces.law, smooth, pool, offset)
     gears["seat"]["rest_gap"] = approach + seat_under(gear).depth

@@ -143,11 +143,11 @@ def reference_for(plan: PlannedPoint, reference: SceneReference) -> SceneReferen
     physics the same in finer steps and stations."""
     if name := of_family(plan.family):
         return reference_of_variant(reference.scene, name)
-    return reference if plan.fidelity is not FACETED else on_analytic_flank(reference.scene)
+    return reference if plan.fidelity is not FACETED else on_fine_solid(reference.scene)
 
 
 @cache
-def on_analytic_flank(scene: str) -> SceneReference:
+def on_fine_solid(scene: str) -> SceneReference:
     """Reference of faceted pinions: the torque of a solid within ten nanometres."""
     signals = faceted_run(PITCH, FACETED, meshed(1e-8)).signals
     curve, lift = (scene_named(scene).curve(signals, PITCH, FACETED, name) for name in ("", "rack_y"))

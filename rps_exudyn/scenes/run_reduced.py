@@ -10,6 +10,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Outcome, Remark, Status
+from rps_exudyn.results.quantities import LOSS_SHARES, SUMMARY, WANDERING
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.reduced_table import Follow, TableLost, table_of
 from rps_exudyn.scenes.scene import RunOptions
@@ -21,6 +22,10 @@ from rps_exudyn.solvers.steering_column import ColumnModel, WheelTorque
 
 SUBSTEPS = 4  # of a step of the maneuver: those of equilibria and of the dynamics are long for a column
 ROOM = 1.5  # times the load that the torque's peak would hold: the wheel overshoots
+TURNED_ABOUT = frozenset({"feel_angle_hysteresis", "reversal_angle"})
+"""Angles over which friction turns about, which a reduced gear has from one swing without load."""
+NOT_REDUCED = WANDERING | TURNED_ABOUT | LOSS_SHARES
+"""Metrics that a reduced gear has no model error of: motions beside the travel, and who takes the work."""
 STARTS = 5  # times that the twist of the column at a start is found
 
 
@@ -62,9 +67,9 @@ def by_reduced(
     outcome.cpu_s = process_time() - start
     made = SceneRun(outcome, signals)
     if on_nut == 0:
-        return made
+        return made.unsure_of(NOT_REDUCED)
     text = f"without a load the yokenut carries {on_nut:.3g} N: the error of the reduced gear is not known"
-    return made.noting(Remark(Code.YOKE_STOPPED, text))
+    return made.noting(Remark(Code.YOKE_STOPPED, text)).unsure_of(SUMMARY)
 
 
 class _Stepped:

@@ -86,7 +86,8 @@ def joined(runs: Sequence[SceneRun]) -> SceneRun:
         **summed_cost(outcomes),
     )
     recorded = [run.signals for run in runs if run.signals]
-    return SceneRun(outcome, one_after_another(recorded) if recorded else {})
+    unsure = frozenset().union(*(run.unsure for run in runs))
+    return SceneRun(outcome, one_after_another(recorded) if recorded else {}, unsure=unsure)
 
 
 def summed_cost(outcomes: Sequence[Outcome]) -> dict[str, Any]:

@@ -19,8 +19,8 @@ import numpy as np
 from rps_exudyn.base.progress import begin_stage
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Code, Interrupted, Remark
-from rps_exudyn.results.quantities import EXTREMES, LOSS_SHARES, MOTIONS, SUMMARY, VARIATIONS, WANDERING
+from rps_exudyn.results.outcome import Interrupted, Remark
+from rps_exudyn.results.quantities import EXTREMES, MOTIONS, VARIATIONS
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses
 from rps_exudyn.scenes.checks.rules import OF_BARS, VIBRATES, RuleInput, breaches
 from rps_exudyn.scenes.error_bar_terms import bar_terms
@@ -31,10 +31,6 @@ from rps_exudyn.scenes.scene_run import SceneRun, summed_cost
 
 FINE_SHARE = 2 / 3  # of the time of two levels, that the finer one takes
 GROWTH = 2.0  # at least, of CPU time from one level to the next
-TURNED_ABOUT = frozenset({"feel_angle_hysteresis", "reversal_angle"})
-"""Angles over which friction turns about, which a reduced gear has from one swing without load."""
-NOT_REDUCED = WANDERING | TURNED_ABOUT | LOSS_SHARES
-"""Metrics that a reduced gear has no model error of: motions beside the travel, and who takes the work."""
 LEAST_SECONDS = 1e-6  # of a run that ends at once
 
 
@@ -86,10 +82,7 @@ class Levels:
         if level not in self.runs:
             begin_stage(*stage)
             gear, model, begun = gear_at(level, self.gear), model_at(level, self.fidelity), process_time()
-            run = self.scene.run(gear, model, replace(self.options, level=level))
-            if model.solver == "reduced":
-                run = run.unsure_of(SUMMARY if Code.YOKE_STOPPED in run.outcome.codes else NOT_REDUCED)
-            self.runs[level] = run
+            self.runs[level] = self.scene.run(gear, model, replace(self.options, level=level))
             self.seconds[level] = process_time() - begun
         return self.runs[level]
 

@@ -16,7 +16,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear, surfaces_of
 from rps_exudyn.results.outcome import Remark
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.after_run import unsettled_share
@@ -67,12 +67,11 @@ def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, value
     supported = fidelity.pinion == "supported"
     rack, pinion = gear.rack, gear.pinion
     listed = rack.pitch_errors or pinion.pitch_errors or rack.deviation or pinion.deviation
-    listed = listed or rack.surface or pinion.surface
     parts = rack.bow or rack.side_force or rack.back_parallelism or gear.installation.gravity or listed
     reasons = {
         "scene": scene_named(scene).test is None,
         "fidelity": same != usual,
-        "parts": bool(parts),
+        "parts": bool(parts or surfaces_of(gear)),
         "conditions": not is_new(gear),
         "friction": any(getattr(gear, part).facts.has_state for part in RUBBING_PARTS)
         or bool(gear.yoke.bore_friction or gear.yoke.bore_damping)

@@ -198,15 +198,14 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         gears["weight"], gears["has_weight"] = external_load.weight(gear), 1
     if bar is not None:
         pool, gears["bar"], gears["is_bent"] = bar.pool, bar.record, 1
-    if (measured := measured_flanks(gear)).are_given and law in ("line", "teeth"):
+    if (measured := measured_flanks(gear)).are_given and law not in MESH_LAWS.values():
         for each, part in product((gears, ideal), ("pinion_grid", "rack_grid")):
             each["mesh"]["flank"][part]["first"] += len(pool)
         pool = np.concatenate([pool, pooled_grids(measured)[2]])
     if law == "triangles":
-        smooth = gear.replace({"pinion.runout": 0.0, "mesh.friction": 0.0})
-        for each, one in ((gears, gear), (ideal, smooth)):
-            each["mesh"]["triangles"], numbers = triangles_of(one, fidelity, zone, len(pool))
-            pool = np.concatenate([pool, numbers])
+        mesh["triangles"], numbers = triangles_of(gear, fidelity, zone, len(pool))
+        ideal["mesh"], pool = mesh, np.concatenate([pool, numbers])
+        ideal["mesh"]["triangles"]["friction"] = ideal["mesh"]["triangles"]["middle"] = 0.0
     if spheres is not None:
         perfect = {"pinion.runout": 0.0, "mesh.friction": 0.0, "mesh.friction_law": PLAIN_LAW}
         of_perfect = spheres_of(gear.replace(perfect), fidelity, zone)

@@ -43,7 +43,7 @@ BOX = 6  # of a box along the rack's axes: lowest (3) and highest (3) corner
 class MeshData(NamedTuple):
     """Both meshes, as the kernel takes them; neighbours in space stand beside each other."""
 
-    triangles: np.ndarray  # (n, TRIANGLE), pinion frame at angle 0
+    triangles: np.ndarray  # (n, TRIANGLE), pinion frame at angle 0, without runout
     balls: np.ndarray  # (blocks, BALL) round each block of triangles
     faces: np.ndarray  # (m, FACE), rack frame
     edges: np.ndarray  # (e, EDGE)
@@ -64,7 +64,7 @@ TRIANGLES = record_type(
         ("least_rho", "f8"),  # [m]
         ("square", "f8"),  # of the base radius [m^2]
         ("cos_beta_b", "f8"),
-        ("middle", "f8", (3,)),  # of the teeth, pinion frame at angle 0 [m]
+        ("middle", "f8", (3,)),  # of the teeth from the axis, pinion frame at angle 0 [m]
         ("standing_out", "f8"),  # by which faces stand out of the rack [m]
         ("deepest", "f8"),  # what is deeper lies in another tooth [m]
         ("damping", "f8"),
@@ -104,7 +104,8 @@ def mesh_contact(  # type: ignore[no-untyped-def]
     moving, turning = vector(velocity), vector(spin)
     cos, sin = np.cos(angle), np.sin(angle)
     turn, shift = _to_rack(cos, sin, frame, rotation, to_axis)
-    middle = times(rotation, plus(shift, _turned(turn, vector(data.middle))))
+    shift = plus(shift, _turned(turn, vector(data.middle)))
+    middle = times(rotation, shift)
     moved = stacked((BLOCK, MOVED))
     for block in range((data.triangle_count + BLOCK - 1) // BLOCK):
         ball, first = data.balls + BALL * block, BLOCK * block

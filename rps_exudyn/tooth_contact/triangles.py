@@ -24,6 +24,7 @@ from rps_exudyn.gears.mesh_file import Surface
 from rps_exudyn.gears.mesh_frames import PinionPlacement, Placement, RackPlacement
 from rps_exudyn.gears.pinion_mesh import flank_patch
 from rps_exudyn.gears.pitch_errors import rack_errors
+from rps_exudyn.gears.polyhedron import indexed
 from rps_exudyn.gears.rack_bar import RackBar, RackFlank
 from rps_exudyn.gears.surface_report import contradictions, placed_surfaces
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
@@ -105,7 +106,7 @@ def own_meshes(gear: SteeringGear, chord_error: float) -> MeshData:
         polygons = own_polygons(gear, chord_error)
     if not len(corners) or not any(map(len, polygons)):
         raise InputError(f"{next(iter(given))}.surface does not reach the other part's teeth.")
-    return mesh_data(corners + pair.eccentricity, polygons)
+    return mesh_data(corners, polygons)
 
 
 def own_corners(gear: SteeringGear, chord_error: float) -> np.ndarray:
@@ -161,11 +162,7 @@ def _met(surface: Surface, placement: Placement, deepest: float) -> list[np.ndar
 
 def convex_faces(corners: np.ndarray) -> list[np.ndarray]:
     """Return triangles (n, 3, 3) [m] as convex polygons, (m, c, 3) each of m with c corners."""
-    import trimesh
-
-    faces = np.arange(3 * len(corners)).reshape(-1, 3)
-    mesh = trimesh.Trimesh(corners.reshape(-1, 3), faces, process=False)
-    mesh.merge_vertices(digits_vertex=9)  # of one nanometre
+    mesh = indexed(corners)
     faces, vertices, normals = (np.array(each) for each in (mesh.faces, mesh.vertices, mesh.face_normals))
     by_corners, left = defaultdict(list), np.ones(len(faces), dtype=bool)
     for facet in mesh.facets:

@@ -54,9 +54,7 @@ def pressed(upper: trimesh.Trimesh, lower: trimesh.Trimesh, **values: Any) -> np
 
 def own(gear: SteeringGear = GEAR, chord_error: float = 1e-7) -> MeshData:
     """The flanks of a gear."""
-    return mesh_data(
-        own_corners(gear, chord_error) + GearPair.of(gear).eccentricity, own_polygons(gear, chord_error)
-    )
+    return mesh_data(own_corners(gear, chord_error), own_polygons(gear, chord_error))
 
 
 def test_two_boxes_press_by_area_and_depth() -> None:

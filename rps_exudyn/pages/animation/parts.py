@@ -7,12 +7,11 @@ plunger's mass and the spring's rate. Nothing else of the pictures is not in the
 from dataclasses import dataclass
 
 import numpy as np
-import trimesh
 from manifold3d import Manifold
 
 from rps_exudyn.gears.basic_rack import arc_segments
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.polyhedron import Solid, cylinder, from_manifold, to_manifold
+from rps_exudyn.gears.polyhedron import Solid, cylinder, from_manifold, indexed, to_manifold
 from rps_exudyn.gears.solids import bush_segment_solid, gear_solids, plunger_ends
 from rps_exudyn.gears.surface_report import placed_surfaces
 from rps_exudyn.parameters.gear import SteeringGear
@@ -61,7 +60,7 @@ def picture_parts(gear: SteeringGear) -> list[PicturePart]:
     for name, (surface, placement) in placed_surfaces(gear).items():
         if len(surface.areas) <= MOST_DRAWN:
             place = GearPair.of(gear).eccentricity if name == "pinion" else np.zeros(3)
-            mesh = trimesh.Trimesh(**trimesh.triangles.to_kwargs(placement.place(surface.corners) + place))
+            mesh = indexed(placement.place(surface.corners) + place)
             meshes[name] = np.array(mesh.vertices), np.array(mesh.faces)
     bodies = [name for name in COLOURS if name != "bearings"]
     return [PicturePart(name, *with_normals(*meshes[name])) for name in bodies]
