@@ -55,7 +55,6 @@ PLACEHOLDERS = {
     "[DIR]": "begun",
     "[ROWS]": "rows",
     "[PATH]": "yoke",
-    "GEAR.fmu": "gear.fmu",
 }
 """What stands for a word that a reader replaces: a word, or a file or folder that `lender` has."""
 
@@ -84,6 +83,7 @@ SERVERS = {
 
 TO_HELP = {
     "run --column": "--measured titled.csv",
+    "export --set": "gear.stl",
     "study --cluster": "study.toml",
     "fit --set": "free.csv",
     "judge-batch --set": "line",
