@@ -17,7 +17,7 @@ from rps_exudyn.analysis.rack_motion import NEEDED, rack_poses
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.tooth_stiffness import EFFECTIVE_MODULUS
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear, surfaces_of
 from rps_exudyn.parameters.retired import has_lines, with_lines
 from rps_exudyn.tooth_contact.line_loads import LineLoads, line_loads, loads_data
 
@@ -70,8 +70,10 @@ def load_distribution(gear: SteeringGear, signals: Signals) -> LoadDistribution:
     """Return the loads at every instant of a record.
 
     Raises:
-        InputError: the record lacks the rack's motions, or the gear's contact law has no load per length.
+        InputError: the record lacks the rack's motions, or the gear's contact has no load per length.
     """
+    if given := surfaces_of(gear):
+        raise InputError(f"{given[0]} is given: loads along lines of contact need flanks by parameters.")
     if not has_lines(law := gear.mesh.contact_law):
         raise InputError(
             f'mesh.law is "{law}", which has no load per length of line: choose "line" or "teeth".'
@@ -111,14 +113,15 @@ FACE_CELLS = 14  # in which the load along the face is counted
 
 def face_loading(gear: SteeringGear, signals: Signals) -> dict[str, float]:
     """Return how the more loaded flanks bear their load along the face, from the contact forces; {} where the
-    record lacks the rack's motions or carries no load, or where the law has no lines.
+    record lacks the rack's motions or carries no load, or where the contact has no lines.
 
     face_load_factor       largest over mean load per face width, averaged over the record's time, which has
                            whole tooth pitches: K_H-beta of ISO 6336-1
     load_centre            Z of the mean load, from the middle of the face [m]
     contact_pressure_max   largest Hertzian pressure away from the lines' ends [Pa]
     """
-    if not {*NEEDED, "pinion_angle"} <= {*signals} or not has_lines(gear.mesh.contact_law):
+    has_motions = {*NEEDED, "pinion_angle"} <= {*signals}
+    if not has_motions or surfaces_of(gear) or not has_lines(gear.mesh.contact_law):
         return {}
     loads, pair = load_distribution(gear, signals), GearPair.of(gear)
     load = loads.load * loads.length * durations(signals["time"])[loads.instant]

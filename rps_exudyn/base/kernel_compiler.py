@@ -210,6 +210,7 @@ SHIPPED = (
     "solvers.follower.add_column_to",
     "solvers.bent_rack.fill_local_poses",
     "tooth_contact.line_loads.fill_line_loads",
+    "tooth_contact.mesh_loads.fill_mesh_loads",
     "pages.animation.depth_buffer.paint",
 )
 """Entries whose code is shipped, by their modules in the package and names."""

@@ -40,8 +40,8 @@ def geometry(
     if surfaces:
         text.append(Grid(("quantity", "drawing", "surface", ""), [each.cells for each in surfaces]))
     read = [
-        f"{part}.surface: {len(surface.areas)} triangles, {'closed' if surface.is_closed else 'open'}, "
-        f"read in {placement.unit}."
+        f"{part}.surface: {len(surface.areas)} triangles, read in {placement.unit}; "
+        + ("closed: its mass counts." if surface.is_closed else "open: the drawing's mass counts.")
         for part, (surface, placement) in placed_surfaces(chosen).items()
     ]
     text += [Text(line) for line in (*read, *(f"warning: {warning}" for warning in warnings))]

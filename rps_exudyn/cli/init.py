@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from importlib.resources.abc import Traversable
 
 MOST_NAMED = 4  # files of a folder
-SUFFIXES = (".toml", ".py", ".ipynb", ".csv", ".md")
+SUFFIXES = (".ply", ".toml", ".py", ".ipynb", ".csv", ".md")
 
 
 def init(folder: Path = Path(), /) -> int:
@@ -27,10 +27,12 @@ def init(folder: Path = Path(), /) -> int:
     """
     from rps_exudyn.study.schema import SCHEMAS
 
-    made = {Path(f"{kind}.schema.json"): json.dumps(make(), indent=1) for kind, make in SCHEMAS.items()}
-    shipped = {name: _text(source, name) for source, name in _templates(files("rps_exudyn") / "templates")}
+    made = {
+        Path(f"{kind}.schema.json"): json.dumps(make(), indent=1).encode() for kind, make in SCHEMAS.items()
+    }
+    shipped = {name: _content(source, name) for source, name in _templates(files("rps_exudyn") / "templates")}
     written: list[Path] = []
-    for name, text in (made | shipped).items():
+    for name, content in (made | shipped).items():
         target = folder / name
         if target.exists():
             continue
@@ -39,7 +41,7 @@ def init(folder: Path = Path(), /) -> int:
         except OSError as error:
             raise InputError(f"{target.parent} cannot be written: {error.strerror}.") from None
         with replacing(target) as partial:
-            partial.write_text(text, "utf-8")
+            partial.write_bytes(content)
         written.append(name)
     print(
         f"files written in {folder}: {len(written)}; kept as they were: {len(made | shipped) - len(written)}"
@@ -52,17 +54,17 @@ def init(folder: Path = Path(), /) -> int:
     return DONE
 
 
-def _text(source: "Traversable", name: Path) -> str:
-    """A template's text; TOML begins with the place of its schema."""
-    text = source.read_text(encoding="utf-8")
+def _content(source: "Traversable", name: Path) -> bytes:
+    """A template's content; TOML begins with the place of its schema."""
     if name.suffix != ".toml":
-        return text
+        return source.read_bytes()
+    text = source.read_text(encoding="utf-8")
     kind = "gear" if name.parent.name == "gears" else "study"
-    return f"#:schema {Path(os.path.relpath(f'{kind}.schema.json', name.parent)).as_posix()}\n{text}"
+    return f"#:schema {Path(os.path.relpath(f'{kind}.schema.json', name.parent)).as_posix()}\n{text}".encode()
 
 
 def _templates(folder: "Traversable", below: Path = Path()) -> "list[tuple[Traversable, Path]]":
-    """All files of a folder of the package that are text for users, with their places in it."""
+    """All files of a folder of the package that are for users, with their places in it."""
     found: list[tuple[Traversable, Path]] = []
     for item in sorted(folder.iterdir(), key=lambda each: each.name):
         if item.is_dir():

@@ -282,7 +282,10 @@ class Files:
 
 
 def keep(result: "Result", files: Files, written: list[Path]) -> bool:
-    """Write both files, add the paths of those written to a list, and return whether all went well.
+    """Write the result and its pictures, add the paths of those written to a list, and return whether all
+    went well.
+
+    A gear with surfaces has a picture of where they touch besides.
 
     A failed run is written beside existing files as NAME.failed. A result that cannot be written there goes
     to the folder of temporary files.
@@ -290,12 +293,16 @@ def keep(result: "Result", files: Files, written: list[Path]) -> bool:
     Raises:
         KeyboardInterrupt: while the picture is drawn; it names the file that is written.
     """
+    from rps_exudyn.parameters.gear import surfaces_of
     from rps_exudyn.results.outcome import Status
 
     if result.status is not Status.OK:
         files = files.of_failed
+    touching = files.plot and files.plot.with_name(f"{files.plot.stem}.surfaces{files.plot.suffix}")
+    if not surfaces_of(result.gear) or result.status is not Status.OK:
+        touching = None
     try:
-        files.make_room()
+        files.make_room(*([] if touching is None else [touching]))
         result.save(files.out)
     except (InputError, OSError) as error:
         written += _kept_elsewhere(result, files.out, str(error))
@@ -308,10 +315,15 @@ def keep(result: "Result", files: Files, written: list[Path]) -> bool:
             from rps_exudyn.pages.charts.scene_figures import draw
 
             draw(result, files.plot)
+            written.append(files.plot)
+            if touching is not None:
+                from rps_exudyn.pages.animation.surfaces_figure import draw_surfaces
+
+                draw_surfaces(result, touching)
+                written.append(touching)
     except (OSError, ValueError) as error:  # also what matplotlib makes of a strange environment
         say(f"the picture is missing: {error}")
         return False
-    written.append(files.plot)
     return True
 
 

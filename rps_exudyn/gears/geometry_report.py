@@ -12,6 +12,7 @@ from rps_exudyn.gears import geometry_limits as limits
 from rps_exudyn.gears.basic_rack import crest_width, pointed_radius, undercut_limit
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_limits import Violation, violations
+from rps_exudyn.gears.masses import surface_masses
 from rps_exudyn.gears.polyhedron import MassProperties
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.solids import gear_solids
@@ -52,7 +53,9 @@ class GeometryReport:
     @cached_property
     def mass_properties(self) -> dict[str, MassProperties]:
         """Of the gear's parts, each in its own frame; solids are made when asked for."""
-        return {name: solid.mass_properties for name, solid in gear_solids(self.gear).items()}
+        found = {name: solid.mass_properties for name, solid in gear_solids(self.gear).items()}
+        surfaces = {part: surface_masses(self.gear, part) for part in ("pinion", "rack")}
+        return found | {part: each for part, each in surfaces.items() if each}
 
     def as_dict(self) -> dict[str, Any]:
         """Everything as plain numbers, lists and text (SI)."""

@@ -10,8 +10,9 @@ which the tooth angle shifts by t Z, t = tan beta_r. With half the bar's chord h
     2 h (b - a),   of X: h (b^2 - a^2),   of X^2: 2/3 h (b^3 - a^3) + 2/3 h^3 t^2 (b - a),
     of Z^2: 2/3 h^3 (b - a),   of X Z: 2/3 h^3 t (b - a)
 
-and those over Y are Gauss's. The solids of `solids` agree with them up to their chords; they take a hundred
-times as long and are left to pictures and to booleans.
+and those over Y are Gauss's. A closed surface from a file stands for its part.
+The solids of `solids` agree with them up to their chords; they take a hundred times as long and are left to
+pictures and to booleans.
 """
 
 from functools import lru_cache
@@ -24,17 +25,40 @@ from rps_exudyn.gears.basic_rack import cutter_tip_centre, straight_depth
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank, crest_profile
-from rps_exudyn.gears.polyhedron import MassProperties
+from rps_exudyn.gears.mesh_file import Surface
+from rps_exudyn.gears.mesh_frames import Placement
+from rps_exudyn.gears.polyhedron import MassProperties, Solid
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.solids import pinion_solid, rack_solid
+from rps_exudyn.gears.surface_report import placed_surfaces
 from rps_exudyn.gears.trochoid import root_profile
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear, surfaces_of
 
 CHORD_ERROR = 1e-8  # of the pinion's section [m]
 _SECTIONS, _HEIGHTS = leggauss(5), leggauss(24)  # over the face width, over a piece of the rack's height
 INVOLUTE = 200  # chords of a flank: within 3 nm for modules of some millimetres
 
 _kept = lru_cache(maxsize=8)  # cases of a study share them
+
+
+def surface_masses(gear: SteeringGear, part: str) -> MassProperties | None:
+    """Return mass, centre and inertia of a pinion's or rack's closed surface in the part's frame without
+    runout; None of an open one, or where no file gives one.
+
+    Raises:
+        InputError: a file that cannot be used.
+    """
+    if f"{part}.surface" not in surfaces_of(gear):
+        return None
+    return _of_surface(*placed_surfaces(gear)[part], getattr(gear, part).density)
+
+
+@_kept
+def _of_surface(surface: Surface, placement: Placement, density: float) -> MassProperties | None:
+    if not surface.is_closed:
+        return None
+    corners = placement.place(surface.corners).reshape(-1, 3)
+    return Solid(corners, np.arange(len(corners)).reshape(-1, 3), density).mass_properties
 
 
 # --- the pinion ------------------------------------------------------------------------------------
@@ -45,6 +69,9 @@ def pinion_inertia(gear: SteeringGear) -> float:
         InputError: the errors of the flanks leave no tooth.
     """
     pinion = gear.pinion
+    if surface := surface_masses(gear, "pinion"):
+        x, y = (surface.centre_of_mass + GearPair.of(gear).eccentricity)[:2]
+        return float(surface.inertia[2, 2] + surface.mass * (x * x + y * y))
     shaft = pinion.shaft_diameter / 2, pinion.shaft_length
     return pinion.density * _polar_moment(GearPair.of(gear), FlankForm.of(gear), *shaft)
 
@@ -63,7 +90,7 @@ def _polar_moment(pair: GearPair, form: FlankForm, shaft: float, length: float) 
 def pinion_on_supports(gear: SteeringGear) -> np.ndarray:
     """Return the mass matrix of the pinion along e, Y and k and about e and Y, of its axis in the middle of
     the mesh (5, 5) [kg, kg m, kg m^2]; that its mass centre turns with a runout is left out."""
-    solid = pinion_solid(gear).mass_properties
+    solid = surface_masses(gear, "pinion") or pinion_solid(gear).mass_properties
     m, z = solid.mass, float(solid.centre_of_mass[2])
     mass = np.diag([m, m, m, solid.inertia[0, 0] + m * z * z, solid.inertia[1, 1] + m * z * z])
     mass[0, 4] = mass[4, 0] = m * z
@@ -110,6 +137,8 @@ def _second_moment(polygon: np.ndarray, least: float) -> float:
 # --- the rack --------------------------------------------------------------------------------------
 def rack_masses(gear: SteeringGear) -> MassProperties:
     """Return mass, centre and inertia of the bar with its teeth, rack frame."""
+    if surface := surface_masses(gear, "rack"):
+        return surface
     bar = RackBar.of(gear)
     first, last = bar.toothed_ends
     if first < bar.x_min or last > bar.x_max:  # the cutter runs out of the bar's end

@@ -25,7 +25,7 @@ def test_loads_and_impacts_need_teeth_that_bend() -> None:
 
 @pytest.mark.parametrize("path", FLANK_DEVIATIONS)
 def test_deviations_of_flanks_need_teeth_that_bend(path: str) -> None:
-    texts = {"errors": "ISO 1328 class 8, seed 3", "deviation": "studies/gears/worn_rack.csv"}
+    texts = {"errors": "ISO 1328 class 8, seed 3", "deviation": "studies/gears/measured_rack.csv"}
     deviation = next((text for end, text in texts.items() if path.endswith(end)), "5 um")
     assert law(GEAR, "flank", "line") == "line"
     assert law(GEAR.replace({path: deviation}), "flank", "line") == "teeth"

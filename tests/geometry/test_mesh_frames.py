@@ -11,6 +11,7 @@ import trimesh
 import rps_exudyn as rps
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
+from rps_exudyn.gears.masses import pinion_inertia, rack_masses, surface_masses
 from rps_exudyn.gears.mesh_file import Surface, surface_in
 from rps_exudyn.gears.mesh_frames import Placement, place_pinion, place_rack
 from rps_exudyn.gears.pinion_mesh import pinion_mesh
@@ -165,6 +166,30 @@ def test_whole_gear_as_glb_has_both_parts_by_name(tmp_path: Path) -> None:
     rps.export(SteeringGear(), file := tmp_path / "gear.glb")
     gear = SteeringGear().replace({"pinion.surface": str(file), "rack.surface": str(file)})
     assert not any(each.differs for each in compared(gear))
+
+
+def test_masses_are_those_of_closed_surfaces(tmp_path: Path) -> None:
+    """Those of the solids that were written, about the axis of rotation; an open surface has none."""
+    plain, files = SteeringGear(), {}
+    gear = plain.replace({"pinion.runout": "0.5 mm"})
+    for part in ("pinion", "rack"):
+        files[f"{part}.surface"] = str(tmp_path / f"{part}.stl")
+        rps.export(plain, tmp_path / f"{part}.stl", part=part)
+    given = gear.replace(files)
+    solid, bar = pinion_solid(plain).mass_properties, rack_solid(plain).mass_properties
+    about_axis = solid.inertia[2, 2] + solid.mass * 0.5e-3**2
+    assert pinion_inertia(given) == pytest.approx(about_axis, rel=1e-4)
+    own, read = rack_masses(gear), rack_masses(given)
+    assert read.mass == pytest.approx(bar.mass, rel=1e-6)
+    assert read.centre_of_mass == pytest.approx(bar.centre_of_mass, abs=PLACE)
+    assert np.diag(read.inertia) == pytest.approx(np.diag(bar.inertia), rel=1e-4)
+    heavier = given.replace({"rack.density": 2 * gear.rack.density})
+    assert rack_masses(heavier).mass == pytest.approx(2 * read.mass)
+    mesh = trimesh.load(tmp_path / "rack.stl")
+    trimesh.Trimesh(mesh.vertices, mesh.faces[1:], process=False).export(tmp_path / "rack.stl")
+    open_one = gear.replace({"rack.surface": files["rack.surface"]})
+    assert surface_masses(open_one, "rack") is None
+    assert rack_masses(open_one).mass == own.mass
 
 
 def test_differences_are_marked(tmp_path: Path) -> None:

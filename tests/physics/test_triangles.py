@@ -11,7 +11,10 @@ import rps_exudyn as rps
 from flank_points import wrench_by_points
 from flank_poses import POSES, difference, state
 from measured_grids import pinion_axes, rack_axes, write_grid
+from rps_exudyn.analysis.touched_triangles import POSES as POSES_SHOWN
+from rps_exudyn.analysis.touched_triangles import touched_triangles
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.pages.report.write_report import write_report
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.tooth_contact.mesh_contact import MOST_CORNERS, MeshData
@@ -248,3 +251,21 @@ def test_gear_written_and_read_back_has_its_torque(settings: dict[str, Any], tmp
     )
     assert read["torque_mean"] == pytest.approx(own["torque_mean"], rel=3e-3)
     assert read["torque_peak_to_peak"] == pytest.approx(own["torque_peak_to_peak"], rel=0.03)
+
+
+def test_triangles_that_touch_carry_the_recorded_forces(tmp_path: Path) -> None:
+    """Their forces sum to those of the record in each pose; they lie on the rack's flanks; pages have it."""
+    gear = SteeringGear().replace({"test.path": "one-way", "test.turns": 1 / 6, "pinion.runout": "20 um"})
+    model = rps.Fidelity.preset("quasi-static").replace({"mesh": "triangles", "step_angle": "2 deg"})
+    result = rps.run("free-pinion-torque", gear, fidelity=model)
+    found = touched_triangles(result.gear, model, result.signals)
+    poses = min(POSES_SHOWN, len(result.signals["time"]))
+    recorded = sum(result.signals[f"mesh_normal_force_{side}"] for side in ("drive", "coast"))
+    assert found.load_on_rack.sum() / poses == pytest.approx(recorded.mean(), rel=0.01)  # other instants
+    planes = np.array([PAIR.rack_flank_normal(side) for side in (-1, 1)])
+    normals = np.cross(*(found.on_rack[:, k] - found.on_rack[:, 0] for k in (1, 2)))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    assert (normals @ planes.T).min(axis=1).max() < -0.98  # they oppose one of the rack's flanks
+    result.save(tmp_path / "result.h5")
+    write_report([tmp_path / "result.h5"], tmp_path / "page.html", contact=True)
+    assert "Where the surfaces touch" in (tmp_path / "page.html").read_text()

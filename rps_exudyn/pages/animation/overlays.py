@@ -13,7 +13,7 @@ from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.solids import plunger_ends
 from rps_exudyn.pages.animation.motion import Motion
 from rps_exudyn.pages.charts.style import COLOURS, PART_COLOURS
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear, surfaces_of
 from rps_exudyn.tooth_contact.line_loads import STATIONS
 
 LEAST = 1e-3  # of the largest force: a smaller one gets no arrow
@@ -75,13 +75,14 @@ class ContactLines:
 
 
 def contact_lines(motion: Motion) -> ContactLines | None:
-    """The lines of a motion; None where the record has no deflections, or nothing touches.
+    """The lines of a motion; None where the record has no deflections, nothing touches, or surfaces
+    have no lines.
 
     With the law "area", which has pressures and no lines, their places and shares are those of "line";
     the sum of each side is the recorded force with every law.
     """
     gear = motion.gear
-    if motion.rigid:
+    if motion.rigid or surfaces_of(gear):
         return None
     known = gear if gear.mesh.contact_law != "area" else gear.replace({"mesh.law": "line"})
     loads = load_distribution(known, motion.signals)

@@ -19,13 +19,11 @@ from rps_exudyn.inference.measured.reading import read_measured_torque
 from rps_exudyn.inference.uncertainty.band import band_of_runs
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.inference.uncertainty.statistics import LEVELS
-from rps_exudyn.pages.charts.analyses import pattern_figure
 from rps_exudyn.pages.explore import sliders
 from rps_exudyn.pages.explore.sliders import BY_PATH, Answer, Wish, fidelity_of
 from rps_exudyn.pages.report.gear_picture import gear_picture
 from rps_exudyn.pages.report.html import page
-from rps_exudyn.pages.report.pictures import picture
-from rps_exudyn.pages.report.result_page import result_page
+from rps_exudyn.pages.report.result_page import result_page, touching_picture
 from rps_exudyn.parameters.fidelity import FOR_MEANS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SIGNALS
@@ -85,7 +83,7 @@ def _picture(gear: SteeringGear, wish: Wish) -> Answer:
 
 def _pattern(gear: SteeringGear, wish: Wish) -> Answer:
     result = simulate(SCENE.name, Wish(wish.state).gear(gear), fidelity_of(SCENE.name))
-    drawn = picture(pattern_figure(result), "Contact pattern").svg.encode()
+    drawn = touching_picture(result).svg.encode()
     return {"image": f"data:image/svg+xml;base64,{base64.b64encode(drawn).decode('ascii')}"}
 
 

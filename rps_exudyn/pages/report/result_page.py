@@ -27,7 +27,17 @@ from rps_exudyn.parameters.display_names import GEAR_FACTS, named
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import error_of_law
 from rps_exudyn.results.outcome import Status, sentences
-from rps_exudyn.results.page_blocks import CodeText, Columns, Facts, Fold, Pictures, Share, Shares, Warning
+from rps_exudyn.results.page_blocks import (
+    CodeText,
+    Columns,
+    Facts,
+    Fold,
+    Picture,
+    Pictures,
+    Share,
+    Shares,
+    Warning,
+)
 from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, LABELS, PARTS, SUMMARY
 from rps_exudyn.results.result import Result
 from rps_exudyn.results.rounding import rounded, shown_metric
@@ -284,17 +294,18 @@ def contact_section(result: Result) -> Section:
 
 def _contact_blocks(result: Result) -> Iterator[Block]:
     from rps_exudyn.analysis.load_distribution import load_distribution  # loads the compiled contact
-    from rps_exudyn.pages.charts.analyses import FLANK_NAMES, load_figure, pattern_figure
+    from rps_exudyn.pages.charts.analyses import FLANK_NAMES, load_figure
 
     if result.status is not Status.OK:
         yield Text("The simulation failed: its loads are not those of the gear.")
         return
-    if result.fidelity["mesh"] != "flank":
-        modelled = result.fidelity["mesh"]
-        yield Text(f"fidelity.mesh is {modelled}; only flank has loads along lines of contact.")
+    if (modelled := result.fidelity["mesh"]) not in ("flank", "triangles"):
+        yield Text(f"fidelity.mesh is {modelled}; only flank and triangles have places where teeth touch.")
         return
     try:
-        yield Pictures([picture(pattern_figure(result), "Contact pattern")])
+        yield Pictures([touching_picture(result)])
+        if modelled == "triangles":
+            return
         yield Pictures([picture(load_figure(result), "Loads on the lines of contact")])
         loads = load_distribution(result.gear, passes(result.signals)[0].signals)
         rows = [_largest_loads(loads, side, name) for side, name in FLANK_NAMES.items()]
@@ -308,6 +319,20 @@ def _contact_blocks(result: Result) -> Iterator[Block]:
         yield Grid(columns, rows)
     except InputError as error:  # no pass, no motions of the rack, or a law without load per length
         yield Text(" ".join(error.problems))
+
+
+def touching_picture(result: Result) -> Picture:
+    """Return the picture of where the teeth touch over a tooth pitch.
+
+    Raises:
+        InputError: the record has no pass, lacks the rack's motions, or its law has no load per length.
+    """
+    from rps_exudyn.pages.animation.surfaces_figure import surfaces_figure
+    from rps_exudyn.pages.charts.analyses import pattern_figure
+
+    if result.fidelity["mesh"] == "triangles":
+        return picture(surfaces_figure(result), "Where the surfaces touch")
+    return picture(pattern_figure(result), "Contact pattern")
 
 
 def _largest_loads(loads: "LoadDistribution", side: int, name: str) -> list[str]:
