@@ -17,8 +17,6 @@ from rps_exudyn.assessment.validation.compared_rows import (
 )
 from rps_exudyn.assessment.validation.row import SHIPPED, read_rows
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
-from rps_exudyn.inference.uncertainty.quick_band import formula_torques
-from rps_exudyn.inference.uncertainty.samples import Samples
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.judged_row import Verdict
 from shell import Command
@@ -72,7 +70,8 @@ def test_a_number_held_against_many_manuals_is_one_prediction() -> None:
     one = _simulated(0.0, 0.1)
     rows = [ROWS[name] for name in ("tacoma-rotation", "suzuki-rotation", "accent-rotation")]
     wrong = replace(rows[0], data=replace(rows[0].data, value=2.0, uncertainty=0.01))
-    others = [ROWS[name] for name in ("note-on-centre", "celica-rotation", "legacy-rotation")]
+    centring = replace(ROWS["note-on-centre"], calibrates="it centres an input")
+    others = [centring, ROWS["celica-rotation"], ROWS["legacy-rotation"]]
     compared = [compared_row(row, one) for row in (*rows, wrong, *others)]
     (group,) = predictions(compared)
     assert sorted(each.name for each in group) == sorted([wrong.name, *(row.name for row in rows)])
@@ -86,13 +85,15 @@ def test_a_number_held_against_many_manuals_is_one_prediction() -> None:
     assert len(predictions([*compared, compared_row(rows[0], replace(one, value=1.5))])) == 2
 
 
-def test_the_set_unknown_is_centred_on_the_rows_that_it_names() -> None:
-    """Its median torque is the geometric mean of the middles of their ranges within 3 %."""
-    gear, named = SteeringGear(), [row for row in ROWS.values() if row.calibrates]
-    inputs = uncertain_inputs(gear, "unknown", {})
-    torques = formula_torques(gear, Samples.drawn(inputs, 1024, seed=2))
-    wanted = np.exp(np.mean([np.log(row.data.value) for row in named]))
-    assert np.median(torques) == pytest.approx(wanted, rel=0.03)
+def test_the_set_unknown_has_its_preload_from_a_spring() -> None:
+    """From its force a turn of the plug before the inspection length to half more than when solid; no row
+    centres it."""
+    force, rate, length, pitch, wire, coils = 196.0, 59.4e3, 16.3e-3, 1.3e-3, 2.9e-3, 4.4
+    preload = uncertain_inputs(SteeringGear(), "unknown", {})["yoke.preload"]
+    least, most = preload.ends
+    assert least == pytest.approx(force - rate * pitch, rel=0.02)
+    assert most == pytest.approx(1.5 * (force + rate * (length - coils * wire)), rel=0.05)
+    assert not any(row.calibrates for row in ROWS.values())
 
 
 def test_no_row_of_a_gear_with_seals_is_counted() -> None:
