@@ -1,5 +1,6 @@
 """Rows of data from outside against the package: the page on verification and validation."""
 
+import re
 from collections import Counter
 from collections.abc import Sequence
 from functools import partial
@@ -15,6 +16,7 @@ from rps_exudyn.pages.charts import style
 DATA = "validation.json"
 UNJUDGED = {"not comparable", "calibrated"}
 DECIDED = ("agrees", "consistent, weak", "disagrees")
+UNASSISTED = re.compile("unassisted|manual (gear|steering)|without assistance")  # in titles
 ERROR = "E / u_val, or gears that keep a limit"
 
 
@@ -51,6 +53,13 @@ def conclusions_table(folder: Path) -> str:
     others = ", ".join(f"{number} {verdict}" for verdict, number in counts.items())
     table = markdown(("row", "data", "simulated (5 to 95 %)", "verdict"), cells)
     text = f"{table}\n\nOther rows: {others}."
+    ranges = [row for row in rows if row["range"] and row["band"] and row["verdict"] not in UNJUDGED]
+    for what, some in {
+        "predictions of a range": ranges,
+        "of unassisted gears": [row for row in ranges if UNASSISTED.search(row["title"])],
+    }.items():
+        held = sum(row["band"][0] <= row["D"] <= row["band"][1] for row in some)
+        text += f" The 90 % band holds the middle of {held} of {len(some)} {what}."
     for row in [row for row in rows if row["quantity"] == "torque_mean" and row["u_input"]][:1]:
         half = (row["band"][1] - row["band"][0]) / 2 / row["S"]
         text += f" Half of the 90 % band of the mean torque is {100 * half:.0f} % of its median."
