@@ -209,6 +209,7 @@ SHIPPED = (
     "solvers.follower.follow",
     "solvers.follower.add_column_to",
     "solvers.bent_rack.fill_local_poses",
+    "tooth_contact.laws.fill_wrench",
     "tooth_contact.line_loads.fill_line_loads",
     "tooth_contact.mesh_loads.fill_mesh_loads",
     "pages.animation.depth_buffer.paint",

@@ -9,7 +9,7 @@ fill `out` (15,), forces, energy terms and `wrench.MESH_OUTPUTS`, and add factor
 `tangent` (7, 7), to a few per cent of its largest entry or better, unless both factors are 0.
 """
 
-from rps_exudyn.base.compiled import inline, record_type
+from rps_exudyn.base.compiled import MATRIX, NUMBER, VECTOR, Array, entry, inline, record_type
 from rps_exudyn.forces.friction import PATCH_SUMS, STATE_SIZE
 from rps_exudyn.forces.rigid_motion import fill_rotation, minus, spin_of, turn_of, vector
 from rps_exudyn.tooth_contact.contact_tangent import add_on_coordinates, pinion_axis
@@ -131,3 +131,17 @@ def _on_meshes(q, turn, data, work, factor_q, factor_v, out, tangent):  # type: 
         to_axis = minus(vector(data.pinion_origin), vector(work.pose[3]))
         add_on_coordinates(work.wrench, q, turn, axis, to_axis, work.stiffness, factor_q, tangent)
     on_coordinates(work.wrench, turn, out)
+
+
+@entry(NUMBER, NUMBER, VECTOR, MATRIX, VECTOR, VECTOR, Array(MESH, 1), VECTOR, Array(SCRATCH, 1))
+def fill_wrench(angle, rate, position, rotation, velocity, spin, meshes, pool, works):  # type: ignore[no-untyped-def]
+    """Fill the wrench of a contact at a pose, see `wrench`, with no gear around it."""
+    mesh, work = meshes[0], works[0]
+    if mesh.kind == BY_LINE:
+        line_contact(angle, rate, position, rotation, velocity, spin, mesh.flank, pool, work, 0.0, 0.0)
+    elif mesh.kind == BY_TEETH:
+        teeth_contact(angle, rate, position, rotation, velocity, spin, mesh, pool, work, 0.0, 0.0)
+    elif mesh.kind == BY_SPHERES:
+        sphere_contact(angle, rate, position, rotation, velocity, spin, mesh.spheres, pool, work, 0.0, 0.0)
+    else:
+        mesh_contact(angle, rate, position, rotation, velocity, spin, mesh.triangles, pool, work, 0.0, 0.0)
