@@ -46,7 +46,7 @@ STYLES = {
     "quasi-static, triangles": ("#0097a7", "X"),
     "shaped pinion": ("#c27ba0", "h"),
     "meshed pinion": ("#b45f06", "p"),
-    "reduced": ("#8e7cc3", "v"),
+    "reduced, line": ("#8e7cc3", "v"),
     "closed form": ("#000000", "*"),
 }
 """Colour and marker of each family, the same in all figures."""

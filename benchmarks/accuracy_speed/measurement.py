@@ -33,7 +33,7 @@ PRESET_FAMILIES = {
     "full": "general contact",
     "flank": "flank",
     "quasi-static": "quasi-static",
-    "reduced": "reduced",
+    "reduced": "reduced, line",
     "closed-form": "closed form",
 }
 
