@@ -168,7 +168,7 @@ def warm_up(scene: str, plan: PlannedPoint) -> None:
     fidelity = plan.fidelity
     kind = f"{plan.family} {fidelity.solver} {fidelity.mesh} {fidelity.bush}"
     if kind not in WARM:
-        name = of_family(plan.family)
+        name = "triangles" if plan.fidelity is FACETED else of_family(plan.family)
         gear = SteeringGear().replace(dict(VARIANTS[name].gear)) if name else GEAR
         run_scene(scene, gear.replace({"test.turns": 0.01}), fidelity)
         WARM.add(kind)
