@@ -55,7 +55,7 @@ def init(folder: Path = Path(), /) -> int:
 def _text(source: "Traversable", name: Path) -> str:
     """A template's text; TOML begins with the place of its schema."""
     text = source.read_text(encoding="utf-8")
-    if name.suffix != ".toml":
+    if name.suffix != ".toml" or name.name.startswith("optimise"):  # the file of an optimisation has none
         return text
     kind = "gear" if name.parent.name == "gears" else "study"
     return f"#:schema {Path(os.path.relpath(f'{kind}.schema.json', name.parent)).as_posix()}\n{text}"

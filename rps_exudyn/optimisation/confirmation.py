@@ -24,7 +24,8 @@ from rps_exudyn.optimisation.search import Design, Search
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.simulate.batch import batch
-from rps_exudyn.simulate.cases.task import Executor, Task
+from rps_exudyn.simulate.cases.run_cases import CaseRunner
+from rps_exudyn.simulate.cases.task import Task
 from rps_exudyn.study.case_progress import CasesRow
 from rps_exudyn.study.definition import Value
 
@@ -63,7 +64,7 @@ def finalists(found: Search) -> list[Design]:
     return [front[i] for i in places]
 
 
-def confirm(found: Search, executor: Executor) -> dict[tuple[str, str], Confirmed]:
+def confirm(found: Search, runner: CaseRunner) -> dict[tuple[str, str], Confirmed]:
     """Return (hash of a design, model) -> its numbers; what the folder holds is not computed again.
 
     Raises:
@@ -80,7 +81,7 @@ def confirm(found: Search, executor: Executor) -> dict[tuple[str, str], Confirme
                 tasks[Task(partial(confirmed_numbers, problem, design.case.values, model, samples))] = key
     row = CasesRow(len(tasks))
     with open_screen() as screen, screen.row(row):
-        for task, answer in executor.run(iter(tasks)):
+        for task, answer in runner.run(list(tasks)):
             known[tasks[task]] = vars(answer.returned())
             with replacing(path) as partial_file:
                 partial_file.write_text(json.dumps(known, indent=1), encoding="utf-8")

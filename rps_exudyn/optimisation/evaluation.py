@@ -8,15 +8,13 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter, process_time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.inference.uncertainty.samples import Samples
-from rps_exudyn.optimisation.definition import Problem
 from rps_exudyn.optimisation.goals import Number, worst_first
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -31,8 +29,11 @@ from rps_exudyn.simulate.gear_table import table_of_metrics, unsupported_reason
 from rps_exudyn.simulate.run_plan import Plan
 from rps_exudyn.study.definition import Value
 
+if TYPE_CHECKING:
+    from rps_exudyn.optimisation.definition import Problem
 
-def evaluate(problem: Problem, values: Mapping[str, Value]) -> Result:
+
+def evaluate(problem: "Problem", values: Mapping[str, Value]) -> Result:
     """Return a design as a result: its nominal metrics, and in the findings all `numbers` of the problem."""
     wall, cpu, study = perf_counter(), process_time(), problem.study
     made, summary = study.base, dict[str, float]()
@@ -59,14 +60,13 @@ def evaluate(problem: Problem, values: Mapping[str, Value]) -> Result:
         findings={"numbers": numbers},
         status=Status.OK,
         summary=summary,
-        geometry=geometry_report(made.steering_gear).numbers,
         cpu_s=process_time() - cpu,
         wall_s=perf_counter() - wall,
     )
 
 
 def numbers_of(
-    problem: Problem, made: Setup, numbers: Sequence[Number], summary: dict[str, float] | None = None
+    problem: "Problem", made: Setup, numbers: Sequence[Number], summary: dict[str, float] | None = None
 ) -> list[float]:
     """Return numbers of a gear and its series; its own metrics are added to `summary`.
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from rps_exudyn.assessment.requirements.judging import RATED_TORQUE, TURNING, borne_under
 from rps_exudyn.assessment.requirements.limits import REQUIRED
-from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.tooth_strength import (
@@ -159,12 +158,3 @@ def worst_first(values: np.ndarray, bad: int) -> np.ndarray:
     """Return values (n,) with `bad` * infinity for those that are missing: no quantile is better for a gear
     that failed."""
     return np.where(np.isfinite(values), values, bad * np.inf)
-
-
-def unknown(where: str, name: str, known: Mapping[str, Any] | list[str]) -> InputError:
-    """Return the error about a name that is none, with those most alike."""
-    import difflib
-
-    close = difflib.get_close_matches(name, list(known), n=3, cutoff=0.4)
-    near = f"the nearest: {', '.join(close)}" if close else f"there are {', '.join(known)}"
-    return InputError(f"{where}: {name} is not known here; {near}.")

@@ -23,7 +23,8 @@ from rps_exudyn.results.block import CaseRecord, CaseRow
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.results.result import Result, read_result
-from rps_exudyn.simulate.cases.task import Executor, Task
+from rps_exudyn.simulate.cases.run_cases import CaseRunner
+from rps_exudyn.simulate.cases.task import Task
 from rps_exudyn.study.case_progress import CasesRow, Group, case_line, groups, log_lines
 from rps_exudyn.study.cases import case_hash, describe
 from rps_exudyn.study.definition import Case, Value
@@ -117,7 +118,7 @@ def store_of(problem: Problem, folder: Path) -> Store:
     return Store.of(folder, replace(about, base=base, design=DESIGN, cases=()))
 
 
-def search(problem: Problem, folder: Path, executor: Executor) -> Search:
+def search(problem: Problem, folder: Path, runner: CaseRunner) -> Search:
     """Search until all designs that the problem allows are computed; what the folder holds is not repeated.
 
     Raises:
@@ -134,12 +135,12 @@ def search(problem: Problem, folder: Path, executor: Executor) -> Search:
         row = CasesRow(problem.study.samples)
         given = Case(hash_of(problem, {}), {})
         with open_screen() as screen, screen.row(row):
-            of_given = _results(problem, store, [given], executor, CasesRow(1))[given.hash]
+            of_given = _results(problem, store, [given], runner, CasesRow(1))[given.hash]
             points = next(asked)
             while points is not None:
                 cases = [Case(hash_of(problem, values), values) for values in points]
                 new = {case.hash: case for case in cases if case.hash not in designs}
-                results = _results(problem, store, [*new.values()], executor, row)
+                results = _results(problem, store, [*new.values()], runner, row)
                 for name, case in new.items():
                     designs[name] = Design.of(problem, case, results[name])
                     rows.append((case, CaseRow.of(CaseRecord.of(name, results[name]))))
@@ -154,7 +155,7 @@ def search(problem: Problem, folder: Path, executor: Executor) -> Search:
 
 
 def _results(
-    problem: Problem, store: Store, cases: Sequence[Case], executor: Executor, row: CasesRow
+    problem: Problem, store: Store, cases: Sequence[Case], runner: CaseRunner, row: CasesRow
 ) -> dict[str, Result]:
     """Return hash -> result of each case; those that the folder lacks are computed and stored."""
     found, tasks = dict[str, Result](), dict[Task, Case]()
@@ -165,7 +166,7 @@ def _results(
         except InputError:
             tasks[Task(partial(evaluate, problem, case.values))] = case
     row.count([each.status for each in found.values()])
-    for task, answer in executor.run(iter(tasks)):
+    for task, answer in runner.run(list(tasks)):
         case, base = tasks[task], problem.study.base
         result = answer.result(problem.study.scene, base.steering_gear, base.fidelity)
         result.save(store.path_of(case.hash))
@@ -206,7 +207,7 @@ def _asked(problem: Problem) -> Generator[Asked | None, list[Design], None]:
     while left > 0:
         asked = algorithm.ask()
         points = asked.get("X").round(DIGITS)[: max(left, 0)]
-        done = yield [values_at(problem, point) for point in points]
+        done = yield [values_at(problem.study.axes, point) for point in points]
         left -= len(points)
         if len(points) < len(asked):
             break
