@@ -74,6 +74,15 @@ class Optimisation:
         given = self.fresh(self.search.given, model, at)
         return (self.fresh(design, model, at) - given) / abs(given)
 
+    def not_kept(self, fresh: Confirmed) -> list[str]:
+        """Return the names of limits that fresh numbers miss by more than their errors."""
+        limits = enumerate(self.search.problem.constraints, len(self.search.problem.objectives))
+        return [
+            each.number.name
+            for k, each in limits
+            if not each.excess(fresh.values[k]) * each.limit.finite <= fresh.errors[k] + fresh.bars[k]
+        ]
+
     def shown(self, fresh: Confirmed, at: int) -> str:
         """Return a fresh number with the sum of its sampling error and its numerical bar."""
         value, error = fresh.values[at], fresh.errors[at] + fresh.bars[at]
@@ -129,6 +138,9 @@ def _rows(found: Optimisation) -> Iterator[Row]:
                 yield Row(
                     found.shown(fresh, 0), f"{number.words}: {change}, {fresh.samples} fresh gears, {model}"
                 )
+        fresh = found.confirmed.get((best.case.hash, SEARCHED))
+        if broken := found.not_kept(fresh) if fresh else []:
+            yield Row("not kept", f"on fresh gears: {', '.join(broken)}")
         if isfinite(luck := found.luck(best)):
             yield Row(f"{100 * luck:+.1f} %", f"from {seen} in the search: its luck, and its coarser steps")
         else:
@@ -173,17 +185,19 @@ def _grid(found: Optimisation) -> Grid:
 
 def _confirmed(found: Optimisation) -> Grid:
     problem, rows = found.search.problem, []
-    first = len(problem.objectives)
     designs = {"as given": found.search.given} | {path.name: each for path, each in found.files.items()}
     for name, model in ((name, model) for name in designs for model in MODELS):
         if fresh := found.confirmed.get((designs[name].case.hash, model)):
-            broken = [
-                each.number.name
-                for k, each in enumerate(problem.constraints, first)
-                if not each.excess(fresh.values[k]) * each.limit.finite <= fresh.errors[k] + fresh.bars[k]
-            ]
             numbers = [found.shown(fresh, k) for k in range(len(problem.numbers))]
-            rows.append([name, model, f"{fresh.samples}, {fresh.failed} failed", *numbers, ", ".join(broken)])
+            rows.append(
+                [
+                    name,
+                    model,
+                    f"{fresh.samples}, {fresh.failed} failed",
+                    *numbers,
+                    ", ".join(found.not_kept(fresh)),
+                ]
+            )
     return Grid(("gear", "model", "fresh gears", *(each.words for each in problem.numbers), "not kept"), rows)
 
 
@@ -206,7 +220,8 @@ def _picture(found: Optimisation) -> Picture:
     known = places([each for each in search.designs if each.is_feasible])
     figure = front_figure(known, places(ordered), places([search.given])[0], labels, links)
     made = picture(figure, "Designs that keep all limits; a click on one of the best shows its gear")
-    return replace(made, svg=re.sub(r'href="#[0-9a-f]{8}(part-|[0-9a-f]{16}")', r'href="#\1', made.svg))
+    within_page = re.sub(r'href="#[0-9a-f]{8}(part-|[0-9a-f]{16}")', r'href="#\1', made.svg)
+    return replace(made, svg=within_page.replace(' target="_blank"', ""))
 
 
 def _data(found: Optimisation) -> dict[str, Any]:

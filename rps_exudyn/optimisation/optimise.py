@@ -36,7 +36,8 @@ def optimise(
     Examples:
         >>> lines = ["designs = 8", "confirm = [0, 0]", "errors = 'none'", "fidelity = 'closed-form'"]
         >>> lines += ["variables.yoke.preload = [200, 400]", "objectives.torque_mean.goal = 'least'"]
-        >>> _ = open("least.toml", "w").write("\\n".join(lines))
+        >>> import pathlib
+        >>> _ = pathlib.Path("least.toml").write_text("\\n".join(lines))
         >>> found = rps.optimise("least.toml")
         >>> len(found.search.designs), found.front[0].gear.yoke.preload < 300
         (8, True)

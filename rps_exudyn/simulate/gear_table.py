@@ -5,8 +5,7 @@ runs: gears without an equilibrium, limits of the contact laws. Error bars come 
 each with its maneuvers.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -30,7 +29,16 @@ from rps_exudyn.scenes.maneuver import StepLimits
 from rps_exudyn.scenes.scene import Scene, SteadyRecord, SteadyTest
 from rps_exudyn.scenes.scene_run import Signals, one_after_another
 from rps_exudyn.simulate.shared_maneuver import SAFE, FollowedGears, SharedManeuver, is_alike, signals_of_some
-from rps_exudyn.solvers.many_gears import RUNOUT, RUNOUT_ANGLE, Table, packed, packed_table
+from rps_exudyn.solvers.many_gears import (
+    EXACT,
+    QUICK,
+    RUNOUT,
+    RUNOUT_ANGLE,
+    Packing,
+    Table,
+    packed,
+    packed_table,
+)
 from rps_exudyn.solvers.record import WHERE_DAMPED
 from rps_exudyn.solvers.temperature_and_wear import is_new
 
@@ -156,10 +164,11 @@ def table_of_metrics(scene: str, gear: SteeringGear, fidelity: Fidelity, table: 
     """Find the metrics of gears at level 1, without bars and signals: for searches among many designs, each
     of them with few gears. None if that cannot begin.
 
-    No gear is followed to learn from: all begin with the motion of `gear`. That takes a tenth more
-    evaluations of the forces than what 26 gears teach, which cost more. Arguments as of `simulate_table`.
+    No gear is followed to learn from: all begin with the motion of the middle one. That takes a tenth more
+    evaluations of the forces than what 26 gears teach, which cost more. Whether each gear can be built is not
+    looked at. Arguments as of `simulate_table`.
     """
-    level = TableAtLevel.of(scene, gear, fidelity, LEVEL, table, records_of=_packed_singly, learned={})
+    level = TableAtLevel.of(scene, gear, fidelity, LEVEL, table, packing=QUICK, learned={})
     if level is None:
         return None
     count = len(level.rows)
@@ -198,7 +207,7 @@ class TableAtLevel:
         level: int,
         table: Table,
         ranges: Table | None = None,
-        records_of: "RecordsOf | None" = None,
+        packing: Packing = EXACT,
         learned: Table | None = None,
     ) -> "TableAtLevel | None":
         """Compute it; arguments as of `simulate_table`. None if the gear in the middle is not found.
@@ -206,15 +215,14 @@ class TableAtLevel:
         Args:
             name: of the scene.
             level: of the ladder.
-            records_of: packs the gears' records; by default by polynomials over the ranges.
+            packing: by which polynomials the records are packed.
             learned: values over which gears are followed first; None: the ranges.
         """
         scene, asked, fidelity = scene_named(name), fidelity, model_at(level, fidelity)
         assert scene.test is not None
         try:
             weighted = _is_weighted(scene, gear)
-            packing = _records if records_of is None else records_of
-            rows, records, reference = packing(gear, fidelity, table, ranges, weighted)
+            rows, records, reference = _records(gear, fidelity, table, ranges, weighted, packing)
             if records is None or refused(reference, asked, motion="steady"):
                 return None
             some = {path: values[rows] for path, values in table.items()}
@@ -255,25 +263,13 @@ def _is_weighted(scene: Scene, gear: SteeringGear) -> bool:
     return any(maneuver.rack_load for maneuver in maneuvers)
 
 
-RecordsOf = Callable[
-    [SteeringGear, Fidelity, Table, Table | None, bool], tuple[np.ndarray, np.ndarray | None, SteeringGear]
-]
-"""A gear, its model, a table, its ranges, whether a weight pulls -> see `_records`."""
-
-
-def _packed_singly(
-    gear: SteeringGear, fidelity: Fidelity, table: Table, ranges: Table | None, weighted: bool
-) -> tuple[np.ndarray, np.ndarray | None, SteeringGear]:
-    """The same, each gear packed alone, and the gear itself as reference: quicker for a hundred gears."""
-    found = {}
-    for row in _within(table, table).tolist():
-        with suppress(InputError):
-            found[row] = packed([gear.replace(_settings(table, row))], fidelity, weighted)
-    return np.array([*found], dtype=np.intp), np.concatenate([*found.values()]) if found else None, gear
-
-
 def _records(
-    gear: SteeringGear, fidelity: Fidelity, table: Table, ranges: Table | None, weighted: bool
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    table: Table,
+    ranges: Table | None,
+    weighted: bool,
+    packing: Packing,
 ) -> tuple[np.ndarray, np.ndarray | None, SteeringGear]:
     """Which gears can exist, their records, and the reference gear."""
     valid = _within(table, table if ranges is None else ranges)
@@ -284,7 +280,7 @@ def _records(
             reference = gear.replace(centre | ({RUNOUT: 0.0} if {RUNOUT, RUNOUT_ANGLE} & {*part} else {}))
             fixed = RUNOUT_ANGLE in part and RUNOUT not in part
             full = part | ({RUNOUT: np.full(len(valid), gear.pinion.runout)} if fixed else {})
-            return valid, packed_table(reference, fidelity, full, ranges, weighted), reference
+            return valid, packed_table(reference, fidelity, full, ranges, weighted, packing), reference
         except InputError:
             if attempt:
                 break

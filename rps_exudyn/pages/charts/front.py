@@ -44,6 +44,6 @@ def front_figure(
         *places(given[None]), "D", color=style.COLOURS["failure"], markersize=7, label="the gear as given"
     )
     axes.set_ylabel(quantity.axis_label(name_y))
-    style.abscissa(axes, over.axis_label(name_x))
+    axes.set_xlabel(over.axis_label(name_x))
     style.legend_above(axes)
     return figure
