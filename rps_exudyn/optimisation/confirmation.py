@@ -5,7 +5,7 @@ Here the gear as given and a few designs along the front meet fresh gears.
 """
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -18,12 +18,12 @@ from rps_exudyn.base.files import content_of, read_json_tables, replacing
 from rps_exudyn.base.screen import open_screen
 from rps_exudyn.inference.uncertainty.statistics import RESAMPLES
 from rps_exudyn.optimisation.definition import Problem
-from rps_exudyn.optimisation.evaluation import Series, table_of
-from rps_exudyn.optimisation.goals import face_load_factor
+from rps_exudyn.optimisation.evaluation import number_in, table_of
+from rps_exudyn.optimisation.goals import Number, face_load_factor
 from rps_exudyn.optimisation.search import Design, Search
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.simulate.batch import batch
+from rps_exudyn.simulate.batch import Batch, batch
 from rps_exudyn.simulate.cases.run_cases import CaseRunner
 from rps_exudyn.simulate.cases.task import Task
 from rps_exudyn.study.case_progress import CasesRow
@@ -82,7 +82,9 @@ def confirm(found: Search, runner: CaseRunner) -> dict[tuple[str, str], Confirme
     row = CasesRow(len(tasks))
     with open_screen() as screen, screen.row(row):
         for task, answer in runner.run(list(tasks)):
-            known[tasks[task]] = vars(answer.returned())
+            if answer.value is None:  # beyond the time limit
+                continue
+            known[tasks[task]] = vars(answer.value)
             with replacing(path) as partial_file:
                 partial_file.write_text(json.dumps(known, indent=1), encoding="utf-8")
             row.count([Status.OK])
@@ -99,42 +101,35 @@ def _read(path: Path) -> dict[str, Any]:
 def confirmed_numbers(problem: Problem, values: Mapping[str, Value], model: str, samples: int) -> Confirmed:
     """Return the numbers of a design by a model on so many fresh gears, stresses with its own face load."""
     made = problem.setup(values)
-    gear, runs = made.steering_gear, dict[tuple[Any, ...], Series]()
-    preset = "flank" if model == FLANK else made.fidelity.based_on
+    gear, runs = made.steering_gear, dict[tuple[Any, ...], Batch]()
+    fidelity = Fidelity.preset("flank" if model == FLANK else made.fidelity.based_on)
     factor = face_load_factor(gear) if problem.needs_face_load else 1.0
-    rows, failed, causes = list[tuple[float, ...]](), 0, dict[str, None]()
+    rows, failed, causes = list[tuple[float, float, float]](), 0, dict[str, None]()
     for asked in problem.numbers:
         try:
             if (value := asked.by_formula(gear, factor)) is not None:
                 rows.append((value, 0.0, 0.0))
                 continue
             settings = asked.settings_of(gear) | ({"mesh.law": "teeth"} if model == TEETH else {})
-            key = (asked.scene, *settings.items())
-            if key not in runs:
+            if (key := (asked.scene, *settings.items())) not in runs:
                 tested = gear.replace(settings)
                 table = table_of(tested, problem.inputs_of(gear), samples, problem.study.seed + FRESH)
-                table = table or {"test.turns": np.array([tested.test.turns])}
-                found = batch(asked.scene, tested, table, fidelity=Fidelity.preset(preset), keep="torque")
-                runs[key] = Series.from_batch(found)
-            series = runs[key]
-            failed = max(failed, len(series.failures))
-            rows.append((series.number(asked), *_errors(series, asked.metric, asked.quantile)))
+                runs[key] = batch(asked.scene, tested, table, fidelity=fidelity, keep="torque")
+            failed = max(failed, int((~runs[key].ok[:-1]).sum()))
+            rows.append((number_in(runs[key], asked), *_errors(runs[key], asked)))
         except InputError as error:
             rows.append((np.nan, np.nan, np.nan))
             causes[" ".join(error.problems)] = None
-    found_values, errors, bars = (list(column) for column in zip(*rows, strict=True))
-    return Confirmed(samples, found_values, errors, bars, failed, "; ".join(causes))
+    numbers, errors, bars = (list(column) for column in zip(*rows, strict=True))
+    return Confirmed(samples, numbers, errors, bars, failed, "; ".join(causes))
 
 
-def _errors(series: Series, name: str, share: float | None) -> Iterator[float]:
-    """Yield the standard error of a quantile, by bootstrap, and the median of the runs' bars."""
-    values = series.spread[name][np.isfinite(series.spread[name])]
-    bars = series.bars.get(name, np.full(1, np.nan))
-    if share is None or not values.size:
-        yield 0.0
-    else:
-        rng = np.random.default_rng(0)
-        again = values[rng.integers(0, values.size, (RESAMPLES, values.size))]
-        yield float(np.quantile(again, share, axis=1).std())
-    known = bars[np.isfinite(bars)]
-    yield float(np.median(known)) if known.size else np.nan
+def _errors(series: Batch, asked: Number) -> tuple[float, float]:
+    """The standard error of a quantile, by bootstrap, and the median of the runs' bars."""
+    column, bars = series.summary[asked.metric][:-1], series.errors.get(asked.metric, np.empty(0))
+    values, known = column[np.isfinite(column)], bars[np.isfinite(bars)]
+    bar = float(np.median(known)) if known.size else np.nan
+    if asked.quantile is None or not values.size:
+        return 0.0, bar
+    again = np.random.default_rng(0).choice(values, (RESAMPLES, values.size))
+    return float(np.quantile(again, asked.quantile, axis=1).std()), bar

@@ -6,7 +6,9 @@ that fails counts as worse than all others. A design without a number is refused
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
+from functools import partial
+from math import ceil, floor
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
 
@@ -15,12 +17,11 @@ import numpy as np
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.inference.uncertainty.samples import Samples
-from rps_exudyn.optimisation.goals import Number, worst_first
+from rps_exudyn.optimisation.goals import Number
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import Setup, SteeringGear
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes.scene import WITHOUT_BARS
 from rps_exudyn.simulate.batch import Batch
@@ -43,26 +44,14 @@ def evaluate(problem: "Problem", values: Mapping[str, Value]) -> Result:
         numbers = numbers_of(problem, made, problem.numbers, summary)
     except InputError as error:
         gear, cause = made.steering_gear, " ".join(error.problems)
-        return failed(
-            study.scene,
-            gear,
-            made.fidelity,
-            Status.INVALID,
-            cause,
-            process_time() - cpu,
-            perf_counter() - wall,
+        result = failed(study.scene, gear, made.fidelity, Status.INVALID, cause)
+    else:
+        model, found = made.fidelity.model_dump(), {"numbers": numbers}
+        kept: dict[str, Any] = {"fidelity": model, "solver": {}, "findings": found, "summary": summary}
+        result = Result(
+            scene=study.scene, gear=made.steering_gear, status=Status.OK, cpu_s=0.0, wall_s=0.0, **kept
         )
-    return Result(
-        scene=study.scene,
-        gear=made.steering_gear,
-        fidelity=made.fidelity.model_dump(),
-        solver={},
-        findings={"numbers": numbers},
-        status=Status.OK,
-        summary=summary,
-        cpu_s=process_time() - cpu,
-        wall_s=perf_counter() - wall,
-    )
+    return replace(result, cpu_s=process_time() - cpu, wall_s=perf_counter() - wall)
 
 
 def numbers_of(
@@ -81,120 +70,70 @@ def numbers_of(
         else:
             runs.setdefault((each.scene, *each.settings_of(gear).items()), []).append(each)
     for (scene, *settings), asked in runs.items():
+        tested = gear.replace(dict(settings))
         spread = any(each.quantile is not None for each in asked)
         inputs = problem.inputs_of(gear) if spread else {}
-        series = Series.of(
-            scene, gear.replace(dict(settings)), made.fidelity, inputs, problem.samples, problem.study.seed
-        )
-        found |= {each: series.number(each) for each in asked}
+        table = table_of(tested, inputs, problem.samples, problem.study.seed)
+        series = run_series(scene, tested, made.fidelity, table)
+        found |= {each: number_in(series, each) for each in asked}
         if summary is not None and scene == problem.study.scene:
-            summary |= {name: value for name, value in series.nominal.items() if name in SUMMARY}
+            summary |= {name: float(column[-1]) for name, column in series.summary.items()}
     return [found[each] for each in numbers]
-
-
-@dataclass(frozen=True)
-class Series:
-    """Gears of one drawing that ran a scene.
-
-    Attributes:
-        nominal: metrics of the gear without errors.
-        spread: metrics of those with errors, (n,) each; nan where one has none.
-        failures: messages of those that failed.
-        bars: half widths of their error bars, (n,) each; {} of runs without bars.
-    """
-
-    nominal: Mapping[str, float]
-    spread: Mapping[str, np.ndarray]
-    failures: tuple[str, ...]
-    bars: Mapping[str, np.ndarray]
-
-    @classmethod
-    def of(
-        cls,
-        scene: str,
-        gear: SteeringGear,
-        fidelity: Fidelity,
-        inputs: Mapping[str, Distribution],
-        samples: int,
-        seed: int,
-    ) -> "Series":
-        """Run the gear, and so many with errors.
-
-        Raises:
-            InputError: the gear itself fails.
-        """
-        table = table_of(gear, inputs, samples, seed)
-        many = None
-        if inputs and not unsupported_reason(scene, gear, fidelity, table):
-            many = table_of_metrics(scene, gear, fidelity, table)
-        if many is None:
-            nominal = _single(scene, gear, fidelity)
-            _check_nominal(nominal)
-        count = len(next(iter(table.values()))) if table else 1
-        rows = [{path: float(column[i]) for path, column in table.items()} for i in range(count)]
-        ended = [False] * count if many is None else many.ended.tolist()
-        results = tuple(
-            None
-            if done
-            else (nominal if many is None and i == count - 1 else _single(scene, gear, fidelity, row))
-            for i, (row, done) in enumerate(zip(rows, ended, strict=True))
-        )
-        if results[-1] is not None:
-            _check_nominal(results[-1])
-        return cls.from_batch(Batch(results, many))
-
-    @classmethod
-    def from_batch(cls, batch: Batch) -> "Series":
-        """Take apart runs of which the last is the gear without errors."""
-        ok = batch.ok
-        columns = {name: np.where(ok, values, np.nan) for name, values in batch.summary.items()}
-        failures = tuple(text for text, good in zip(batch.messages, ok, strict=True) if not good)
-        nominal = {name: float(values[-1]) for name, values in columns.items() if np.isfinite(values[-1])}
-        spread = {name: values[:-1] for name, values in columns.items()}
-        return cls(nominal, spread, failures, {name: each[:-1] for name, each in batch.errors.items()})
-
-    def number(self, asked: Number) -> float:
-        """Return a metric of the gear, or its quantile over the series.
-
-        Raises:
-            InputError: there is none.
-        """
-        name, share = asked.metric, asked.quantile
-        if name not in self.nominal:
-            raise InputError(f"{asked.name}: a run of {asked.scene} gives no {name}.")
-        if share is None or not len(self.spread[name]):
-            return self.nominal[name]
-        values = worst_first(self.spread[name], 1 if share >= 0.5 else -1)
-        value = float(np.quantile(values, share, method="higher" if share >= 0.5 else "lower"))
-        if not np.isfinite(value):
-            text, _ = Counter(self.failures).most_common(1)[0]
-            raise InputError(f"{len(self.failures)} of {len(values)} gears of the series fail: {text}")
-        return value
 
 
 def table_of(
     gear: SteeringGear, inputs: Mapping[str, Distribution], samples: int, seed: int
 ) -> dict[str, np.ndarray]:
-    """Return path -> values (n + 1,) of gears with errors; the last gear has none."""
-    if not inputs:
-        return {}
-    drawn = Samples.drawn(inputs, samples, seed).values
+    """Return path -> values (n + 1,) of gears with errors; the last gear has none. Without inputs n is 0."""
+    drawn = Samples.drawn(inputs, samples, seed).values if inputs else {"test.turns": np.empty(0)}
     own = {path: float(gear.value_at(path)) for path in drawn}
     if not own.get("mesh.line_stiffness", 1.0):  # 0: from the gear
         own["mesh.line_stiffness"] = line_stiffness(gear)
     return {path: np.append(values, own[path]) for path, values in drawn.items()}
 
 
-def _single(
-    scene: str, gear: SteeringGear, fidelity: Fidelity, settings: Mapping[str, float] | None = None
-) -> Result:
-    def run() -> Result:
-        plan = Plan(scene, gear.replace(settings or {}), fidelity)
-        return plan.refusal or plan.run(WITHOUT_BARS)
+def run_series(scene: str, gear: SteeringGear, fidelity: Fidelity, table: Mapping[str, np.ndarray]) -> Batch:
+    """Run the gears of a table, of which the last has no errors.
 
-    return answer_to(Task(run)).result(scene, gear, fidelity)
+    Raises:
+        InputError: that one fails.
+    """
+    supported = not unsupported_reason(scene, gear, fidelity, table)
+    many = table_of_metrics(scene, gear, fidelity, table) if supported else None
+    last = len(next(iter(table.values()))) - 1
+    results: list[Result | None] = [None] * (last + 1)
+    for row in (last, *range(last)):
+        if many is not None and many.ended[row]:
+            continue
+        settings = {path: float(column[row]) for path, column in table.items()}
+        alone = answer_to(Task(partial(_run, scene, gear, fidelity, settings))).result(scene, gear, fidelity)
+        if row == last and alone.status is not Status.OK:
+            raise InputError(f"the gear without errors fails: {alone.status}, {alone.message}")
+        results[row] = alone
+    return Batch(tuple(results), many)
 
 
-def _check_nominal(result: Result) -> None:
-    if result.status is not Status.OK:
-        raise InputError(f"the gear without errors fails: {result.status}, {result.message}")
+def _run(scene: str, gear: SteeringGear, fidelity: Fidelity, settings: Mapping[str, float]) -> Result:
+    plan = Plan(scene, gear.replace(settings), fidelity)
+    return plan.refusal or plan.run(WITHOUT_BARS)
+
+
+def number_in(series: Batch, asked: Number) -> float:
+    """Return a metric of the last gear, or its quantile over all others: those that failed are the worst.
+
+    Raises:
+        InputError: there is none.
+    """
+    column, share, ok = series.summary.get(asked.metric), asked.quantile, series.ok
+    if column is None or not np.isfinite(column[-1]):
+        raise InputError(f"{asked.name}: a run of {asked.scene} gives no {asked.metric}.")
+    if share is None or len(column) == 1:
+        return float(column[-1])
+    end, rounded = (np.inf, ceil) if share >= 0.5 else (-np.inf, floor)
+    ordered = np.sort(np.where(ok & np.isfinite(column), column, end)[:-1])
+    value = float(ordered[rounded(share * (ordered.size - 1))])
+    if not np.isfinite(value):
+        failures = [text for text, good in zip(series.messages, ok, strict=True) if not good]
+        (text, _), *_ = Counter(failures).most_common(1)
+        raise InputError(f"{len(failures)} of {len(column) - 1} gears of the series fail: {text}")
+    return value

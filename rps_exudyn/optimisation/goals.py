@@ -152,9 +152,3 @@ class Constraint:
         """Return by how much a value misses the limit, over the limit's size; below 0: it keeps it."""
         size = max(self.limit.finite, 1e-30)
         return float(max(value - self.limit.most, self.limit.least - value) / size)
-
-
-def worst_first(values: np.ndarray, bad: int) -> np.ndarray:
-    """Return values (n,) with `bad` * infinity for those that are missing: no quantile is better for a gear
-    that failed."""
-    return np.where(np.isfinite(values), values, bad * np.inf)

@@ -7,6 +7,7 @@ begun anew each time, and takes from the folder what is there: a killed search e
 import hashlib
 import json
 from collections.abc import Generator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -31,6 +32,7 @@ from rps_exudyn.study.definition import Case, Value
 from rps_exudyn.study.store import Store
 
 DESIGN = "optimised"
+AGAIN = (Status.CRASHED, Status.TIMEOUT)  # the machine may have been the cause
 FAR = 1e9  # objective and excess of a refused design: any other is better
 FOLLOWING = ("pinion.tip_diameter", "pinion.shaft_diameter", "rack.reference_height")
 DIGITS = 9  # of a place between bounds
@@ -160,10 +162,10 @@ def _results(
     """Return hash -> result of each case; those that the folder lacks are computed and stored."""
     found, tasks = dict[str, Result](), dict[Task, Case]()
     for case in cases:
-        path = store.path_of(case.hash)
-        try:
-            found[case.hash] = read_result(path)
-        except InputError:
+        with suppress(InputError):  # there is none, or a damaged one
+            if (stored := read_result(store.path_of(case.hash))).status not in AGAIN:
+                found[case.hash] = stored
+        if case.hash not in found:
             tasks[Task(partial(evaluate, problem, case.values))] = case
     row.count([each.status for each in found.values()])
     for task, answer in runner.run(list(tasks)):

@@ -12,7 +12,8 @@ import pytest
 import rps_exudyn as rps
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.optimisation.definition import Problem, read_problem
-from rps_exudyn.optimisation.evaluation import Series, evaluate, table_of
+from rps_exudyn.optimisation.evaluation import evaluate, number_in, table_of
+from rps_exudyn.optimisation.goals import Number
 from rps_exudyn.optimisation.optimisation_page import Optimisation
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.outcome import Status
@@ -131,15 +132,15 @@ def test_numbers_of_a_design_are_those_of_a_batch(tmp_path: Path) -> None:
         np.testing.assert_allclose(found.summary[name], singly.summary[name], rtol=1e-3)
 
 
-def test_failed_gears_are_worse_than_all_others() -> None:
-    from rps_exudyn.optimisation.goals import Number
-
-    spread = {"torque_mean": np.array([0.5, np.nan, 0.7, 0.6])}
-    series = Series({"torque_mean": 0.6}, spread, ("the rack left the mesh",), {})
+def test_failed_gears_are_worse_than_all_others(made_up_result: rps.Result) -> None:
+    lost = replace(made_up_result, status=Status.CONTACT_LOST, message="the rack left the mesh")
+    ended = [replace(made_up_result, summary={"torque_mean": torque}) for torque in (0.5, 0.7, 0.6, 0.6)]
+    series = rps.Batch((ended[0], lost, *ended[1:]))  # the last one is the gear without errors
     asked = Number("torque", "torque_mean", "free-pinion-torque", (), 0.6)
-    assert series.number(asked) == 0.7
+    assert number_in(series, asked) == 0.7
+    assert number_in(series, replace(asked, quantile=None)) == 0.6
     with pytest.raises(rps.InputError, match="1 of 4 gears of the series fail: the rack left the mesh"):
-        series.number(replace(asked, quantile=0.9))
+        number_in(series, replace(asked, quantile=0.9))
 
 
 def test_refused_design_has_its_cause(tmp_path: Path) -> None:
