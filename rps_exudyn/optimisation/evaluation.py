@@ -77,7 +77,7 @@ def numbers_of(
         series = run_series(scene, tested, made.fidelity, table)
         found |= {each: number_in(series, each) for each in asked}
         if summary is not None and scene == problem.study.scene:
-            summary |= {name: float(column[-1]) for name, column in series.summary.items()}
+            summary |= {each.metric: float(series.summary[each.metric][-1]) for each in asked}
     return [found[each] for each in numbers]
 
 

@@ -131,6 +131,8 @@ def search(problem: Problem, folder: Path, runner: CaseRunner) -> Search:
     rows: list[tuple[Case, CaseRow]] = []
     store.make_folders(blocks=False)
     with store.locked():
+        if not (store.path / "study.json").exists():  # by which the folder is known from now on
+            store.write_description()
         content = content_of(problem.study.file)
         with replacing(store.path / "study.toml") as partial_file:
             partial_file.write_bytes(content)
