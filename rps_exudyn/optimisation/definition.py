@@ -66,6 +66,7 @@ KEYS = (
 )
 NUMBER_KEYS = {"metric", "scene", "set"}
 GIVEN, NONE = "given", "none"  # limit of a constraint; no errors
+MOST_WHOLE = 1000  # whole numbers between the bounds of a variable
 TRIED = 64  # gears within the bounds, of which one must exist
 FOLLOWS = (0.25, 4.0)  # times its given value, between which a kept parameter is sought
 
@@ -209,7 +210,7 @@ class _ProblemKeys(Keys):
     def problem(self, content: Mapping[str, Any]) -> Problem:
         for key in content.keys() - {*KEYS}:
             self.wrong(key, f"is no key of an optimisation; there are {', '.join(KEYS)}.")
-        designs = self.whole(content, "designs", 1000, 4, 10**6)
+        designs = self.whole(content, "designs", 1000, 4, 10**5)
         population = self.whole(content, "population", min(36, designs), 4, designs)
         samples = self.whole(content, "samples", 96, 8, 10**5)
         errors = self.choice(content, "errors", (*SETS, NONE), "series")
@@ -217,7 +218,7 @@ class _ProblemKeys(Keys):
         if not (
             isinstance(confirm, list)
             and len(confirm) == 2
-            and all(type(n) is int and n >= 0 for n in confirm)
+            and all(type(n) is int and 0 <= n <= 10**6 for n in confirm)
         ):
             self.wrong("confirm", f"is {shown(confirm)}; it must be two numbers of gears, such as [512, 40].")
         axes = [*self._axes(self.table(content, "variables"))]
@@ -233,11 +234,10 @@ class _ProblemKeys(Keys):
         check_gear(gear)
         keep = self.table(content, "keep")
         for name, path in keep.items():
-            if name not in FORMULAS or path not in self.declared:
-                self.wrong(
-                    "keep",
-                    f"has {name} = {shown(path)}; it must be one of {', '.join(FORMULAS)}, and a parameter.",
-                )
+            declared = self.declared.get(path) if isinstance(path, str) else None
+            if name not in FORMULAS or declared is None or declared.unit is None:
+                allowed = f"{' or '.join(FORMULAS)}, and a parameter with a number"
+                self.wrong("keep", f"has {name} = {shown(path)}; it must be {allowed}.")
         for axis in study.axes:
             if axis.name in own or axis.name in keep.values():
                 self.wrong("variables", f"has {axis.name}, which is given by a distribution or by keep, too.")
@@ -273,6 +273,11 @@ class _ProblemKeys(Keys):
             elif self.is_parameter(path, "variables"):
                 declared = self.declared[path]
                 if declared.field.annotation is int and all(type(end) is int for end in value):
+                    if not 0 < value[1] - value[0] <= MOST_WHOLE:
+                        self.wrong(
+                            where, f"is {shown(value)}; it must be [least, most], {MOST_WHOLE} apart at most."
+                        )
+                        continue
                     yield {"path": path, "values": [*range(value[0], value[1] + 1)]}
                 elif declared.unit is None or path.startswith(FIDELITY):
                     self.wrong(where, f"is {shown(value)}; only numbers of the gear can vary between bounds.")

@@ -67,12 +67,13 @@ class Optimisation:
 
     def luck(self, design: Design, at: int = 0) -> float:
         """Return by how much a number on fresh gears is more than in the search, over that."""
-        return (self.fresh(design, SEARCHED, at) - design.numbers[at]) / abs(design.numbers[at])
+        seen = design.numbers[at]
+        return (self.fresh(design, SEARCHED, at) - seen) / abs(seen) if seen else nan
 
     def change(self, design: Design, model: str, at: int = 0) -> float:
         """Return the relative change of a number from the gear as given, both on the same fresh gears."""
         given = self.fresh(self.search.given, model, at)
-        return (self.fresh(design, model, at) - given) / abs(given)
+        return (self.fresh(design, model, at) - given) / abs(given) if given else nan
 
     def not_kept(self, fresh: Confirmed) -> list[str]:
         """Return the names of limits that fresh numbers miss by more than their errors."""
@@ -134,9 +135,10 @@ def _rows(found: Optimisation) -> Iterator[Row]:
         seen = number.quantity.show(best.numbers[0])
         for model in MODELS:
             if (fresh := found.confirmed.get((best.case.hash, model))) and isfinite(fresh.values[0]):
-                change = f"{100 * found.change(best, model):+.0f} % against the gear as given"
+                change = found.change(best, model)
+                against = f"{100 * change:+.0f} % against the gear as given, " if isfinite(change) else ""
                 yield Row(
-                    found.shown(fresh, 0), f"{number.words}: {change}, {fresh.samples} fresh gears, {model}"
+                    found.shown(fresh, 0), f"{number.words}: {against}{fresh.samples} fresh gears, {model}"
                 )
         fresh = found.confirmed.get((best.case.hash, SEARCHED))
         if broken := found.not_kept(fresh) if fresh else []:
@@ -151,7 +153,7 @@ def _rows(found: Optimisation) -> Iterator[Row]:
                 f"{named(name)}, at its {where.partition(',')[0]}: better gears may lie beyond",
             )
     yield Row(
-        f"{kept} of {len(search.designs)}", f"designs keep all limits, {len(found.front)} are on the front"
+        f"{kept} of {len(search.designs)}", f"designs keep all limits; on the front: {len(found.front)}"
     )
     for each in search.refused[:1]:
         refused = sum(len(group.cases) for group in search.refused)
@@ -218,7 +220,9 @@ def _picture(found: Optimisation) -> Picture:
     first, *others = [(each.number.words, each.number.quantity) for each in objectives]
     labels = [(others or [("design", Quantity("", "", ""))])[0], first]
     known = places([each for each in search.designs if each.is_feasible])
-    figure = front_figure(known, places(ordered), places([search.given])[0], labels, links)
+    figure = front_figure(
+        known, places(ordered), places([search.given] if search.given.numbers else []), labels, links
+    )
     made = picture(figure, "Designs that keep all limits; a click on one of the best shows its gear")
     within_page = re.sub(r'href="#[0-9a-f]{8}(part-|[0-9a-f]{16}")', r'href="#\1', made.svg)
     return replace(made, svg=within_page.replace(' target="_blank"', ""))

@@ -24,7 +24,7 @@ def front_figure(
     Args:
         designs: those that keep all limits, (n, 2) [SI].
         front: the best of them, (m, 2), in order.
-        given: the gear as given, (2,).
+        given: the gear as given, (1, 2), or (0, 2) where it has no numbers.
         labels: name and quantity of the abscissa and of the ordinate.
         links: where a click on a design of the front leads, m of them.
         width: of the picture [in].
@@ -40,9 +40,7 @@ def front_figure(
     axes.step(*places(front), where="post", color=ink, linewidth=1, alpha=0.5)
     dots = axes.scatter(*places(front), s=30, color=ink, zorder=3, label="the best")
     dots.set_urls(list(links))
-    axes.plot(
-        *places(given[None]), "D", color=style.COLOURS["failure"], markersize=7, label="the gear as given"
-    )
+    axes.plot(*places(given), "D", color=style.COLOURS["failure"], markersize=7, label="the gear as given")
     axes.set_ylabel(quantity.axis_label(name_y))
     axes.set_xlabel(over.axis_label(name_x))
     style.legend_above(axes)
