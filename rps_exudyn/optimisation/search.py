@@ -88,7 +88,8 @@ class Search:
         """Return the designs that keep all limits and that no other one is better than in every objective, by
         the first objective."""
         known = [each for each in self.designs if each.is_feasible]
-        costs = np.array([each.costs(self.problem) for each in known]).reshape(len(known), -1)
+        shape = len(known), len(self.problem.objectives)
+        costs = np.array([each.costs(self.problem) for each in known]).reshape(shape)
         best = [
             i
             for i, own in enumerate(costs)

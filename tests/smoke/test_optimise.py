@@ -47,6 +47,17 @@ def test_front_on_sheet_page_and_in_json(command: Command) -> None:
     assert command(["report", "two", "--out", "study.html"]).status == 0
 
 
+def test_no_design_keeps_the_limits(command: Command) -> None:
+    """The sheet states which limit the nearest one misses, and the page has no front."""
+    pytest.importorskip("pymoo")
+    Path("none.toml").write_text(TWO.replace("24", "12") + '[constraints.torque_mean]\nmost = "0.1 N*m"\n')
+    answer = command(["optimise", "none.toml", "--jobs", "1"])
+    assert answer.status == 1
+    assert "none" in answer.out
+    assert "the nearest has torque_mean (nominal)" in answer.out
+    assert Path("none/optimisation.html").exists()
+
+
 def test_shipped_file_is_read() -> None:
     problem = read_problem(Path(__file__).parents[2] / "studies" / "optimise_ripple.toml")
     assert len(problem.study.axes) == 7
