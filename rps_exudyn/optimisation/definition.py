@@ -27,6 +27,7 @@ import json
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -388,24 +389,19 @@ def _check_contradictions(problem: Problem) -> None:
     Raises:
         InputError: they do, with the nearest limit that can be kept.
     """
-    known: dict[tuple[Any, ...], Limit] = {}
-    known |= {(axis.name, "", ()): Limit(*bounds_of(axis), "its bounds") for axis in problem.study.axes}
-    known |= {(name, "", ()): Limit(value, value, "keep") for name, value in problem.kept.items()}
-    for each in problem.constraints:
-        key, own, show = (
-            (each.number.of, each.number.scene, each.number.settings),
-            each.limit,
-            each.number.quantity.show,
-        )
-        before = known.get(key, Limit(-np.inf, np.inf, ""))
-        for end, value, nearest in (("least", own.least, before.most), ("most", -own.most, -before.least)):
-            if value > nearest:
+    numbers = {axis.name: bounds_of(axis) for axis in problem.study.axes}
+    numbers |= {name: (value, value) for name, value in problem.kept.items()}
+    fixed = [Constraint(Number(name, name), Limit(*ends, "")) for name, ends in numbers.items()]
+    for first, second in combinations((*fixed, *problem.constraints), 2):
+        for end, other, low, high in (("least", "most", second, first), ("most", "least", first, second)):
+            if low.limit.least > high.limit.most and low.number.is_at_most(high.number):
+                show, name = second.number.quantity.show, second.number.name
+                nearest = show(getattr(first.limit, other))
+                given = "its bounds" if first in fixed else f"{first.number.words}, {other} {nearest}"
                 raise InputError(
-                    f"constraints: {each.number.name}: {end} is {show(abs(value))}, which contradicts "
-                    f"{before.source}; the nearest that can be kept is {show(abs(nearest))}."
+                    f"constraints: {name}: {end} is {show(getattr(second.limit, end))}, which contradicts "
+                    f"{given}; the nearest that can be kept is {nearest}."
                 )
-        source = f"the limit {own.show(each.number.quantity)}"
-        known[key] = Limit(max(own.least, before.least), min(own.most, before.most), source)
 
 
 def _check_bounds(problem: Problem) -> None:

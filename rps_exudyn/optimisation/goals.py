@@ -110,6 +110,13 @@ class Number:
         )
         return f"{self.name} ({where})" if self.scene else self.name
 
+    def is_at_most(self, other: "Number") -> bool:
+        """Return whether this number is no larger than the other one in every series."""
+        if (self.of, self.scene, self.settings) != (other.of, other.scene, other.settings):
+            return False
+        mine, its = self.quantile, other.quantile
+        return mine == its or (mine is not None and its is not None and mine <= its)
+
     def settings_of(self, gear: SteeringGear) -> dict[str, Any]:
         """Return what is set for its run."""
         return (RUNS[self.of][2](gear) if self.of in RUNS else {}) | dict(self.settings)

@@ -19,6 +19,7 @@ from rps_exudyn.base.files import content_of, replacing
 from rps_exudyn.base.screen import open_screen
 from rps_exudyn.optimisation.definition import Problem, values_at
 from rps_exudyn.optimisation.evaluation import evaluate
+from rps_exudyn.parameters.derived import DERIVED
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.block import CaseRecord, CaseRow
 from rps_exudyn.results.outcome import Status
@@ -34,7 +35,6 @@ from rps_exudyn.study.store import Store
 DESIGN = "optimised"
 AGAIN = (Status.CRASHED, Status.TIMEOUT)  # the machine may have been the cause
 FAR = 1e9  # objective and excess of a refused design: any other is better
-FOLLOWING = ("pinion.tip_diameter", "pinion.shaft_diameter", "rack.reference_height")
 DIGITS = 9  # of a place between bounds
 
 
@@ -116,7 +116,7 @@ def store_of(problem: Problem, folder: Path) -> Store:
     """
     study = problem.study
     about = describe(replace(study, samples=1), provenance())
-    own = {*(axis.name for axis in study.axes), *problem.keep.values(), *FOLLOWING}
+    own = {*(axis.name for axis in study.axes), *problem.keep.values(), *DERIVED}
     base = {path: value for path, value in about.base.items() if path not in own}
     return Store.of(folder, replace(about, base=base, design=DESIGN, cases=()))
 

@@ -49,6 +49,12 @@ def test_right_file_is_read(tmp_path: Path) -> None:
         ("[objectives.torque_mean]", "[objectives.torque_mean]\nwhat = 1", "has what, which is no key"),
         ("[objectives.torque_mean]\n", "", "must have at least one table"),
         ('most = "28 deg"', 'most = "15 deg"', "contradicts its bounds; the nearest that can be kept is 20"),
+        (
+            'most = "28 deg"\n',
+            'most = "28 deg"\n[constraints.low]\nmetric = "torque_mean"\nleast = "0.8 N*m"\n'
+            '[constraints.high]\nmetric = "torque_mean"\nmost = "0.7 N*m"\n',
+            "high: most is 0.7 N m, which contradicts low .nominal., least 0.8 N m; the nearest that can be",
+        ),
         ('most = "28 deg"', 'most = "28 deg"\nleast = "29 deg"', "least must be below most"),
         ('most = "28 deg"', "metric = 'pinion.helix_angle'", "must have most, least or both"),
         ("designs = 8", "designs = 8\nrequirements = ['rated_flonk']", "the nearest: rated_flank"),
