@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from rps_exudyn.inference.fitting.fitted import Fit
     from rps_exudyn.inference.measured.reading import read_measured_torque
     from rps_exudyn.multibody.model import build_model
+    from rps_exudyn.optimisation.optimise import optimise
     from rps_exudyn.parameters.fidelity import Fidelity
     from rps_exudyn.parameters.gear import SteeringGear
     from rps_exudyn.results.outcome import Status
@@ -51,6 +52,7 @@ __all__ = [
     "fit",
     "load",
     "open_study",
+    "optimise",
     "read_measured_torque",
     "run",
     "study_frame",
@@ -73,6 +75,7 @@ _HOME = {
     "load": "study.case_blocks",
     "Batch": "simulate.batch",
     "batch": "simulate.batch",
+    "optimise": "optimisation.optimise",
     "run": "simulate.run",
     "open_study": "study.dataset",
     "study_frame": "study.dataset",

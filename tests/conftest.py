@@ -44,6 +44,8 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "contract/test_docstring_examples.py",
     "contract/test_libraries.py::test_a_run_leaves_the_libraries_as_they_were",
     "contract/test_limit_of_cpu_time.py",
+    "smoke/test_optimise.py",
+    "wrong_input/test_optimisation.py",
     "contract/test_kernel_code.py",
     "contract/test_newton_step.py",
     "geometry/test_geometry_picture.py",

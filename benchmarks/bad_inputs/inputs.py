@@ -203,7 +203,7 @@ def _words(rng: random.Random) -> Iterator[BadInput]:
 
 def _study_files(rng: random.Random) -> Iterator[BadInput]:
     """Shipped studies with a piece cut out, doubled or exchanged."""
-    shipped = sorted((ROOT / "studies").glob("*.toml"))
+    shipped = [path for path in sorted((ROOT / "studies").glob("*.toml")) if "optimise" not in path.stem]
     for number in range(80):
         text = rng.choice(shipped).read_text()
         first = rng.randrange(len(text))

@@ -29,7 +29,16 @@ from rps_exudyn.scenes.maneuver import StepLimits
 from rps_exudyn.scenes.scene import Scene, SteadyRecord, SteadyTest
 from rps_exudyn.scenes.scene_run import Signals, one_after_another
 from rps_exudyn.simulate.shared_maneuver import SAFE, FollowedGears, SharedManeuver, is_alike, signals_of_some
-from rps_exudyn.solvers.many_gears import RUNOUT, RUNOUT_ANGLE, Table, packed, packed_table
+from rps_exudyn.solvers.many_gears import (
+    EXACT,
+    QUICK,
+    RUNOUT,
+    RUNOUT_ANGLE,
+    Packing,
+    Table,
+    packed,
+    packed_table,
+)
 from rps_exudyn.solvers.record import WHERE_DAMPED
 from rps_exudyn.solvers.temperature_and_wear import is_new
 
@@ -151,6 +160,24 @@ def simulate_table(
     return _joined(parts, count)
 
 
+def table_of_metrics(scene: str, gear: SteeringGear, fidelity: Fidelity, table: Table) -> GearTable | None:
+    """Find the metrics of gears at level 1, without bars and signals: for searches among many designs, each
+    of them with few gears. None if that cannot begin.
+
+    No gear is followed to learn from: all begin with the motion of the middle one. That takes a tenth more
+    evaluations of the forces than what 26 gears teach, which cost more. Whether each gear can be built is not
+    looked at. Arguments as of `simulate_table`.
+    """
+    level = TableAtLevel.of(scene, gear, fidelity, LEVEL, table, packing=QUICK, learned={})
+    if level is None:
+        return None
+    count = len(level.rows)
+    found = _GearsAtLevel.of(level, np.arange(count), [gear] * count)
+    ended = np.ones(len(found.chosen), dtype=bool)
+    part = GearTable(ended, found.summary, {}, found.counters, [[] for _ in ended], {})
+    return _joined([(level.rows[found.chosen], part)], len(next(iter(table.values()))))
+
+
 @dataclass(frozen=True, eq=False)
 class TableAtLevel:
     """What the gears of a table share in a scene at a level of the ladder, and each one's constants.
@@ -180,13 +207,22 @@ class TableAtLevel:
         level: int,
         table: Table,
         ranges: Table | None = None,
+        packing: Packing = EXACT,
+        learned: Table | None = None,
     ) -> "TableAtLevel | None":
-        """Compute it; arguments as of `simulate_table`. None if the gear in the middle is not found."""
+        """Compute it; arguments as of `simulate_table`. None if the gear in the middle is not found.
+
+        Args:
+            name: of the scene.
+            level: of the ladder.
+            packing: by which polynomials the records are packed.
+            learned: values over which gears are followed first; None: the ranges.
+        """
         scene, asked, fidelity = scene_named(name), fidelity, model_at(level, fidelity)
         assert scene.test is not None
         try:
             weighted = _is_weighted(scene, gear)
-            rows, records, reference = _records(gear, fidelity, table, ranges, weighted)
+            rows, records, reference = _records(gear, fidelity, table, ranges, weighted, packing)
             if records is None or refused(reference, asked, motion="steady"):
                 return None
             some = {path: values[rows] for path, values in table.items()}
@@ -199,7 +235,8 @@ class TableAtLevel:
             return None
         shared_maneuvers = []
         for maneuver in [*maneuvers, *([beside] if beside else [])]:
-            shared = SharedManeuver.of(maneuver.halved(level - 1), reference, fidelity, some, ranges)
+            taught = ranges if learned is None else learned
+            shared = SharedManeuver.of(maneuver.halved(level - 1), reference, fidelity, some, taught)
             if shared is None:
                 return None
             shared_maneuvers.append(shared)
@@ -227,7 +264,12 @@ def _is_weighted(scene: Scene, gear: SteeringGear) -> bool:
 
 
 def _records(
-    gear: SteeringGear, fidelity: Fidelity, table: Table, ranges: Table | None, weighted: bool
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    table: Table,
+    ranges: Table | None,
+    weighted: bool,
+    packing: Packing,
 ) -> tuple[np.ndarray, np.ndarray | None, SteeringGear]:
     """Which gears can exist, their records, and the reference gear."""
     valid = _within(table, table if ranges is None else ranges)
@@ -238,7 +280,7 @@ def _records(
             reference = gear.replace(centre | ({RUNOUT: 0.0} if {RUNOUT, RUNOUT_ANGLE} & {*part} else {}))
             fixed = RUNOUT_ANGLE in part and RUNOUT not in part
             full = part | ({RUNOUT: np.full(len(valid), gear.pinion.runout)} if fixed else {})
-            return valid, packed_table(reference, fidelity, full, ranges, weighted), reference
+            return valid, packed_table(reference, fidelity, full, ranges, weighted, packing), reference
         except InputError:
             if attempt:
                 break

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -33,14 +34,26 @@ from rps_exudyn.solvers.settling import CLOSE, TYPICAL_APPROACH, find_approach
 
 RUNOUT, RUNOUT_ANGLE = "pinion.runout", "pinion.runout_angle"
 COUNTERS = "force_evaluations", "newton_iterations", "jacobians"
-DEGREE = 4  # of the polynomials
-EXACT, ZONES = 1e-10, 1e-4  # allowed error of a record's numbers over their size; of friction zones
-CHECKED = 5  # gears packed to confirm
+ZONES = 1e-4  # allowed error of friction zones over their size
+CHECKED = 5  # values of a parameter among which gears are packed to confirm
 TURN = (5**0.5 - 1) / 2  # of a range from parameter to parameter, so that these gears are unlike
 Y, Z, YAW, PITCH = RACK + 1, RACK + 2, RACK + 4, RACK + 5
 
 Table = Mapping[str, np.ndarray]
 """Path of a parameter -> values, SI."""
+
+
+class Packing(NamedTuple):
+    """How records are packed by polynomials over single parameters."""
+
+    degree: int  # of the polynomials
+    between: int  # gears packed for each, beside those at both ends
+    error: float  # allowed, of a record's numbers over their size
+    checked: int  # gears packed to confirm, at most `CHECKED`
+
+
+EXACT = Packing(4, 5, 1e-10, CHECKED)
+QUICK = Packing(2, 1, 1e-8, 2)  # of a tooth: 1e-5 um
 
 
 # --- records ---------------------------------------------------------------------------------------
@@ -86,6 +99,7 @@ def packed_table(
     table: Table,
     ranges: Table | None = None,
     weighted: bool = False,
+    packing: Packing = EXACT,
 ) -> np.ndarray:
     """Return the records of gears that differ from the reference in a table: path -> values (n,), SI.
 
@@ -99,6 +113,7 @@ def packed_table(
         table: the values.
         ranges: values between whose ends all others lie, by path; those of the table without it.
         weighted: each gear stands under the weight of its load test.
+        packing: by which polynomials.
 
     Raises:
         InputError: a value that is not allowed, or a gear that cannot exist.
@@ -107,8 +122,8 @@ def packed_table(
         (path, _spread(values, number))
         for number, (path, values) in enumerate({**table, **(ranges or {})}.items())
     )
-    if _add_up(reference, fidelity, within, weighted):
-        quick = _by_polynomials(reference, fidelity, table, _arrays(within), weighted)
+    if _add_up(reference, fidelity, within, weighted, packing):
+        quick = _by_polynomials(reference, fidelity, table, _arrays(within), weighted, packing)
         assert quick is not None
         return quick
     count = len(next(iter(table.values())))
@@ -137,34 +152,40 @@ def _add_up(
     fidelity: Fidelity,
     within: tuple[tuple[str, tuple[float, ...]], ...],
     weighted: bool,
+    packing: Packing,
 ) -> bool:
     """Return whether exactly packed gears within ranges confirm sums of polynomials; of those that exist."""
     ranges = _arrays(within)
     table = {path: values[1:-1] for path, values in ranges.items()}
-    quick = _by_polynomials(reference, fidelity, table, ranges, weighted)
+    quick = _by_polynomials(reference, fidelity, table, ranges, weighted, packing)
     if quick is None:
         return False
     exact = {}
-    for row in range(CHECKED):
+    for row in range(packing.checked):
         with suppress(InputError):
             exact[row] = packed([_gear(reference, table, row)], fidelity, weighted)
-    return bool(exact) and _alike(quick[[*exact]], np.concatenate([*exact.values()]))
+    return bool(exact) and _alike(quick[[*exact]], np.concatenate([*exact.values()]), packing.error)
 
 
-def _alike(quick: np.ndarray, exact: np.ndarray) -> bool:
+def _alike(quick: np.ndarray, exact: np.ndarray, error: float) -> bool:
     """Return whether records are those of gears packed one by one."""
     numbers, right = as_numbers(quick), as_numbers(exact)
-    allowed = np.full(numbers.shape[1], EXACT)
+    allowed = np.full(numbers.shape[1], error)
     allowed[ZONE_COLUMNS], allowed[REST_GAP] = ZONES, np.inf  # which `adjust` finds
     finite = np.isfinite(right).all(axis=0)
     size = np.abs(right[:, finite]).max(axis=0)
-    error = np.abs(numbers[:, finite] - right[:, finite])
-    within = error <= np.maximum(allowed[finite] * size, 1e-300)
+    moved = np.abs(numbers[:, finite] - right[:, finite])
+    within = moved <= np.maximum(allowed[finite] * size, 1e-300)
     return bool(within.all() and np.array_equal(numbers[:, ~finite], right[:, ~finite]))
 
 
 def _by_polynomials(
-    reference: SteeringGear, fidelity: Fidelity, table: Table, ranges: Table, weighted: bool
+    reference: SteeringGear,
+    fidelity: Fidelity,
+    table: Table,
+    ranges: Table,
+    weighted: bool,
+    packing: Packing,
 ) -> np.ndarray | None:
     """Records as sums of polynomials of single parameters; None where other things than numbers change."""
     count = len(next(iter(table.values())))
@@ -175,12 +196,14 @@ def _by_polynomials(
         if path in (RUNOUT, RUNOUT_ANGLE):
             continue
         ends = float(ranges[path].min()), float(ranges[path].max())
-        probed = _probed(reference, fidelity, path, *ends, weighted)
+        probed = _probed(reference, fidelity, path, *ends, weighted, packing.between)
         if probed is None:
             return None
         places, of_probes, moving = probed
         if moving.size:
-            numbers[:, moving] += _polynomials(places, of_probes[:, moving] - here[:, moving], values)
+            numbers[:, moving] += _polynomials(
+                places, of_probes[:, moving] - here[:, moving], values, packing.degree
+            )
     if RUNOUT in table or RUNOUT_ANGLE in table:
         pair = GearPair.of(reference)
         e = table.get(RUNOUT, np.full(count, pair.runout))
@@ -194,11 +217,17 @@ def _by_polynomials(
 
 @lru_cache(maxsize=256)
 def _probed(
-    reference: SteeringGear, fidelity: Fidelity, path: str, low: float, high: float, weighted: bool
+    reference: SteeringGear,
+    fidelity: Fidelity,
+    path: str,
+    low: float,
+    high: float,
+    weighted: bool,
+    between: int,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     """Values of a parameter, the numbers of gears with them, and which of these change; None where other
     things than numbers change. Kept for the parts of one table."""
-    nodes = chebyshev.chebpts1(DEGREE + 1)
+    nodes = chebyshev.chebpts1(between)
     places = np.unique(np.append((low + high) / 2 + (high - low) / 2 * nodes, (low, high)))
     probes = [reference.replace({path: float(value)}) for value in places]
     of_probes = packed(probes, fidelity, weighted)
@@ -211,12 +240,12 @@ def _probed(
     return (places, numbers, moving) if np.isfinite(numbers[:, moving]).all() else None
 
 
-def _polynomials(places: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
+def _polynomials(places: np.ndarray, values: np.ndarray, at: np.ndarray, degree: int) -> np.ndarray:
     """Polynomials through values (m, columns) at places (m,), at other places (n,); shape (n, columns)."""
     middle, half = (places[-1] + places[0]) / 2, (places[-1] - places[0]) / 2
     if not half:
         return np.repeat(values[:1], len(at), axis=0)
-    terms = chebyshev.chebvander((places - middle) / half, min(DEGREE, len(places) - 1))
+    terms = chebyshev.chebvander((places - middle) / half, min(degree, len(places) - 1))
     coefficients = np.linalg.lstsq(terms, values, rcond=None)[0]
     powers = chebyshev.chebvander((at - middle) / half, terms.shape[1] - 1)
     return np.asarray(sum(power[:, None] * each for power, each in zip(powers.T, coefficients, strict=True)))

@@ -59,8 +59,15 @@ def read_study(path: str | Path) -> Study:
     Raises:
         InputError: everything that is wrong with it: file, key, and what is allowed.
     """
-    file = Path(path)
-    content = read_toml(file)
+    return study_of(Path(path), read_toml(path))
+
+
+def study_of(file: Path, content: Mapping[str, Any]) -> Study:
+    """The study in the tables of a TOML file.
+
+    Raises:
+        InputError: as `read_study`.
+    """
     reader = _StudyKeys(file)
     study = reader.study(content)
     if not reader.problems:

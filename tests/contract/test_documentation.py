@@ -48,12 +48,12 @@ def test_links_to_headings_are_found() -> None:
     assert len(linked_headings()) > 20
 
 
-def test_tutorial_has_eight_pages_and_the_gallery_twenty_entries() -> None:
+def test_tutorial_has_nine_pages_and_the_gallery_twenty_entries() -> None:
     """All are in the site, which runs them when it is built; the entries' names differ."""
     executed = module_of("executed")
     pages = [path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs" / "tutorial").glob("*.md")]
     settings = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
-    assert len(pages) == 8
+    assert len(pages) == 9
     assert all(f"- {page}" in settings for page in pages)
     assert len({entry.name for entry in executed.GALLERY}) == 20
     assert {entry.scene for entry in executed.GALLERY} <= set(SCENE_NAMES)

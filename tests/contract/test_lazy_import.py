@@ -63,6 +63,7 @@ def test_public_names_are_there_when_used() -> None:
             "fit",
             "load",
             "open_study",
+            "optimise",
             "read_measured_torque",
             "run",
             "study_frame",

@@ -65,6 +65,7 @@ OWN_FILES = {
     "d.csv",
     "e.csv",
     "expected.toml",
+    "optimise_ripple.toml",
     "first.csv",
     "second.csv",
     "line",

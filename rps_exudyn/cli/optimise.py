@@ -1,0 +1,43 @@
+"""The command `optimise`: the best gears of a file's variables, for a series of each."""
+
+from pathlib import Path
+
+from rps_exudyn.base.screen import shown_progress
+from rps_exudyn.cli.options import HEAD_ALONE, Flag, Printing
+from rps_exudyn.cli.output import DONE, FAILED, command_line, present, printing
+
+
+def optimise(
+    file: Path,
+    /,
+    *,
+    out: Path | None = None,
+    jobs: int | None = None,
+    toy: Flag = False,
+    shown: Printing = HEAD_ALONE,
+) -> int:
+    """Search for the gears whose series is best. Run it again after an interruption: designs are kept.
+
+    The exit status is 1 if no design keeps all limits.
+
+    Args:
+        file: Optimisation file (TOML), see docs/tutorial/9-optimisation.md.
+        out: Folder of designs, best gears and page; default: the file's name, in the current folder.
+        jobs: Number of worker processes; default: one per processor.
+        toy: Try the file with eight designs of eight gears, in a folder NAME-toy.
+    """
+    shown.check()
+    from rps_exudyn.optimisation.optimisation_page import optimisation_sheet
+    from rps_exudyn.optimisation.optimise import PAGE
+    from rps_exudyn.optimisation.optimise import optimise as run
+
+    with printing(shown.quiet):
+        try:
+            with shown_progress():
+                found = run(file, out, jobs, toy)
+        except KeyboardInterrupt:
+            kept = "the designs that are done are kept; the same command continues"
+            raise KeyboardInterrupt(f"interrupted; {kept}.") from None
+        files = [*found.files, found.search.store.path / PAGE]
+        present(optimisation_sheet(found, command_line()), files, every=shown.every, json=shown.json)
+    return DONE if found.front else FAILED

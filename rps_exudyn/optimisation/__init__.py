@@ -1,0 +1,6 @@
+"""Robust optimisation: the gears of a drawing whose series is best.
+
+definition.py reads the file, evaluation.py computes one design, search.py those that pymoo asks for, in a
+study's folder; confirmation.py computes the best ones again, on fresh gears and by other models;
+optimisation_page.py states what was found.
+"""
