@@ -147,6 +147,11 @@ class GearPair:
         """Rack travel per radian at pinion angles [rad]: one number of a constant ratio [m/rad]."""
         return self.gain if self.course is None else self.course.gain(angle)
 
+    @property
+    def travel_rule(self) -> Any:
+        """The gain [m/rad], or of a variable ratio the travel as a function of the pinion's angle."""
+        return float(self.gain) if self.course is None else self.course.travel
+
     def angle_at(self, travel: Function) -> Any:
         """The pinion's angle at a travel of the perfect rack [m], of its shape [rad]."""
         return travel / self.gain if self.course is None else self.course.angle(travel)

@@ -180,7 +180,7 @@ class RackBar:
         # on twice as fine a division the middles of chords leave them; their heights fall with 1 / n^2
         trial = sections(2 * TRIAL, 2 * TRIAL, 2 * TRIAL)
         side, root = slice(2 * TRIAL, 4 * TRIAL + 1), slice(0, 2 * TRIAL + 1)
-        heights = [_sagitta(trial, 1), _sagitta(trial[:, :, side], 2), _sagitta(trial[:, :, root], 2)]
+        heights = [sagitta(trial, 1), sagitta(trial[:, :, side], 2), sagitta(trial[:, :, root], 2)]
         counts = (max(int(np.ceil(TRIAL * np.sqrt(height / (chord_error / 2)))), 1) for height in heights)
         teeth = sections(*counts)
         joined = np.concatenate([teeth[0, :, :1], *(teeth[:, :, 1:])], axis=1)
@@ -191,7 +191,7 @@ class RackBar:
         return lofted(closed, first, last)
 
 
-def _sagitta(points: np.ndarray, axis: int) -> float:
+def sagitta(points: np.ndarray, axis: int) -> float:
     """Largest distance of every second point along an axis from the chord beside it [m]."""
     points = np.moveaxis(points, axis, 0)
     chord, offset = points[2::2] - points[:-2:2], points[1::2] - points[:-2:2]

@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import PlainSerializer, WrapValidator, create_model, model_validator
 
-from rps_exudyn.base.errors import check_kind
+from rps_exudyn.base.errors import InputError, check_kind
 from rps_exudyn.base.units import mm
 from rps_exudyn.parameters import derived
 from rps_exudyn.parameters.conditions import Conditions, Grease, Housing
@@ -550,6 +550,8 @@ class SteeringGear(Table):
                 "bar has room in the bush or is pressed by it: one of them must be 0 mm."
             )
         yield from rack.ratio.wrong()
+        if not rack.ratio.is_constant:
+            yield from self._beside_ratio()
         if rack.bar_diameter >= bush.inner_diameter:
             yield conflict(
                 f"rack.bar_diameter is {mm(rack.bar_diameter)}; the bar must pass through "
@@ -595,6 +597,20 @@ class SteeringGear(Table):
                 "rack.length",
             )
 
+    def _beside_ratio(self) -> Iterator[WrongValue]:
+        """Yield what a rack of variable ratio does not have."""
+        for path in CONSTANT_RATIO:
+            if self.value_at(path):
+                yield conflict(
+                    f"{path} is for a rack of constant ratio; leave out it or the table rack.ratio.",
+                    "rack.ratio",
+                )
+        if self.mesh.law == "teeth":
+            yield conflict(
+                "mesh.law is teeth, which a rack of variable ratio does not have; set mesh.law = line.",
+                "rack.ratio",
+            )
+
     def __repr__(self) -> str:
         pinion, changes = self.pinion, self.changes_shown()
         size = f"{pinion.teeth} teeth, module {mm(pinion.normal_module)}, preload {self.yoke.preload:g} N"
@@ -631,6 +647,26 @@ FLANK_DEVIATIONS = (
     "rack.deviation",
 )
 """Parameters of flanks other than the drawing's: they shift load along a flank or from tooth to tooth."""
+
+
+CONSTANT_RATIO = (
+    "pinion.deviation",
+    "rack.deviation",
+    "pinion.surface",
+    "rack.surface",
+    "housing.mount_stiffness",
+)
+"""Parameters of gears of constant ratio."""
+
+
+def check_constant_ratio(gear: SteeringGear, what: str) -> None:
+    """Check that a gear has the constant ratio that something needs.
+
+    Raises:
+        InputError: it has a course.
+    """
+    if not gear.rack.ratio.is_constant:
+        raise InputError(f"rack.ratio is given; {what} needs a rack of constant ratio.")
 
 
 def surfaces_of(gear: SteeringGear) -> list[str]:

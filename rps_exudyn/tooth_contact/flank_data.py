@@ -67,14 +67,15 @@ FLANK = record_type(
         ("flank_offset", "f8"),  # distance of flank 0 from the origin along its normal
         ("normal_base_pitch", "f8"),
         ("gain", "f8"),  # rack's travel per radian of the pinion
-        # of a variable ratio, see gears.course: its pieces, 0 of a constant one, where each begins and what it is
+        # of a variable ratio, see gears.course: its pieces (0: constant), where each begins and what it is
         ("course_pieces", "i8"),
         ("course_starts", "f8", (MOST_PIECES,)),
         ("course", "f8", (MOST_PIECES, 5)),
         ("sine_per_gain", "f8"),  # A and B of S = A / g + B
         ("sine_offset", "f8"),
         ("kappa", "f8"),  # angle from the middle of a pinion's space to its tooth on the base circle
-        ("trace", "f8"),  # tan delta, and tau / cos delta: the normal has N_z = -N_x (trace + g trace_per_gain)
+        # tan delta and tau / cos delta: the normal has N_z = -N_x (trace + g trace_per_gain)
+        ("trace", "f8"),
         ("trace_per_gain", "f8"),
         ("cos_design", "f8"),  # of the shaft angle as designed
         ("sin_design", "f8"),

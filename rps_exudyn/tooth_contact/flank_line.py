@@ -35,8 +35,8 @@ from rps_exudyn.forces.friction import (
 from rps_exudyn.forces.rigid_motion import Vector
 from rps_exudyn.gears.tooth_stiffness import EFFECTIVE_MODULUS
 from rps_exudyn.tooth_contact import wrench
-from rps_exudyn.tooth_contact.generated_flank import tangent_plane
 from rps_exudyn.tooth_contact.flank_strip import MARGIN, SURPLUS, across
+from rps_exudyn.tooth_contact.generated_flank import tangent_plane
 
 Coefficients = tuple[float, float, float, float]
 

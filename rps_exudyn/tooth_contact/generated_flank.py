@@ -38,8 +38,8 @@ def course_at(angle, data):  # type: ignore[no-untyped-def]
             low = middle
         else:
             high = middle
-    u, x, a, b = angle - data.course_starts[low], data.course[low, 0], data.course[low, 1], data.course[low, 2]
-    c, d = data.course[low, 3], data.course[low, 4]
+    u, piece = angle - data.course_starts[low], data.course[low]
+    x, a, b, c, d = piece[0], piece[1], piece[2], piece[3], piece[4]
     travel = x + u * (a + u * (b / 2 + u * (c / 3 + u * d / 4)))
     return travel, a + u * (b + u * (c + u * d)), b + u * (2 * c + u * 3 * d)
 

@@ -19,13 +19,14 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.flank_grid import FlankGrid, measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.generated_rack import GeneratedRack
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.mesh_file import Surface
 from rps_exudyn.gears.mesh_frames import PinionPlacement, Placement, RackPlacement
 from rps_exudyn.gears.pinion_mesh import flank_patch
 from rps_exudyn.gears.pitch_errors import rack_errors
 from rps_exudyn.gears.polyhedron import indexed
-from rps_exudyn.gears.rack_bar import RackBar, RackFlank
+from rps_exudyn.gears.rack_bar import RackBar, RackFlank, sagitta
 from rps_exudyn.gears.surface_report import contradictions, placed_surfaces
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -122,6 +123,9 @@ def own_polygons(gear: SteeringGear, chord_error: float) -> list[np.ndarray]:
     bar, errors, grid = RackBar.of(gear), rack_errors(gear), measured_flanks(gear).rack
     made = []
     for tooth, side in product(bar.teeth, SIDES):
+        if bar.pair.course is not None:
+            made.append(_generated(bar, tooth, side, chord_error))
+            continue
         flank = bar.flank(tooth, side)
         shift = np.array([errors[tooth - bar.teeth[0]] if len(errors) else 0.0, 0.0, 0.0])
         made.append((outline(flank)[None] if grid is None else _measured(flank, grid, chord_error)) + shift)
@@ -197,7 +201,9 @@ def outline(flank: RackFlank) -> np.ndarray:
         np.linspace(first, last, 2 + int(abs(last - first) / np.sqrt(8 * RACK_CHORDS / radius)))
     )
     z = flank.half_chord(y)
-    return _outwards(np.concatenate([_on_plane(flank, y, z), _on_plane(flank, y, -z)[::-1]])[None], flank)[0]
+    return _outwards(
+        np.concatenate([_on_plane(flank, y, z), _on_plane(flank, y, -z)[::-1]])[None], flank.normal
+    )[0]
 
 
 def _measured(flank: RackFlank, grid: FlankGrid, chord_error: float) -> np.ndarray:
@@ -211,9 +217,33 @@ def _measured(flank: RackFlank, grid: FlankGrid, chord_error: float) -> np.ndarr
     y = np.broadcast_to(y, z.shape)
     dev = grid.at(y, z, flank.tooth, flank.side)
     points = _on_plane(flank, y.ravel(), z.ravel()).reshape(*z.shape, 3) + dev[..., None] * flank.normal
+    return _outwards(_halves(points), flank.normal)
+
+
+def _generated(bar: RackBar, tooth: int, side: int, chord_error: float) -> np.ndarray:
+    """Triangles (n, 3, 3) [m] of a flank of variable ratio, as deep as the pinion's tips reach."""
+    rack, axis = GeneratedRack.of(bar.pair), bar.pair.bar_axis_height
+    low, high = rack.tip_height, bar.pair.tip_radius
+    counts = [1, 1]
+    for fine in (False, True):
+        share = np.linspace(0, 1, counts[0] + 1 if fine else 17)[:, None]
+        _, deepest = rack.root_curve(tooth if side > 0 else tooth - 1, side * rack.root.end, np.zeros(1))
+        H = low + (min(float(deepest[0]), high) - low) * share
+        Z = np.sqrt(bar.pair.bar_radius**2 - (H - axis) ** 2)
+        Z = Z * np.linspace(-1, 1, counts[1] + 1 if fine else 17)
+        H = np.broadcast_to(H, Z.shape)
+        points = np.stack([rack.flank(side, tooth, H, Z), H - axis, Z], axis=-1)
+        if not fine:
+            heights = [sagitta(points, along) for along in (0, 1)]
+            counts = [max(int(np.ceil(8 * np.sqrt(height / chord_error))), 1) for height in heights]
+    normal = rack.plane(side, rack.generator(side, tooth, H[:1, :1], Z[:1, :1])).normal[0, 0]
+    return _outwards(_halves(points), normal)
+
+
+def _halves(points: np.ndarray) -> np.ndarray:
+    """Triangles (n, 3, 3) of a grid of points."""
     a, b, c, d = points[:-1, :-1], points[:-1, 1:], points[1:, 1:], points[1:, :-1]
-    halves = [np.stack(each, axis=2).reshape(-1, 3, 3) for each in ((a, b, c), (a, c, d))]
-    return _outwards(np.concatenate(halves), flank)
+    return np.concatenate([np.stack(each, axis=2).reshape(-1, 3, 3) for each in ((a, b, c), (a, c, d))])
 
 
 def _on_plane(flank: RackFlank, y: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -224,9 +254,9 @@ def _on_plane(flank: RackFlank, y: np.ndarray, z: np.ndarray) -> np.ndarray:
     return flank.point + rise[:, None] * up + along[:, None] * flank.trace
 
 
-def _outwards(polygons: np.ndarray, flank: RackFlank) -> np.ndarray:
-    """Polygons (m, c, 3), counter-clockwise seen from outside."""
+def _outwards(polygons: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """Polygons (m, c, 3), counter-clockwise seen from outside, whither the normal points."""
     after = np.roll(polygons, -1, axis=1)
     middle = polygons.mean(axis=1, keepdims=True)
-    turned = np.cross(polygons - middle, after - middle).sum(axis=(0, 1)) @ flank.normal
+    turned = np.cross(polygons - middle, after - middle).sum(axis=(0, 1)) @ normal
     return polygons if turned > 0 else polygons[:, ::-1]
