@@ -38,7 +38,8 @@ def geometry(
     text: list[Block] = [Grid(("quantity", "value", "definition"), rows)]
     if along := report.along_travel:
         heads = [COURSE_TABLE[name].axis_label(COURSE_TABLE[name].long_name) for name in along]
-        columns = [[f"{round(each, 9) + 0.0:.4g}" for each in COURSE_TABLE[name].displayed(along[name])] for name in along]
+        values = [COURSE_TABLE[name].displayed(along[name]).round(9) + 0.0 for name in along]
+        columns = [[f"{each:.4g}" for each in column] for column in values]
         text.append(Grid(heads, list(zip(*columns, strict=True))))
     warnings = [*report.warnings, *contradictions(chosen)]
     if surfaces:
