@@ -53,6 +53,14 @@ class Root(NamedTuple):
     end: float  # epsilon where it meets side +1 [rad]
 
 
+class Section(NamedTuple):
+    """The mesh in the pinion's transverse section."""
+
+    pitch_radius: float  # [m]
+    alpha_t: float  # pressure angle [rad]
+    path: tuple[float, float]  # ends of the path of contact, from the pitch point [m]
+
+
 @dataclass(frozen=True)
 class GeneratedRack:
     """Flanks and roots of one pair, whose course is not constant."""
@@ -173,11 +181,17 @@ class GeneratedRack:
 
     @cached_property
     def shortest_path(self) -> tuple[float, float]:
-        """Ends of the shortest path of contact along the travel, from its pitch point q = r_b c / S [m]."""
-        mesh, start = self.pair.design_mesh, self.first_contact(self.course.places)
-        S = float(mesh.sine(self.course.gain(self.course.places[start.argmax()])))
-        pitch = self.pair.base_radius * np.sqrt(1 - S**2) / S
-        return float(start.max() - pitch), float(mesh.tip_length - pitch)
+        """Ends of the shortest path of contact along the travel, from its pitch point [m]."""
+        return self.section_at(
+            float(self.course.places[self.first_contact(self.course.places).argmax()])
+        ).path
+
+    def section_at(self, chi: float) -> "Section":
+        """The mesh in the pinion's transverse section at a pinion angle [rad]."""
+        S = float(self.pair.design_mesh.sine(self.course.gain(chi)))
+        pitch = self.pair.base_radius * np.sqrt(1 - S**2) / S  # tangent length at the pitch point
+        path = float(self.first_contact(chi) - pitch), float(self.pair.design_mesh.tip_length - pitch)
+        return Section(self.pair.base_radius / S, float(np.arccos(S)), path)
 
     def contact_ratio(self, chi: Function) -> np.ndarray:
         """Transverse contact ratio at pinion angles [rad]."""

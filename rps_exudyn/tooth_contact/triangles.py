@@ -101,13 +101,14 @@ def own_meshes(gear: SteeringGear, chord_error: float) -> MeshData:
         corners = _turning(*given["pinion"], pair.bar_axis_height + rack_tip, pair.module)
     else:
         corners = own_corners(gear, chord_error)
+    bends = None
     if "rack" in given:
         polygons = _met(*given["rack"], pinion_tip - pair.bar_axis_height + DEEPEST * pair.module)
     else:
-        polygons = own_polygons(gear, chord_error)
+        polygons, bends = own_polygons(gear, chord_error), own_bends(gear, chord_error)
     if not len(corners) or not any(map(len, polygons)):
         raise InputError(f"{next(iter(given))}.surface does not reach the other part's teeth.")
-    return mesh_data(corners, polygons)
+    return mesh_data(corners, polygons, bends)
 
 
 def own_corners(gear: SteeringGear, chord_error: float) -> np.ndarray:
@@ -123,12 +124,26 @@ def own_polygons(gear: SteeringGear, chord_error: float) -> list[np.ndarray]:
     bar, errors, grid = RackBar.of(gear), rack_errors(gear), measured_flanks(gear).rack
     made = []
     for tooth, side in product(bar.teeth, SIDES):
+        shift = np.array([errors[tooth - bar.teeth[0]] if len(errors) else 0.0, 0.0, 0.0])
         if bar.pair.course is not None:
-            made.append(_generated(bar, tooth, side, chord_error))
+            made.append(_generated(bar, tooth, side, chord_error) + shift)
             continue
         flank = bar.flank(tooth, side)
-        shift = np.array([errors[tooth - bar.teeth[0]] if len(errors) else 0.0, 0.0, 0.0])
         made.append((outline(flank)[None] if grid is None else _measured(flank, grid, chord_error)) + shift)
+    return made
+
+
+def own_bends(gear: SteeringGear, chord_error: float) -> list[np.ndarray] | None:
+    """Return s / Q of the faces of `own_polygons` (m,) [1/m]; None of a constant ratio."""
+    bar = RackBar.of(gear)
+    if (course := bar.pair.course) is None:
+        return None
+    rack, mesh, made = GeneratedRack.of(bar.pair), bar.pair.design_mesh, []
+    flanks = product(bar.teeth, SIDES)
+    for (tooth, side), faces in zip(flanks, own_polygons(gear, chord_error), strict=True):
+        middle = faces.mean(axis=1)
+        chi = rack.generator(side, tooth, middle[:, 1] + bar.pair.bar_axis_height, middle[:, 2])
+        made.append(side * mesh.bend(course.gain(chi), course.slope(chi)))
     return made
 
 
