@@ -79,8 +79,8 @@ class GeometryReport:
         if pair.course is None:
             return {}
         rack, mesh = GeneratedRack.of(pair), pair.design_mesh
-        ends = [float(pair.angle_at(side * self.gear.rack.travel / 2)) for side in (-1, 1)]
-        angle = np.linspace(*ends, ALONG_TRAVEL)
+        first, last = (float(pair.angle_at(side * self.gear.rack.travel / 2)) for side in (-1, 1))
+        angle = np.linspace(first, last, ALONG_TRAVEL)
         gain, slope = pair.gain_at(angle), pair.course.slope(angle)
         steepness = mesh.tip_length * np.abs(mesh.bend(gain, slope))
         start = rack.first_contact(angle)

@@ -600,7 +600,7 @@ class SteeringGear(Table):
     def _beside_ratio(self) -> Iterator[WrongValue]:
         """Yield what a rack of variable ratio does not have."""
         for path in CONSTANT_RATIO:
-            if self.value_at(path):
+            if self.value_at(path) not in (0, "", "none"):
                 yield conflict(
                     f"{path} is for a rack of constant ratio; leave out it or the table rack.ratio.",
                     "rack.ratio",
@@ -655,6 +655,8 @@ CONSTANT_RATIO = (
     "pinion.surface",
     "rack.surface",
     "housing.mount_stiffness",
+    "grease.base_oil",
+    "conditions.steering_cycles",
 )
 """Parameters of gears of constant ratio."""
 
