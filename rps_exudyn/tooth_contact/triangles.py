@@ -238,12 +238,13 @@ def _measured(flank: RackFlank, grid: FlankGrid, chord_error: float) -> np.ndarr
 def _generated(bar: RackBar, tooth: int, side: int, chord_error: float) -> np.ndarray:
     """Triangles (n, 3, 3) [m] of a flank of variable ratio, as deep as the pinion's tips reach."""
     rack, axis = GeneratedRack.of(bar.pair), bar.pair.bar_axis_height
-    low, high = rack.tip_height, bar.pair.tip_radius
+    across = bar.pair.bar_radius * np.linspace(-1, 1, 33)
+    _, ends = rack.root_curve(tooth if side > 0 else tooth - 1, side * rack.root.end, across)
+    low, high = rack.tip_height, float(ends.max())
     counts = [1, 1]
     for fine in (False, True):
         share = np.linspace(0, 1, counts[0] + 1 if fine else 17)[:, None]
-        _, deepest = rack.root_curve(tooth if side > 0 else tooth - 1, side * rack.root.end, np.zeros(1))
-        H = low + (min(float(deepest[0]), high) - low) * share
+        H = low + (high - low) * share
         Z = np.sqrt(bar.pair.bar_radius**2 - (H - axis) ** 2)
         Z = Z * np.linspace(-1, 1, counts[1] + 1 if fine else 17)
         H = np.broadcast_to(H, Z.shape)

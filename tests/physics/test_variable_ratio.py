@@ -110,14 +110,19 @@ def test_slow_course_has_the_torque_of_local_gears(degrees: float) -> None:
 
 
 def test_torque_is_even_and_dynamics_agree_with_equilibria() -> None:
-    outwards = mean_torque(GEAR, test__start_angle="60 deg")
-    mirrored = mean_torque(GEAR, test__start_angle="-60 deg", test__direction=-1)
+    """A turn by 180 degrees about Y is a symmetry of a guided rack, which its bush does not see."""
+    guided = Fidelity.preset("quasi-static").replace({"rack": "guided"})
+    outwards = mean_torque(GEAR, guided, test__start_angle="60 deg")
+    mirrored = mean_torque(GEAR, guided, test__start_angle="-60 deg", test__direction=-1)
     assert abs(mirrored) == pytest.approx(outwards, rel=1e-6)
-    assert mean_torque(GEAR, "flank", test__start_angle="60 deg") == pytest.approx(outwards, rel=1e-3)
+    still, moving = (
+        mean_torque(GEAR, each, test__start_angle="60 deg") for each in ("quasi-static", "flank")
+    )
+    assert moving == pytest.approx(still, rel=1e-3)
 
 
 def test_triangles_agree_with_lines() -> None:
-    """An independent contact, of faces that the exact flank has; chords of 0.4 um."""
+    """An independent contact of faces with corners on the exact flank: 0.4 % less, as at a constant ratio."""
     model = Fidelity.preset("quasi-static").replace({"mesh": "triangles", "chord_error": 4e-7})
     start = {"test__start_angle": "60 deg"}
     assert mean_torque(GEAR, model, **start) == pytest.approx(mean_torque(GEAR, **start), rel=1e-2)
