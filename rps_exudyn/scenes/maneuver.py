@@ -252,10 +252,16 @@ def whole_periods(gear: SteeringGear, angle: float) -> int | None:
 
     Every tooth is alike, so that the curve repeats with the tooth pitch; errors that single out a tooth
     or a direction of the pinion make it repeat with the turn. Along a bar that is not straight, whose
-    teeth have errors, or whose back slopes it does not.
+    teeth have errors, whose ratio varies, or whose back slopes it does not.
     """
     measured = measured_flanks(gear)
-    if gear.rack.bow or gear.rack.pitch_errors or gear.rack.back_parallelism or measured.change_along_travel:
+    if (
+        not gear.rack.ratio.is_constant
+        or gear.rack.bow
+        or gear.rack.pitch_errors
+        or gear.rack.back_parallelism
+        or measured.change_along_travel
+    ):
         return None
     pinion, grid = gear.pinion, measured.pinion
     alike = pinion.runout == 0 and pinion.pitch_error == 0 and not pinion.pitch_errors

@@ -137,6 +137,20 @@ def test_lock_to_lock_reaches_the_travel_and_keeps_the_course() -> None:
     assert "torque_closed_form" not in result.summary
 
 
+def test_no_pitch_stands_for_another_one() -> None:
+    """From where the ratio is constant, too: whole pitches are followed one by one, both ways."""
+    gear = GEAR.replace({"test.path": "there-and-back", "test.start_angle": "0 deg", "test.turns": 1})
+    signals = rps.run("free-pinion-torque", gear, fidelity="quasi-static").signals
+    angle, torque = (np.asarray(signals[name]) for name in ("pinion_angle", "pinion_torque"))
+    turn = int(angle.argmax())
+    forth, back = torque[:turn], torque[turn + 1 :][::-1]
+    count = min(len(forth), len(back))
+    ratio = -back[:count] / forth[:count]
+    assert np.ptp(forth) > 0.2
+    assert np.ptp(back) > 0.2
+    np.testing.assert_allclose(ratio[5:-5], 1, atol=0.05)
+
+
 def test_load_test_takes_the_mean_ratio() -> None:
     gear = GEAR.replace({**PITCH, "test.start_angle": "60 deg"})
     found = rps.run("load-test", gear, fidelity="quasi-static").summary
