@@ -20,7 +20,7 @@ All of these are derived in the geometry page of the documentation.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -134,7 +134,7 @@ class Course:
     def _at(self, angle: Function) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
         starts, pieces = self._table
         place = np.maximum(np.searchsorted(starts, angle, side="right") - 1, 0)
-        return np.asarray(angle) - starts[place], tuple(np.moveaxis(pieces[place], -1, 0))
+        return np.asarray(angle) - starts[place], tuple(pieces.T[:, place])
 
     def travel(self, angle: Function) -> np.ndarray:
         """X at pinion angles [rad], of their shape [m]."""
@@ -156,7 +156,10 @@ class Course:
         travel = np.asarray(travel, dtype=float)
         angle = travel / float(self.gain(0.0))
         for _ in range(20):
-            angle = angle - (self.travel(angle) - travel) / self.gain(angle)
+            step = (self.travel(angle) - travel) / self.gain(angle)
+            angle = angle - step
+            if not np.abs(step).max(initial=0.0) > 1e-15:
+                break
         return angle
 
     @cached_property
@@ -167,6 +170,7 @@ class Course:
         return np.append(inner.ravel(), starts[-1])
 
 
+@lru_cache(maxsize=64)
 def course_of(ratio: Ratio, mesh: Mesh, cut: float) -> Course:
     """Return the course that a gear asks for; `cut` is the gain of module and tooth angle [m/rad].
 

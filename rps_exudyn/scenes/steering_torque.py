@@ -46,7 +46,8 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
     Raises:
         InputError: no tyres, a torque that leaves the rack's teeth, or a model without a column.
     """
-    maneuver, test, gain = torque_maneuver(gear), gear.test, float(GearPair.of(gear).gain)
+    maneuver, test = torque_maneuver(gear), gear.test
+    gain = float(GearPair.of(gear).gain_at(test.start_angle))
     grows = test.steer_shape == "ramp"
     # the largest speed with which the pinion would follow the torque without friction
     speed = float((4.0 if grows else 2 * np.pi) * test.steer_frequency * _largest_turn(gear))
