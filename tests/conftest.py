@@ -53,6 +53,7 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "geometry/test_pinion_mesh.py",
     "geometry/test_rigid_mesh.py",
     "geometry/test_shaping.py",
+    "geometry/test_variable_ratio.py",
     "geometry/test_solids.py",
     "geometry/test_tooth_stiffness.py::test_line_rests_as_teeth_that_bend",
     "physics/test_bush.py::test_a_bar_in_the_bush_is_held_as_by_a_cantilever",

@@ -42,6 +42,9 @@ ERRORS: dict[str, Range] = {
         (f"{part}.{file}" for part in ("pinion", "rack") for file in ("deviation", "surface")),
         Choice({"none": 1}),
     ),
+    # a course fits the one pinion that it is made for
+    **dict.fromkeys(("rack.ratio.centre", "rack.ratio.lock"), Even(0, 0)),
+    **dict.fromkeys(("rack.ratio.angle", "rack.ratio.travel_per_turn"), Choice({"none": 1})),
     "pinion.pitch_errors": Choice({"none": 6, "ISO 1328 class 7, seed 3": 1}),
     "rack.back_parallelism": Seldom(0.1, Even(-3e-4, 3e-4)),
     "rack.pitch_errors": Choice({"none": 6, "ISO 1328 class 7, seed 3": 1}),

@@ -122,7 +122,7 @@ def measured_load_test(signals: Signals, load: Any, gain: Any, free_torque: Any,
     Args:
         signals: pinion_angle [rad] and pinion_torque [N m], both directions.
         load: the weight's force on the rack towards -X [N], above zero.
-        gain: rack travel per radian of pinion [m].
+        gain: rack travel per radian of pinion [m], or the travel as a function of its angle.
         free_torque: mean torque of the same gear without the weight [N m].
         pitch: pinion angle of a tooth [rad].
 
@@ -134,6 +134,8 @@ def measured_load_test(signals: Signals, load: Any, gain: Any, free_torque: Any,
     *directions, common = both
     angle = whole_periods(common, pitch)
     raising, lowering = (mean(angle, each.over(angle, "pinion_torque")) for each in directions)
+    if callable(gain):
+        gain = float(np.ptp(gain(angle)) / np.ptp(angle))
     return LoadTest(load, load * gain, raising, lowering, free_torque)
 
 

@@ -16,6 +16,7 @@ from rps_exudyn.analysis.passes import Signals
 from rps_exudyn.analysis.rack_motion import NEEDED, rack_poses
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.generated_rack import GeneratedRack
 from rps_exudyn.gears.tooth_stiffness import EFFECTIVE_MODULUS
 from rps_exudyn.parameters.gear import SteeringGear, surfaces_of
 from rps_exudyn.parameters.retired import has_lines, with_lines
@@ -179,8 +180,10 @@ def mesh_stiffness(gear: SteeringGear, signals: Signals) -> np.ndarray:
     pair = GearPair.of(gear)
     points, tilts, turns = rack_poses(pair, signals)
     data = loads_data(with_lines(gear), STATIONS)
-    normals = {side: pair.rack_flank_normal(side) for side in (-1, +1)}
     angles = -np.asarray(signals["pinion_angle"])
+    normals = {side: pair.rack_flank_normal(side) for side in (-1, +1)}
+    if pair.course is not None:
+        normals = {side: GeneratedRack.of(pair).plane(side, -angles).normal for side in (-1, +1)}
 
     def force(points: np.ndarray) -> np.ndarray:
         """Normal forces on the rack at every instant, shape (n, 3)."""

@@ -1,6 +1,6 @@
 """Motion of the rack besides its travel: transmission error, lift, roll, yaw; and the yoke's force on it."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -15,16 +15,19 @@ RANGES = {name: signal for name, signal in INSTANTS.items() if name.endswith("_r
 """Metric -> the motion of which it is the range."""
 
 
-def transmission_error(signals: Signals, gain: float | np.ndarray) -> np.ndarray:
-    """Rack displacement minus `gain` [m/rad] times pinion angle, from its mean, shape (..., n) [m].
+Gain = float | np.ndarray | Callable[[np.ndarray], np.ndarray]
+"""Rack travel per radian [m]: a number, one for each gear; or the travel as a function of the angle."""
 
-    `gain` is a number, or one for each gear, (gears,).
-    """
-    error = signals["rack_displacement"] - np.asarray(gain)[..., None] * signals["pinion_angle"]
+
+def transmission_error(signals: Signals, gain: Gain) -> np.ndarray:
+    """Rack displacement minus its travel by `gain`, from the mean, shape (..., n) [m]."""
+    angle = signals["pinion_angle"]
+    travel = gain(angle) if callable(gain) else np.asarray(gain)[..., None] * angle
+    error = signals["rack_displacement"] - travel
     return np.asarray(error - error.mean(axis=-1, keepdims=True) if error.size else error)
 
 
-def describe_rack(signals: Signals, runs: Sequence[Pass], gain: float | np.ndarray) -> dict[str, float]:
+def describe_rack(signals: Signals, runs: Sequence[Pass], gain: Gain) -> dict[str, float]:
     """Metrics of the motions of a record with these passes; `gain` is rack travel per radian
     [m].
 

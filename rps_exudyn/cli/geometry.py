@@ -18,7 +18,7 @@ def geometry(
         force: Build the gear even if it is undercut.
     """
     from rps_exudyn.fmu.export import WRITERS, export
-    from rps_exudyn.gears.geometry_report import geometry_report
+    from rps_exudyn.gears.geometry_report import COURSE_TABLE, geometry_report
     from rps_exudyn.gears.surface_report import compared, contradictions, placed_surfaces
     from rps_exudyn.results.quantities import GEOMETRY
     from rps_exudyn.results.sheet import Block, Grid, Sheet, Text
@@ -36,6 +36,11 @@ def geometry(
     rows = [(name, item.show(getattr(report, name)), item.long_name) for name, item in GEOMETRY.items()]
     rows += [(f"mass of {part}", f"{each.mass:.4g} kg", "") for part, each in report.mass_properties.items()]
     text: list[Block] = [Grid(("quantity", "value", "definition"), rows)]
+    if along := report.along_travel:
+        heads = [COURSE_TABLE[name].axis_label(COURSE_TABLE[name].long_name) for name in along]
+        values = [COURSE_TABLE[name].displayed(along[name]).round(9) + 0.0 for name in along]
+        columns = [[f"{each:.4g}" for each in column] for column in values]
+        text.append(Grid(heads, list(zip(*columns, strict=True))))
     warnings = [*report.warnings, *contradictions(chosen)]
     if surfaces:
         text.append(Grid(("quantity", "drawing", "surface", ""), [each.cells for each in surfaces]))

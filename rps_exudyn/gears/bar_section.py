@@ -87,7 +87,7 @@ def mass_and_moments(bar: RackBar, density: float) -> tuple[float, np.ndarray]:
 
     A round bar, whose middle has the mean section of the teeth; what runs out at its ends is left out.
     """
-    radius, half = bar.pair.bar_radius, (bar.teeth_each_way + 0.5) * bar.pair.rack_pitch
+    radius, half = bar.pair.bar_radius, bar.reach
     plain, roots = (_about_the_axis(bar, *_heights(low, radius)) for low in (-radius, bar.root_height))
     y, weight = _heights(bar.tip_height, bar.root_height)
     toothed = roots + _about_the_axis(bar, y, weight * _filled(bar, y))

@@ -22,7 +22,7 @@ def rack_position(pair: GearPair, angle: float) -> np.ndarray:
     """
     centre = pair.pinion_origin + pair.pinion_frame @ turned(angle) @ pair.eccentricity
     along = pair.cross_trace @ centre / np.cos(pair.beta_r)
-    return np.array([pair.gain * angle + along, pair.bar_axis_height + centre[1], 0.0])
+    return np.array([pair.travel_at(angle) + along, pair.bar_axis_height + centre[1], 0.0])
 
 
 def turned(angle: float) -> np.ndarray:

@@ -21,9 +21,11 @@ Symbols follow ISO 21771; formulas without a source are derived in the geometry 
 
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 
+from rps_exudyn.gears.course import Course, Function, Mesh, course_of
 from rps_exudyn.parameters.gear import SteeringGear
 
 
@@ -48,10 +50,15 @@ class GearPair:
     axis_offset: float
     runout: float
     runout_angle: float
+    course: Course | None = None  # of a variable ratio
 
     @classmethod
     def of(cls, gear: SteeringGear) -> "GearPair":
-        """The pair of a gear; equal pairs are one object, which keeps what it has computed."""
+        """The pair of a gear; equal pairs are one object, which keeps what it has computed.
+
+        Raises:
+            InputError: a course of the ratio that no rack has.
+        """
         pinion, rack, m = gear.pinion, gear.rack, gear.pinion.normal_module
         pair = cls(
             teeth=pinion.teeth,
@@ -72,6 +79,8 @@ class GearPair:
             runout=pinion.runout,
             runout_angle=pinion.runout_angle,
         )
+        if not rack.ratio.is_constant:
+            pair = replace(pair, course=course_of(rack.ratio, pair.design_mesh, float(pair.gain)))
         return _shared(pair)
 
     @cached_property
@@ -125,8 +134,33 @@ class GearPair:
 
     # --- rack --------------------------------------------------------------------------------
     @cached_property
+    def design_mesh(self) -> Mesh:
+        """What the pinion at its designed shaft angle makes of a gain."""
+        tip_length = float(np.sqrt(max(self.tip_radius**2 - self.base_radius**2, 0.0)))
+        return Mesh(float(self.base_radius), self.beta_b, self.beta_r - self.beta_p, tip_length)
+
+    def travel_at(self, angle: Function) -> Any:
+        """The perfect rack's travel X at pinion angles [rad], of their shape [m]."""
+        return self.gain * angle if self.course is None else self.course.travel(angle)
+
+    def gain_at(self, angle: Function) -> Any:
+        """Rack travel per radian at pinion angles [rad]: one number of a constant ratio [m/rad]."""
+        return self.gain if self.course is None else self.course.gain(angle)
+
+    @property
+    def travel_rule(self) -> Any:
+        """The gain [m/rad], or of a variable ratio the travel as a function of the pinion's angle."""
+        return float(self.gain) if self.course is None else self.course.travel
+
+    def angle_at(self, travel: Function) -> Any:
+        """The pinion's angle at a travel of the perfect rack [m], of its shape [rad]."""
+        return travel / self.gain if self.course is None else self.course.angle(travel)
+
+    @cached_property
     def gain(self) -> float:
-        """Rack travel per radian of pinion, z m_n / (2 cos beta_r) [m/rad]."""
+        """Rack travel per radian of pinion, z m_n / (2 cos beta_r), or in the middle of a course [m/rad]."""
+        if self.course is not None:
+            return float(self.course.gain(0.0))
         return self.teeth * self.module / (2 * np.cos(self.beta_r))
 
     @cached_property
@@ -136,7 +170,9 @@ class GearPair:
 
     @cached_property
     def rack_pitch(self) -> float:
-        """Distance of the rack's teeth along X."""
+        """Distance of the rack's teeth along X, in the middle of a variable ratio."""
+        if self.course is not None:
+            return self.gain * 2 * np.pi / self.teeth
         return np.pi * self.module / np.cos(self.beta_r)
 
     @cached_property

@@ -23,6 +23,7 @@ from rps_exudyn.gears.basic_rack import (
     undercut_limit,
 )
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.generated_rack import GeneratedRack
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.trochoid import form_point
 from rps_exudyn.parameters.gear import SteeringGear
@@ -79,7 +80,7 @@ def violations(gear: SteeringGear, force: bool = False) -> list[Violation]:
     """All limits of the first stage that fails; with `force` forgivable ones do not end the search."""
     found: list[Violation] = []
     pair = GearPair.of(gear)
-    for stage in (_cutter, _teeth, _mesh, _parts):
+    for stage in (_cutter, _teeth, _course, _mesh, _parts):
         found += stage(gear, pair)
         if any(not (force and item.forgivable) for item in found):
             break
@@ -137,12 +138,38 @@ def _teeth(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
         what = f"The tip relief takes more than the crest, which is {mm(crest)} wide"
         yield Violation(gear, what, "pinion.tip_relief", crest / 2, -1)
     crest = np.pi * pair.module / 2 - 2 * pair.rack_addendum * np.tan(pair.alpha_n)
-    if crest < least:
+    if crest < least and pair.course is None:
         addendum = (np.pi / 2 - LEAST_CREST) / (2 * np.tan(pair.alpha_n))
         what = (
             f"The rack's teeth are pointed: their crest is {mm(crest)} wide; it must be at least {mm(least)}"
         )
         yield Violation(gear, what, "basic_rack.addendum", addendum, -1)
+
+
+def _course(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
+    """Undercut and pointed teeth of a rack of variable ratio, and what its tips need."""
+    if pair.course is None:
+        return
+    rack, mesh, ratio = GeneratedRack.of(pair), pair.design_mesh, gear.rack.ratio
+    steepest = rack.steepest
+    if steepest >= 1:
+        what = (
+            f"The ratio changes too fast: q_a/Q is {steepest:.3g}, and undercuts the rack's teeth from 1 on"
+        )
+        least = mesh.least_turn(float(pair.gain_at(0.0)), float(pair.gain_at(ratio.to))) * (1 + 1e-6)
+        if ratio.angle:
+            yield Violation(gear, what, "rack.ratio.travel_per_turn", None, -1)
+        else:
+            yield Violation(gear, what, "rack.ratio.to", getattr(ratio, "from") + least, +1)
+    form, lowest = form_point(pair).radius, rack.tip_height
+    if form > lowest + STANDARD_ROUNDING * pair.module:
+        what = f"The rack's tips reach {mm(form - lowest)} below the pinion's form circle"
+        most = (pair.reference_line_height - form) / pair.module
+        yield Violation(gear, what, "basic_rack.addendum", most, -1)
+    teeth = np.array(RackBar.of(gear).teeth)
+    if steepest < 1 and (land := float(rack.tip_land(teeth).min())) < LEAST_CREST * pair.module:
+        what = f"The rack's teeth are pointed: a crest is {mm(land)} wide along the rack"
+        yield Violation(gear, what, "basic_rack.addendum", None, -1)
 
 
 def _mesh(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
@@ -253,6 +280,8 @@ def pinion_root_clearance(pair: GearPair) -> float:
 
 def rack_root_clearance(pair: GearPair) -> float:
     """Clearance of the pinion's tip circle from the rack's root [m]."""
+    if pair.course is not None:
+        return GeneratedRack.of(pair).root_height - pair.tip_radius
     return pair.reference_line_height + pair.rack_dedendum - pair.tip_radius
 
 
@@ -268,8 +297,11 @@ def rack_tip_interference(pair: GearPair) -> float:
 def pinion_tip_interference(pair: GearPair, positions: int = 2001) -> float:
     """Depth to which the pinion's tip corners cut into the rack's root fillets, across the teeth [m].
 
-    Negative: the least room; minus infinity if the corners never come as deep as the fillets.
+    Negative: the least room; minus infinity if the corners never come as deep as the fillets, or generate
+    these.
     """
+    if pair.course is not None:
+        return -np.inf
     return _pinion_tip_interference(pair.design, positions)
 
 
@@ -291,6 +323,8 @@ def _pinion_tip_interference(pair: GearPair, positions: int) -> float:
 def path_on_involute(pair: GearPair) -> tuple[float, float]:
     """q0, qa: ends from the pitch point of the active path of contact where the involute exists [m]."""
     q0, qa = pair.active_path
+    if pair.course is not None:  # the shortest along the travel
+        return GeneratedRack.of(pair).shortest_path
     return max(q0, form_point(pair).tangent_length - pair.reference_radius * float(np.sin(pair.alpha_t))), qa
 
 

@@ -11,6 +11,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears import geometry_limits as limits
 from rps_exudyn.gears.basic_rack import crest_width, pointed_radius, undercut_limit
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.generated_rack import GeneratedRack
 from rps_exudyn.gears.geometry_limits import Violation, violations
 from rps_exudyn.gears.masses import surface_masses
 from rps_exudyn.gears.polyhedron import MassProperties
@@ -19,8 +20,24 @@ from rps_exudyn.gears.solids import gear_solids
 from rps_exudyn.gears.tooth_stiffness import mesh_stiffness_of_pair, stiffness_of_pair
 from rps_exudyn.gears.trochoid import form_point
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.quantities import GEOMETRY
+from rps_exudyn.results.quantities import GEOMETRY, Quantity
 
+ALONG_TRAVEL = 15  # angles of the table of a variable ratio
+COURSE_TABLE = {
+    "pinion_angle": Quantity("rad", "deg", "pinion angle"),
+    "rack_displacement": Quantity("m", "mm", "travel"),
+    "travel_per_turn": Quantity("m", "mm", "travel per turn"),
+    "pressure_angle": Quantity("rad", "deg", "pressure angle"),
+    "tooth_angle": Quantity("rad", "deg", "tooth angle"),
+    "contact_ratio": Quantity("", "", "contact ratio"),
+    "sliding_at_start": Quantity("m", "mm", "sliding, start"),
+    "sliding_at_tip": Quantity("m", "mm", "sliding, tip"),
+    "steepness": Quantity("", "", "q_a/Q"),
+    "pressure_factor": Quantity("", "", "Hertz pressure"),
+}
+"""Columns along the travel of a variable ratio. Sliding is the speed over the pinion's, at the start of the
+contact and at the pinion's tips; the rack is undercut where q_a/Q reaches 1; the last one is the pressure at
+the tips on the side that the rack's curvature sharpens, over that of a plane flank."""
 GOOD_CREST = 0.2  # usual least width of a hardened tooth's crest, in modules
 
 
@@ -57,6 +74,32 @@ class GeometryReport:
         surfaces = {part: surface_masses(self.gear, part) for part in ("pinion", "rack")}
         return found | {part: each for part, each in surfaces.items() if each}
 
+    @cached_property
+    def along_travel(self) -> dict[str, np.ndarray]:
+        """Name -> values at angles from lock to lock, of a variable ratio (`COURSE_TABLE`); {} of a constant
+        one."""
+        pair = GearPair.of(self.gear)
+        if pair.course is None:
+            return {}
+        rack, mesh = GeneratedRack.of(pair), pair.design_mesh
+        first, last = (float(pair.angle_at(side * self.gear.rack.travel / 2)) for side in (-1, 1))
+        angle = np.linspace(first, last, ALONG_TRAVEL)
+        gain, slope = pair.gain_at(angle), pair.course.slope(angle)
+        steepness = mesh.tip_length * np.abs(mesh.bend(gain, slope))
+        start = rack.first_contact(angle)
+        return {
+            "pinion_angle": angle,
+            "rack_displacement": pair.travel_at(angle),
+            "travel_per_turn": 2 * np.pi * gain,
+            "pressure_angle": mesh.pressure_angle(gain),
+            "tooth_angle": mesh.tooth_angle(gain),
+            "contact_ratio": rack.contact_ratio(angle) + pair.overlap_ratio,
+            "sliding_at_start": rack.sliding(angle, start),
+            "sliding_at_tip": rack.sliding(angle, mesh.tip_length),
+            "steepness": steepness,
+            "pressure_factor": 1 / np.sqrt(np.maximum(1 - steepness, 0)),
+        }
+
     def as_dict(self) -> dict[str, Any]:
         """Everything as plain numbers, lists and text (SI)."""
         masses = {
@@ -68,7 +111,9 @@ class GeometryReport:
             }
             for part, item in self.mass_properties.items()
         }
-        return {**self.numbers, "mass_properties": masses, "warnings": list(self.warnings)}
+        along = {name: values.tolist() for name, values in self.along_travel.items()}
+        course = {"along_travel": along} if along else {}
+        return {**self.numbers, "mass_properties": masses, **course, "warnings": list(self.warnings)}
 
 
 def geometry_report(gear: SteeringGear, force: bool = False) -> GeometryReport:

@@ -35,6 +35,7 @@ from rps_exudyn.gears.trochoid import root_profile
 from rps_exudyn.parameters.gear import SteeringGear, surfaces_of
 
 CHORD_ERROR = 1e-8  # of the pinion's section [m]
+MASS_CHORDS = 5e-6  # of a rack without a closed form; they leave 0.05 % of its mass [m]
 _SECTIONS, _HEIGHTS = leggauss(5), leggauss(24)  # over the face width, over a piece of the rack's height
 INVOLUTE = 200  # chords of a flank: within 3 nm for modules of some millimetres
 
@@ -143,6 +144,8 @@ def rack_masses(gear: SteeringGear) -> MassProperties:
     first, last = bar.toothed_ends
     if first < bar.x_min or last > bar.x_max:  # the cutter runs out of the bar's end
         return rack_solid(gear).mass_properties
+    if bar.pair.course is not None:
+        return rack_solid(gear, MASS_CHORDS).mass_properties
     return _rack(bar, gear.rack.density)
 
 
@@ -194,7 +197,7 @@ def _cut(
 ) -> tuple[float, np.ndarray, np.ndarray]:
     """Volume, first (3,) and second moments (3, 3) of what the cutter takes at heights of the bar."""
     pair, t = bar.pair, np.tan(bar.pair.beta_r)
-    reach = (bar.teeth_each_way + 0.5) * pair.rack_pitch
+    reach = bar.reach
     teeth = len(bar.teeth)
     squares = pair.rack_pitch**2 * sum(j * j for j in bar.teeth)
     h = np.sqrt(np.maximum(pair.bar_radius**2 - heights**2, 0))

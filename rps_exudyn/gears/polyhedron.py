@@ -129,14 +129,27 @@ def prism(outline: np.ndarray, start: np.ndarray, end: np.ndarray) -> manifold3d
 
     `start` and `end` are affine maps (3, 3) of (1, x, y) -> point of the first and of the last outline [m].
     """
-    n = len(outline)
-    flat = np.concatenate([np.ones((n, 1)), outline], axis=1)
-    cap = np.asarray(manifold3d.triangulate([np.ascontiguousarray(outline, dtype=np.float64)]))
+    flat = np.concatenate([np.ones((len(outline), 1)), outline], axis=1)
+    return lofted(np.stack([flat @ np.asarray(start).T, flat @ np.asarray(end).T]), outline, outline)
+
+
+def lofted(sections: np.ndarray, first: np.ndarray, last: np.ndarray) -> manifold3d.Manifold:
+    """Make the body between closed polygons (k, n, 3) [m], whose first and last one are plane caps.
+
+    `first` and `last` (n, 2) are these two in their planes, counter-clockwise.
+    """
+    k, n = sections.shape[:2]
+    caps = (
+        np.asarray(manifold3d.triangulate([np.ascontiguousarray(each, dtype=np.float64)]))
+        for each in (first, last)
+    )
+    bottom, top = caps
     i = np.arange(n)
     j = (i + 1) % n
     walls = np.concatenate([np.stack([i, j, j + n], axis=1), np.stack([i, j + n, i + n], axis=1)])
-    faces = np.concatenate([cap[:, ::-1], cap + n, walls])
-    vertices = np.concatenate([flat @ np.asarray(start).T, flat @ np.asarray(end).T])
+    walls = (walls + n * np.arange(k - 1)[:, None, None]).reshape(-1, 3)
+    faces = np.concatenate([bottom[:, ::-1], top + n * (k - 1), walls])
+    vertices = sections.reshape(-1, 3)
     a, b, c = np.moveaxis((vertices - vertices.mean(axis=0))[faces], 1, 0)
     if np.einsum("ij,ij->i", a, np.cross(b, c)).sum() < 0:  # swept against the outline's own normal
         faces = faces[:, ::-1]

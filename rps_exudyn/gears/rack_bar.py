@@ -12,6 +12,7 @@ housing's. The teeth point to -Y; tooth 0 is centred at X = 0. The bush is on th
 
 A flank is a plane. On tooth j, side s (the side of the pinion flank it meets) it holds the point
 j p_x X + s pi m_n / 4 u - h Y with the normal s cos alpha_n u - sin alpha_n Y, u across the teeth.
+The flanks of a variable ratio are those of `generated_rack`.
 """
 
 from dataclasses import dataclass
@@ -23,11 +24,13 @@ from manifold3d import Manifold
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.basic_rack import arc_segments, rack_tooth, straight_depth
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.polyhedron import cylinder, prism
+from rps_exudyn.gears.generated_rack import GeneratedRack
+from rps_exudyn.gears.polyhedron import cylinder, lofted, prism
 from rps_exudyn.parameters.gear import SteeringGear
 
 MOST_TEETH = 2000
 """Of a rack's body; it takes 1.5 s to make."""
+TRIAL = 8  # chords along each direction of a generated flank, by which their number is found
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,12 +67,26 @@ class RackBar:
         pair, bush, rack = GearPair.of(gear), gear.bush, gear.rack
         x_max = bush.distance + bush.length + rack.travel / 2 + bush.end_overhang
         needed = rack.travel / 2 + pinion_reach(pair)
-        return cls(pair, x_max - rack.length, x_max, int(np.ceil(needed / pair.rack_pitch)))
+        turned = max(abs(pair.angle_at(needed)), abs(pair.angle_at(-needed))) * pair.teeth / (2 * np.pi)
+        teeth = needed / pair.rack_pitch if pair.course is None else turned
+        return cls(pair, x_max - rack.length, x_max, int(np.ceil(teeth)))
 
     @property
     def largest_displacement(self) -> float:
         """Largest displacement either way at which the pinion stays on the rack's teeth [m]."""
-        return self.teeth_each_way * self.pair.rack_pitch - pinion_reach(self.pair)
+        return min(self._ways(self.teeth_each_way)) - pinion_reach(self.pair)
+
+    def _ways(self, teeth: float) -> tuple[float, float]:
+        """Distances of teeth, or of roots between them, from tooth 0 towards -X and +X [m]."""
+        if self.pair.course is None:
+            return teeth * self.pair.rack_pitch, teeth * self.pair.rack_pitch
+        turn = 2 * np.pi * teeth / self.pair.teeth
+        return float(self.pair.travel_at(turn)), -float(self.pair.travel_at(-turn))
+
+    @property
+    def reach(self) -> float:
+        """Half the length of the toothed part on the bar's axis [m]."""
+        return sum(self._ways(self.teeth_each_way + 0.5)) / 2
 
     @property
     def teeth(self) -> range:
@@ -84,17 +101,19 @@ class RackBar:
     @cached_property
     def root_height(self) -> float:
         """Y of the teeth's roots [m]."""
+        if self.pair.course is not None:
+            return GeneratedRack.of(self.pair).root_height - self.pair.bar_axis_height
         return -self.pair.reference_height + self.pair.rack_dedendum
 
     @property
     def toothed_ends(self) -> tuple[float, float]:
         """Smallest and largest X that the cutter reaches, at the bar's flanks [m]."""
-        reach = (self.teeth_each_way + 0.5) * self.pair.rack_pitch
+        towards_low, towards_high = self._ways(self.teeth_each_way + 0.5)
         skew = self.pair.bar_radius * abs(np.tan(self.pair.beta_r))
-        return -reach - skew, reach + skew
+        return -towards_low - skew, towards_high + skew
 
     def flank(self, tooth: int, side: int) -> RackFlank:
-        """The flank of one tooth that meets the pinion's flanks of the same side."""
+        """The flank of one tooth that meets the pinion's flanks of the same side, of a constant ratio."""
         pair = self.pair
         across = np.pi * pair.module * (tooth + side / 4)
         return RackFlank(
@@ -136,15 +155,48 @@ class RackBar:
                 f"{MOST_TEETH}, for a travel of about {MOST_TEETH * self.pair.rack_pitch:.2g} m."
             )
         pair = self.pair
+        segments = arc_segments(pair.bar_radius, 2 * np.pi, chord_error)
+        bar = cylinder(pair.bar_radius, np.array([self.x_min, 0, 0]), np.array([self.x_max, 0, 0]), segments)
+        if pair.course is not None:
+            return bar - self._generated(chord_error)
         u, y, w = pair.cross_trace, np.array([0, -1.0, 0]), pair.trace
         middle = np.column_stack([np.zeros(3), u, y])
         # long enough for the bar's whole width at both ends of the slanted outline
         half = 1.2 * pair.bar_radius / np.cos(pair.beta_r) + self.toothed_ends[1] * abs(np.sin(pair.beta_r))
         along = np.column_stack([half * w, np.zeros((3, 2))])
-        cutter = prism(self.outline(chord_error), middle - along, middle + along)
-        segments = arc_segments(pair.bar_radius, 2 * np.pi, chord_error)
-        bar = cylinder(pair.bar_radius, np.array([self.x_min, 0, 0]), np.array([self.x_max, 0, 0]), segments)
-        return bar - cutter
+        return bar - prism(self.outline(chord_error), middle - along, middle + along)
+
+    def _generated(self, chord_error: float) -> Manifold:
+        """Return what a pinion takes away along the course of its ratio: sections across the bar, lofted."""
+        pair, rack, numbers = self.pair, GeneratedRack.of(self.pair), np.array(self.teeth)[:, None]
+        half = 1.02 * float(np.sqrt(max(pair.bar_radius**2 - self.root_height**2, 0.0)))
+
+        def sections(across: int, on_flank: int, on_root: int) -> np.ndarray:
+            Z = np.linspace(-half, half, across + 1)
+            teeth = rack.tooth(numbers, Z[None], on_flank + 1, on_root)
+            Z = np.broadcast_to(Z[None, :, None], teeth.shape[:-1])
+            return np.stack([teeth[..., 0], teeth[..., 1] - pair.bar_axis_height, Z], axis=-1)
+
+        # on twice as fine a division the middles of chords leave them; their heights fall with 1 / n^2
+        trial = sections(2 * TRIAL, 2 * TRIAL, 2 * TRIAL)
+        side, root = slice(2 * TRIAL, 4 * TRIAL + 1), slice(0, 2 * TRIAL + 1)
+        heights = [sagitta(trial, 1), sagitta(trial[:, :, side], 2), sagitta(trial[:, :, root], 2)]
+        counts = (max(int(np.ceil(TRIAL * np.sqrt(height / (chord_error / 2)))), 1) for height in heights)
+        teeth = sections(*counts)
+        joined = np.concatenate([teeth[0, :, :1], *(teeth[:, :, 1:])], axis=1)
+        end = np.full((len(joined), 1), -1.5 * pair.bar_radius)
+        ends = [np.stack([joined[:, at, :1], end, joined[:, at, 2:]], axis=-1)[:, 0] for at in (-1, 0)]
+        closed = np.concatenate([joined, *(each[:, None] for each in ends)], axis=1)
+        first, last = ((each[:, :2] * [1, -1]) for each in (closed[0], closed[-1]))
+        return lofted(closed, first, last)
+
+
+def sagitta(points: np.ndarray, axis: int) -> float:
+    """Largest distance of every second point along an axis from the chord beside it [m]."""
+    points = np.moveaxis(points, axis, 0)
+    chord, offset = points[2::2] - points[:-2:2], points[1::2] - points[:-2:2]
+    share = (offset * chord).sum(axis=-1) / (chord * chord).sum(axis=-1)
+    return float(np.linalg.norm(offset - share[..., None] * chord, axis=-1).max())
 
 
 def pinion_reach(pair: GearPair) -> float:

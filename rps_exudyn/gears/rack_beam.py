@@ -168,7 +168,7 @@ class RackBeam:
     def of(cls, gear: SteeringGear) -> "RackBeam":
         bar = RackBar.of(gear)
         plain, toothed = plain_section(bar), toothed_section(bar)
-        reach = (bar.teeth_each_way + 0.5) * bar.pair.rack_pitch
+        reach = bar.reach
         first, last = max(-reach, bar.x_min), min(reach, bar.x_max)
         stations = bar.x_min, first, last, bar.x_max
         return cls(stations, (plain, toothed, plain), gear.rack.youngs_modulus, gear.rack.density)

@@ -106,7 +106,7 @@ class Recorder:
         """
         coordinates, rates = (each[self._columns] for each in self.steps[-1][1:3])
         angle, along = coordinates[[PINION, RACK]].tolist()
-        skipped, pitch = abs(along + self._pair.gain * angle), self._pair.rack_pitch
+        skipped, pitch = abs(along - float(self._pair.travel_at(-angle))), self._pair.rack_pitch
         if not skipped <= pitch / 2:
             raise StepRefusedError(
                 f"a time step moved the rack {1e3 * skipped:.4g} mm against the pinion (limit "

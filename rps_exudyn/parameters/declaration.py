@@ -179,6 +179,9 @@ ViscousDrag = Annotated[float, Unit("N*s/m", "N*s/m")]
 Temperature = Annotated[float, Unit("K", "degC")]
 Expansion = Annotated[float, Unit("1/K", "1/K")]
 WearCoefficient = Annotated[float, Unit("m^2/N", "mm^3/N/m")]
+TravelPerTurn = Annotated[float, Unit("m", "mm", zero="as cut")]
+CourseAngles = Annotated[str, Listed(("rad",), largest=40.0)]
+CourseTravels = Annotated[str, Listed(("m",), largest=1.0)]
 PitchErrors = Annotated[str, Listed(("m",), largest=1e-4, text=accuracy_class)]
 Stiffnesses = Annotated[str, Listed(("N/m", "N/m", "N/m", "N*m/rad"), counts=(6, 36))]
 
@@ -475,9 +478,10 @@ def _merged(tables: Mapping[str, Any], settings: Mapping[str, object]) -> dict[s
         name: dict(table) if isinstance(table, Mapping) else table for name, table in tables.items()
     }
     for path, value in settings.items():
-        table, dot, name = path.partition(".")
-        if not dot:
-            merged[table] = value
-        elif isinstance(merged.setdefault(table, {}), dict):
-            merged[table][name] = value
+        table, name = merged, path
+        while "." in name and isinstance(inner := table.get(name.partition(".")[0], {}), Mapping | Table):
+            part, _, name = name.partition(".")
+            table[part] = table = dict(inner) if isinstance(inner, Mapping) else _parts(inner)
+        if table is not merged or "." not in name:  # else what is no table of the gear is refused itself
+            table[name] = value
     return merged

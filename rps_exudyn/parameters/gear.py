@@ -5,11 +5,12 @@ Sources: "paper" (Kamble & Saha state it), "inferred" (follows from what the pap
 """
 
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import PlainSerializer, WrapValidator, model_validator
+from pydantic import PlainSerializer, WrapValidator, create_model, model_validator
 
-from rps_exudyn.base.errors import check_kind
+from rps_exudyn.base.errors import InputError, check_kind
 from rps_exudyn.base.units import mm
 from rps_exudyn.parameters import derived
 from rps_exudyn.parameters.conditions import Conditions, Grease, Housing
@@ -19,6 +20,8 @@ from rps_exudyn.parameters.declaration import (
     Angle,
     ContactStiffness,
     Count,
+    CourseAngles,
+    CourseTravels,
     Density,
     Expansion,
     Force,
@@ -35,6 +38,7 @@ from rps_exudyn.parameters.declaration import (
     Torque,
     Torsion,
     TorsionDamping,
+    TravelPerTurn,
     ViscousDrag,
     WearCoefficient,
     accuracy_class,
@@ -49,6 +53,7 @@ from rps_exudyn.parameters.rig import Test
 from rps_exudyn.parameters.wrong_values import WrongValue, conflict
 
 LARGEST_FLOAT = 0.1  # of the face width: beyond, the float takes the teeth off each other's face
+MOST_POINTS_OF_COURSE = 60  # of the ratio, as the record of the contact has room for
 STEEPEST_LEAD = 0.01  # lead error over face width [rad]: the flanks' normals are those of the design to 1e-4
 
 
@@ -149,6 +154,77 @@ class Pinion(Table):
     axial_friction: Force = parameter(0.0, "friction against the axial motion of a supported pinion", ge=0)
 
 
+class _Middle(Table):
+    """The travel per turn of scalars."""
+
+    centre: TravelPerTurn = parameter(
+        "as cut",
+        "travel per turn of the pinion up to the angle from; as cut: of module and tooth angle",
+        ge=0,
+        le=1,
+    )
+    lock: TravelPerTurn = parameter(
+        "as cut", "travel per turn beyond the angle to; as cut: constant", ge=0, le=1
+    )
+
+
+_FROM: Any = {  # a word of the language, which names a field only so
+    "from": (
+        Angle,
+        parameter(
+            "40 deg", "pinion angle either way where the travel per turn begins to change", ge=0, le=40
+        ),
+    )
+}
+_Beginning = create_model("_Beginning", __base__=_Middle, **_FROM)
+
+
+class Ratio(_Beginning):
+    """Course of the rack's travel per turn: scalars, or a spline through lists; constant without any."""
+
+    to: Angle = parameter("220 deg", "pinion angle either way where it has changed", gt=0, le=40)
+    angle: CourseAngles = parameter(
+        "none", "pinion angles of a spline, ascending, at least 4; constant outside"
+    )
+    travel_per_turn: CourseTravels = parameter("none", "travel per turn at these angles")
+
+    @property
+    def is_constant(self) -> bool:
+        """Return whether no course is given."""
+        return not (self.centre or self.lock or self.angle or self.travel_per_turn)
+
+    def wrong(self) -> Iterator[WrongValue]:
+        """Yield what does not fit together, with paths of a gear."""
+        listed = {name: len(numbers_in(getattr(self, name))) for name in ("angle", "travel_per_turn")}
+        for name, other in ("angle", "travel_per_turn"), ("travel_per_turn", "angle"):
+            if listed[name] and not listed[other]:
+                yield conflict(f"rack.ratio.{name} is given; rack.ratio.{other} must be given with it.")
+        if listed["angle"] and listed["travel_per_turn"]:
+            yield from self._wrong_lists(*listed.values())
+        if any(listed.values()) and (self.centre or self.lock):
+            yield conflict(
+                "rack.ratio has lists beside rack.ratio.centre or rack.ratio.lock; give either of them."
+            )
+        begin = getattr(self, "from")
+        if self.lock and not begin < self.to:
+            yield conflict(
+                f"rack.ratio.from is {begin / DEG:.6g} deg; it must be smaller than rack.ratio.to = "
+                f"{self.to / DEG:.6g} deg."
+            )
+
+    def _wrong_lists(self, angles: int, travels: int) -> Iterator[WrongValue]:
+        numbers = numbers_in(self.angle)
+        if angles != travels or not 4 <= angles <= MOST_POINTS_OF_COURSE:
+            yield conflict(
+                f"rack.ratio.angle has {angles} numbers and rack.ratio.travel_per_turn {travels}; "
+                f"both must have as many, 4 to {MOST_POINTS_OF_COURSE}."
+            )
+        elif any(one >= next_one for one, next_one in pairwise(numbers)):
+            yield conflict("rack.ratio.angle must rise from number to number.")
+        elif min(numbers_in(self.travel_per_turn)) <= 0:
+            yield conflict("rack.ratio.travel_per_turn has a number that is not above 0; each must be.")
+
+
 class Rack(Table):
     """Rack bar: a round bar with straight teeth."""
 
@@ -196,6 +272,7 @@ class Rack(Table):
     side_angle: Angle = parameter(
         0.0, "direction of the side force: 0 deg away from the pinion (Y), 90 deg along Z"
     )
+    ratio: Ratio = Ratio()
 
 
 class Installation(Table):
@@ -472,6 +549,9 @@ class SteeringGear(Table):
                 f"bush.clearance is {mm(bush.clearance)} and bush.interference {mm(bush.interference)}; the "
                 "bar has room in the bush or is pressed by it: one of them must be 0 mm."
             )
+        yield from rack.ratio.wrong()
+        if not rack.ratio.is_constant:
+            yield from self._beside_ratio()
         if rack.bar_diameter >= bush.inner_diameter:
             yield conflict(
                 f"rack.bar_diameter is {mm(rack.bar_diameter)}; the bar must pass through "
@@ -517,6 +597,20 @@ class SteeringGear(Table):
                 "rack.length",
             )
 
+    def _beside_ratio(self) -> Iterator[WrongValue]:
+        """Yield what a rack of variable ratio does not have."""
+        for path in CONSTANT_RATIO:
+            if self.value_at(path) not in (0, "", "none"):
+                yield conflict(
+                    f"{path} is for a rack of constant ratio; leave out it or the table rack.ratio.",
+                    "rack.ratio",
+                )
+        if self.mesh.law == "teeth":
+            yield conflict(
+                "mesh.law is teeth, which a rack of variable ratio does not have; set mesh.law = line.",
+                "rack.ratio",
+            )
+
     def __repr__(self) -> str:
         pinion, changes = self.pinion, self.changes_shown()
         size = f"{pinion.teeth} teeth, module {mm(pinion.normal_module)}, preload {self.yoke.preload:g} N"
@@ -553,6 +647,28 @@ FLANK_DEVIATIONS = (
     "rack.deviation",
 )
 """Parameters of flanks other than the drawing's: they shift load along a flank or from tooth to tooth."""
+
+
+CONSTANT_RATIO = (
+    "pinion.deviation",
+    "rack.deviation",
+    "pinion.surface",
+    "rack.surface",
+    "housing.mount_stiffness",
+    "grease.base_oil",
+    "conditions.steering_cycles",
+)
+"""Parameters of gears of constant ratio."""
+
+
+def check_constant_ratio(gear: SteeringGear, what: str) -> None:
+    """Check that a gear has the constant ratio that something needs.
+
+    Raises:
+        InputError: it has a course.
+    """
+    if not gear.rack.ratio.is_constant:
+        raise InputError(f"rack.ratio is given; {what} needs a rack of constant ratio.")
 
 
 def surfaces_of(gear: SteeringGear) -> list[str]:

@@ -4,7 +4,8 @@
     teeth    loads, impacts and ripple: scenes that declare it (`Scene.law`), the scatter of a series
              (`LAW_OF_SERIES`), and every gear whose flanks have deviations
 
-A model without teeth that bend, of formulas, spheres or triangles, has `line`. A result names the law that
+A model without teeth that bend, of formulas, spheres or triangles, has `line`, and so have gears of variable
+ratio. A result names the law that
 it was made with in the parameters of its gear.
 """
 
@@ -13,7 +14,13 @@ from typing import Literal, TypeVar
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import BY_SCENE, FLANK_DEVIATIONS, SteeringGear, surfaces_of
+from rps_exudyn.parameters.gear import (
+    BY_SCENE,
+    FLANK_DEVIATIONS,
+    SteeringGear,
+    check_constant_ratio,
+    surfaces_of,
+)
 
 Gear = TypeVar("Gear", bound=SteeringGear)
 ContactLaw = Literal["line", "teeth"]
@@ -26,8 +33,10 @@ def with_meshes(fidelity: Fidelity, gear: SteeringGear) -> Fidelity:
     """Return the model of a gear: contact of triangles in place of lines where the gear has surfaces.
 
     Raises:
-        InputError: a model that has no surfaces.
+        InputError: a model that has no surfaces, or no variable ratio.
     """
+    if fidelity.solver in ("closed-form", "reduced") or fidelity.mesh == "general-contact":
+        check_constant_ratio(gear, f"the fidelity {fidelity.name.partition(' ')[0]}")
     if not (given := surfaces_of(gear)):
         return fidelity
     if fidelity.solver in ("closed-form", "reduced") or fidelity.mesh == "general-contact":
@@ -53,5 +62,6 @@ def resolve_contact_law(
     if gear.mesh.law != BY_SCENE:
         return gear
     deviates = any(path in varied or gear.value_at(path) for path in FLANK_DEVIATIONS)
-    teeth = fidelity.bends_teeth and not surfaces_of(gear) and (needed == "teeth" or deviates)
+    plane = gear.rack.ratio.is_constant and not any(path.startswith("rack.ratio.") for path in varied)
+    teeth = fidelity.bends_teeth and plane and not surfaces_of(gear) and (needed == "teeth" or deviates)
     return gear.replace({"mesh.law": "teeth" if teeth else "line"})

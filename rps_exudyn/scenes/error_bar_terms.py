@@ -16,6 +16,7 @@ import numpy as np
 
 from rps_exudyn.analysis.rack_motion import transmission_error
 from rps_exudyn.analysis.work_balance import largest_work, missing_work
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.quantities import (
     EXTREMES,
@@ -174,8 +175,9 @@ def _inertia(
 
 def _open_cycle(masses: MovedMasses, signals: Signals, size: Terms) -> Terms:
     gain = float(masses.gain)
-    share = drift_beside_travel(signals, gain)
-    moved = float(np.ptp(transmission_error(signals, gain)))
+    rule = GearPair.of(masses.gears[0]).travel_rule
+    share = drift_beside_travel(signals, rule)
+    moved = float(np.ptp(transmission_error(signals, rule)))
     lost = {"lost_motion": moved, "lost_motion_angle": moved / gain}
     return {
         name: share * np.maximum(each, lost.get(name, 0.0))

@@ -45,7 +45,7 @@ def load_test(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     if not unloaded.ok:
         message = f"without the weight: {unloaded.outcome.message}"
         return replace(loaded, outcome=replace(unloaded.outcome, message=message))
-    gain = float(GearPair.of(gear).gain)
+    gain = GearPair.of(gear).travel_rule
     record = SteadyRecord(gear, loaded.signals, unloaded.signals, gain, weight)
     (further,) = _remarks(record)
 
@@ -69,7 +69,9 @@ def _maneuvers(
 def _load_test(record: SteadyRecord) -> LoadTest:
     pitch, signals = 2 * np.pi / record.gear.pinion.teeth, oriented(record.signals, record.gear)
     free_torque = free_torque_of(record.beside, pitch)
-    return measured_load_test(signals, record.load, record.gain, free_torque, pitch)
+    gain, sense = record.gain, record.gear.test.direction
+    rule = (lambda angle: sense * gain(sense * angle)) if callable(gain) else gain
+    return measured_load_test(signals, record.load, rule, free_torque, pitch)
 
 
 def _metrics(record: SteadyRecord) -> dict[str, float]:

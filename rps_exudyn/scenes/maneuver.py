@@ -159,8 +159,12 @@ def steady_maneuver(
     step, speed = piece / per_piece, gear.test.speed
     lead, sense = even(RUN_IN / step), float(np.sign(last - first))
     start = first - sense * lead * step
-    scale = travel_per_radian(body, float(GearPair.of(gear).gain))
+    scale, pair = travel_per_radian(body, float(GearPair.of(gear).gain)), GearPair.of(gear)
     drive = Steady(body, scale * start, scale * sense * speed)
+    if body == "rack" and pair.course is not None:  # at the mean ratio between the angles
+        begin, end = float(pair.travel_at(first)), float(pair.travel_at(last))
+        scale = (end - begin) / (last - first)
+        drive = Steady(body, begin - scale * sense * lead * step, scale * sense * speed)
     pitch, toothed = 2 * np.pi / gear.pinion.teeth, max(0.0, largest_angle(gear) + sense * start)
     approach = SteadyApproach(pitch / speed, toothed / speed, step=step / speed)
     steps, closes = per_piece * periods, whole is not None
@@ -183,8 +187,8 @@ def maneuvers_of_test(
     test = gear.test
     first, last = test.start_angle, test.start_angle + test.direction * 2 * np.pi * test.turns
     if test.path == "lock-to-lock":
-        lock = float(gear.rack.travel / 2 / GearPair.of(gear).gain)
-        first, last = -test.direction * lock, test.direction * lock
+        pair = GearPair.of(gear)
+        first, last = (float(pair.angle_at(end * test.direction * gear.rack.travel / 2)) for end in (-1, 1))
     forth = steady_maneuver(gear, body, first, last, step_angle, least)
     if test.path == "one-way":
         return [forth]
@@ -248,10 +252,16 @@ def whole_periods(gear: SteeringGear, angle: float) -> int | None:
 
     Every tooth is alike, so that the curve repeats with the tooth pitch; errors that single out a tooth
     or a direction of the pinion make it repeat with the turn. Along a bar that is not straight, whose
-    teeth have errors, or whose back slopes it does not.
+    teeth have errors, whose ratio varies, or whose back slopes it does not.
     """
     measured = measured_flanks(gear)
-    if gear.rack.bow or gear.rack.pitch_errors or gear.rack.back_parallelism or measured.change_along_travel:
+    if (
+        not gear.rack.ratio.is_constant
+        or gear.rack.bow
+        or gear.rack.pitch_errors
+        or gear.rack.back_parallelism
+        or measured.change_along_travel
+    ):
         return None
     pinion, grid = gear.pinion, measured.pinion
     alike = pinion.runout == 0 and pinion.pitch_error == 0 and not pinion.pitch_errors

@@ -30,10 +30,10 @@ def metrics_of_motion(signals: Signals, gear: SteeringGear, rack_gain: Any = Non
     """Return the metrics of any gear in motion: the rack's displacement per revolution of the pinion, how the
     rack moves in its guides, where the work goes.
 
-    `rack_gain` is the rack's travel per radian [m], a number or one for each of many gears; by default the
-    gear's.
+    `rack_gain` is the rack's travel per radian [m], a number, one for each of many gears, or the travel by
+    the pinion's angle; by default the gear's.
     """
-    runs, gain = passes(signals), float(GearPair.of(gear).gain) if rack_gain is None else rack_gain
+    runs, gain = passes(signals), GearPair.of(gear).travel_rule if rack_gain is None else rack_gain
     first = runs[0].signals
     travel, turned = (
         first[name][..., -1] - first[name][..., 0] for name in ("rack_displacement", "pinion_angle")

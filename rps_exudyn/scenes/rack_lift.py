@@ -25,6 +25,7 @@ def rack_lift(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     """
     torque = to_and_fro(gear.test.lift_torque, options.finer(STEPS))
     formula = {"rack_lift_closed_form": lift_of_torque(gear, gear.test.lift_torque)}
+    formula = formula if gear.rack.ratio.is_constant else {}
 
     def metrics(signals: Signals) -> dict[str, float]:
         return lift_metrics(signals) | formula

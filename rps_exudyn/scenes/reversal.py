@@ -22,7 +22,7 @@ def reversal(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sce
         InputError: the steering leaves the rack's teeth.
     """
     fidelity = with_float(gear, fidelity)
-    gain = float(GearPair.of(gear).gain)
+    gain = float(GearPair.of(gear).gain_at(gear.test.start_angle))
 
     def metrics(signals: Signals) -> dict[str, float]:
         return {**describe_reversal(signals, gain), **metrics_of_motion(signals, gear)}

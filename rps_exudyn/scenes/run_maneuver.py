@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rps_exudyn.analysis.rack_motion import transmission_error
+from rps_exudyn.analysis.rack_motion import Gain, transmission_error
 from rps_exudyn.analysis.work_balance import integral_from_start
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import begin_part
@@ -112,7 +112,7 @@ def run_steady(test: SteadyTest, gear: SteeringGear, fidelity: Fidelity, options
         InputError: the test leaves the rack's teeth.
     """
     maneuvers, _ = test.maneuvers(gear, fidelity.step_angle, options.least_steps)
-    gain, formulas = float(GearPair.of(gear).gain), test.formulas(gear) if test.formulas else {}
+    gain, formulas = GearPair.of(gear).travel_rule, test.formulas(gear) if test.formulas else {}
 
     def metrics(signals: Signals) -> dict[str, float]:
         return test.metrics(SteadyRecord(gear, signals, {}, gain, 0.0)) | formulas
@@ -273,10 +273,10 @@ def _is_settled(signals: Signals, driven: str, gear: SteeringGear) -> bool:
     travel, force = float(np.ptp(signals["rack_displacement"])), signals[driven]
     moved = max(_change(signals[name]) * length for name, length in LENGTHS.items())
     drift = max(moved / travel, _change(force) / (float(np.abs(force).max()) or 1.0))
-    return drift <= STEADY and drift_beside_travel(signals, float(GearPair.of(gear).gain)) <= RETURNED
+    return drift <= STEADY and drift_beside_travel(signals, GearPair.of(gear).travel_rule) <= RETURNED
 
 
-def drift_beside_travel(signals: Signals, gain: float) -> float:
+def drift_beside_travel(signals: Signals, gain: Gain) -> float:
     """Return how far a record ends from where it began, in motions of the rack beside its travel: the largest
     share of a motion's range. `gain` is the rack's travel per radian [m]."""
     beside = [transmission_error(signals, gain)]

@@ -46,7 +46,8 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
     Raises:
         InputError: no tyres, a torque that leaves the rack's teeth, or a model without a column.
     """
-    maneuver, test, gain = torque_maneuver(gear), gear.test, float(GearPair.of(gear).gain)
+    maneuver, test = torque_maneuver(gear), gear.test
+    gain = float(GearPair.of(gear).gain_at(test.start_angle))
     grows = test.steer_shape == "ramp"
     # the largest speed with which the pinion would follow the torque without friction
     speed = float((4.0 if grows else 2 * np.pi) * test.steer_frequency * _largest_turn(gear))
@@ -81,7 +82,7 @@ def torque_maneuver(gear: SteeringGear) -> Maneuver:
     Raises:
         InputError: nothing restores the wheel, or the torque leaves the rack's teeth.
     """
-    test, gain = gear.test, float(GearPair.of(gear).gain)
+    test = gear.test
     if not test.tyre_stiffness:
         raise InputError(
             "test.tyre_stiffness is 0 N/mm; steering-torque needs a restoring load: without it a torque "
@@ -90,7 +91,7 @@ def torque_maneuver(gear: SteeringGear) -> Maneuver:
     turn = _largest_turn(gear)
     ends = test.start_angle - turn, test.start_angle + turn
     check_travel(gear, ends, f"test.steer_torque = {test.steer_torque:.4g} N*m against test.tyre_stiffness")
-    tyre = TyreSpring(test.tyre_stiffness, gain * test.start_angle)
+    tyre = TyreSpring(test.tyre_stiffness, float(GearPair.of(gear).travel_at(test.start_angle)))
     peak, cycle = test.direction * test.steer_torque, 1 / test.steer_frequency
     shape = GrowingTorque if test.steer_shape == "ramp" else WheelTorque
     drive = shape("wheel", test.start_angle, peak, cycle, tyre)

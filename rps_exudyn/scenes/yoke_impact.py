@@ -52,7 +52,7 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
     def metrics(signals: Signals) -> dict[str, float]:
         return {
             **describe_impacts(signals),
-            **describe_rack(signals, passes(signals), float(GearPair.of(gear).gain)),
+            **describe_rack(signals, passes(signals), GearPair.of(gear).travel_rule),
             **end_deflection(signals),
             **balance(signals),
         }

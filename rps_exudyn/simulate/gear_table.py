@@ -57,8 +57,8 @@ GAIN = ("pinion.normal_module", "rack.tooth_angle")  # from lock to lock each ge
 UNSUPPORTED = {
     "scene": "the gears of this scene are run singly",
     "fidelity": "many gears are computed together only by the fidelity quasi-static",
-    "parts": "a bow, a side force, the rack's weight, listed pitch errors, measured flanks, surfaces or a "
-    "sloping back need single runs",
+    "parts": "a bow, a side force, the rack's weight, listed pitch errors, measured flanks, surfaces, a "
+    "variable ratio or a sloping back need single runs",
     "friction": "bristles, or friction of the plunger in its bore or along the pinion, need single runs",
     "conditions": "temperature, wear or a grease needs single runs",
     "parameter": "gears that differ in {path} are run singly",
@@ -80,7 +80,7 @@ def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, value
     reasons = {
         "scene": scene_named(scene).test is None,
         "fidelity": same != usual,
-        "parts": bool(parts or surfaces_of(gear)),
+        "parts": bool(parts or surfaces_of(gear) or not rack.ratio.is_constant),
         "conditions": not is_new(gear),
         "friction": any(getattr(gear, part).facts.has_state for part in RUBBING_PARTS)
         or bool(gear.yoke.bore_friction or gear.yoke.bore_damping)
@@ -90,7 +90,7 @@ def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, value
         return UNSUPPORTED[reason]
     for path, column in values.items():
         number = SteeringGear.declared_at(path)[0]
-        known = path == WEIGHT or (path.partition(".")[0] in TABLES and path not in NOT_NUMBERS)
+        known = path == WEIGHT or (path.rpartition(".")[0] in TABLES and path not in NOT_NUMBERS)
         known &= gear.test.path != "lock-to-lock" or path not in GAIN
         if not known or not isinstance(gear.value_at(path), float) or not hasattr(number, "show"):
             return UNSUPPORTED["parameter"].format(path=path)

@@ -118,7 +118,7 @@ class SharedManeuver:
         gears = [gear, *(gear.replace(end) for end in ends)]
         records = packed(gears, fidelity, weighted)
         forces = gear_forces(gear, fidelity, maneuver.rack_load)
-        series = GearSeries(forces, pair, drive.pinion_speed(float(pair.gain), 0.0), drive.body)
+        series = GearSeries(forces, pair, drive.pinion_speed(pair, 0.0), drive.body)
         first = _singly(maneuver, series, records[:1], angles)
         if first is None:
             return None

@@ -122,6 +122,7 @@ def beyond_formulas(gear: SteeringGear) -> str:
         "installation.axis_offset": gear.installation.axis_offset,
         "installation.gravity": gear.installation.gravity,
         "rack.bow": gear.rack.bow,
+        "rack.ratio": not gear.rack.ratio.is_constant,
         "rack.side_force": gear.rack.side_force,
         "pinion.tip_relief": pinion.tip_relief,
         "pinion.crowning": pinion.crowning,

@@ -24,7 +24,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.balance import SIZE, Balance
 from rps_exudyn.solvers.follower import NO_COLUMN, RIGID, add_column_to, follow, room_to_follow
 from rps_exudyn.solvers.gear_model import OUTPUTS
-from rps_exudyn.solvers.prescribed_motion import Drive, Steady, travel_per_radian
+from rps_exudyn.solvers.prescribed_motion import Drive, Steady
 from rps_exudyn.solvers.rescue import JUMP, Settling, beginning, search
 from rps_exudyn.solvers.settling import SETTLING_STEPS, TOLERANCE, TYPICAL_APPROACH
 from rps_exudyn.solvers.steering_column import BehindColumn, ColumnModel, WheelTorque
@@ -113,11 +113,11 @@ class PathInterrupted(KeyboardInterrupt):
         self.path = path
 
 
-def steady_rates(pair: GearPair, speed: float, size: int = SIZE) -> np.ndarray:
-    """Return the rates of steady turning at pinion speed [rad/s], shape (size,)."""
+def steady_rates(pair: GearPair, speed: float, size: int = SIZE, angle: float = 0.0) -> np.ndarray:
+    """Return the rates of steady turning at pinion speed [rad/s] and angle [rad], shape (size,)."""
     rates = np.zeros(size)
     rates[COORDINATE_BLOCKS["pinion"]] = -speed
-    rates[COORDINATE_BLOCKS["rack"].start] = pair.gain * speed
+    rates[COORDINATE_BLOCKS["rack"].start] = pair.gain_at(angle) * speed
     return rates
 
 
@@ -131,7 +131,7 @@ def starting_guess(pair: GearPair, angle: float, size: int = SIZE) -> np.ndarray
     guess = np.zeros(size)
     guess[COORDINATE_BLOCKS["pinion"]] = -angle
     guess[COORDINATE_BLOCKS["rack"]][:2] = (
-        pair.gain * angle + swing,
+        pair.travel_at(angle) + swing,
         pair.axis_offset + runout - TYPICAL_APPROACH,
     )
     guess[COORDINATE_BLOCKS["plunger"]] = runout
@@ -141,18 +141,21 @@ def starting_guess(pair: GearPair, angle: float, size: int = SIZE) -> np.ndarray
 def rigid_motion(pair: GearPair, drive: Drive, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return about where rigid bodies would be at times [s], and their rates, shape (t, 8): gain and
     runout."""
-    scale = travel_per_radian(drive.body, pair.gain)
-    angle, speed = np.asarray(drive.place(time)) / scale, np.asarray(drive.rate(time)) / scale
+    angle, speed = np.asarray(drive.place(time)), np.asarray(drive.rate(time))
+    if drive.body == "rack":
+        angle = pair.angle_at(angle)
+        speed = speed / pair.gain_at(angle)
+    gain = pair.gain_at(angle)
     phase, share = angle + pair.runout_angle, np.cos(pair.beta_p) / np.cos(pair.beta_r)
     across, lift = pair.runout * share * np.sin(phase), pair.runout * np.cos(phase)
     places, rates = np.zeros((len(time), RIGID)), np.zeros((len(time), RIGID))
     if drive.body == "rack":
-        places[:, RACK], rates[:, RACK] = pair.gain * angle, pair.gain * speed
-        places[:, PINION] = across / pair.gain - angle
-        rates[:, PINION] = (share * lift / pair.gain - 1) * speed
+        places[:, RACK], rates[:, RACK] = pair.travel_at(angle), gain * speed
+        places[:, PINION] = across / gain - angle
+        rates[:, PINION] = (share * lift / gain - 1) * speed
     else:
         places[:, PINION], rates[:, PINION] = -angle, -speed
-        places[:, RACK], rates[:, RACK] = pair.gain * angle + across, (pair.gain + share * lift) * speed
+        places[:, RACK], rates[:, RACK] = pair.travel_at(angle) + across, (gain + share * lift) * speed
     places[:, RACK + 1] = places[:, PLUNGER] = lift
     rates[:, RACK + 1] = rates[:, PLUNGER] = -pair.runout * np.sin(phase) * speed
     return places, rates
@@ -179,7 +182,7 @@ def instants_per_pitch(pair: GearPair, drive: Drive, time: np.ndarray) -> int:
     steps = np.diff(time)
     if np.ptp(steps) > 1e-6 * steps[0]:
         return 0
-    pitch = 2 * np.pi / pair.teeth / abs(drive.pinion_speed(pair.gain, float(time[0])))
+    pitch = 2 * np.pi / pair.teeth / abs(drive.pinion_speed(pair, float(time[0])))
     whole = round(pitch / steps[0])
     return whole if whole and abs(pitch / steps[0] - whole) < 1e-6 * whole else 0
 
@@ -276,20 +279,20 @@ class _Following:
             following.counts += approach_path.evaluations, approach_path.iterations, approach_path.tangents
             return following
         following.approach_path = None
-        first = rows.coordinates[0].copy()
-        first[: balance.size] = starting_guess(pair, drive.pinion_angle(pair.gain, time[0]), balance.size)
+        first, angle = rows.coordinates[0].copy(), drive.pinion_angle(pair, time[0])
+        first[: balance.size] = starting_guess(pair, angle, balance.size)
         first[RACK + 1] += TYPICAL_APPROACH - pair.axis_offset - balance.approach
         first[PLUNGER] -= float(balance.gears[0]["seat"]["back"]) * first[RACK]
         first[balance.size - len(balance.supported) : balance.size] = balance.supported
         steady = np.zeros(len(first))
-        steady[: balance.size] = steady_rates(pair, following.speed, balance.size)
+        steady[: balance.size] = steady_rates(pair, following.speed, balance.size, angle)
         rows.coordinates[0, free], rows.rates[0, free] = first[free], steady[free]
         return following
 
     @property
     def speed(self) -> float:
         """Speed of the pinion at the first instant [rad/s]."""
-        return self.drive.pinion_speed(self.pair.gain, self.rows.time[0])
+        return self.drive.pinion_speed(self.pair, self.rows.time[0])
 
     @property
     def whole(self) -> bool:
@@ -411,7 +414,7 @@ class _Following:
             return False
         asked = np.diff(rows.time[rows.asked]).min()
         begun = min(int(np.searchsorted(rows.time[:k], rows.time[k - 1] - asked)), k - 1 - RUNS_AWAY)
-        driven = max(abs(self.drive.pinion_speed(self.pair.gain, each)) for each in rows.time[:k])
+        driven = max(abs(self.drive.pinion_speed(self.pair, each)) for each in rows.time[:k])
         fastest = np.abs(rows.rates[begun:k] * self.lengths).max(axis=1)
         shortened = rows.time[k] - rows.time[k - 1] < asked / 2
         runs_away = fastest[-1] > max(2 * fastest[0], SNAP * driven * self.pair.gain)

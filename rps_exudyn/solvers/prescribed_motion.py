@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
+from rps_exudyn.gears.gear_pair import GearPair
 
 DrivenBody = Literal["pinion", "rack", "wheel"]
 OVERCOME = {"pinion": "pinion_torque", "rack": "rack_force", "wheel": "wheel_torque"}
@@ -69,12 +70,14 @@ class Drive(ABC):
         """Name of the torque or force that the drive overcomes."""
         return OVERCOME[self.body]
 
-    def pinion_angle(self, gain: float, time: float) -> float:
-        """Return the pinion's angle [rad], up to elasticity; `gain` is the rack's [m], `time` in seconds."""
-        return float(self.place(time)) / travel_per_radian(self.body, gain)
+    def pinion_angle(self, pair: GearPair, time: float) -> float:
+        """Return the pinion's angle [rad], up to elasticity; `time` in seconds."""
+        place = float(self.place(time))
+        return float(pair.angle_at(place)) if self.body == "rack" else place
 
-    def pinion_speed(self, gain: float, time: float) -> float:
+    def pinion_speed(self, pair: GearPair, time: float) -> float:
         """Return the pinion's speed [rad/s], likewise."""
+        gain = float(pair.gain_at(self.pinion_angle(pair, time)))
         return float(self.rate(time)) / travel_per_radian(self.body, gain)
 
 

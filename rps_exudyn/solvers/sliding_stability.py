@@ -102,7 +102,7 @@ class SlidingVibration:
         model, test = reduced_gear(gear), gear.test
         forces = gear_forces(gear, _condensed(fidelity))
         bar, pitch = RackBar.of(gear), 2 * np.pi / gear.pinion.teeth / test.speed
-        farthest, start = bar.largest_displacement / bar.pair.gain, test.direction * test.start_angle
+        farthest, start = bar.pair.angle_at(bar.largest_displacement), test.direction * test.start_angle
         behind, ahead = (
             max(0.0, float(angle)) / test.speed for angle in (farthest + start, farthest - start)
         )

@@ -41,7 +41,7 @@ def study_schema() -> Schema:
     settings = _tables(Setup)
     for name in ("name", "based_on"):  # which name what was chosen
         settings["fidelity"]["properties"].pop(name, None)
-    paths = [f"{table}.{name}" for table, each in settings.items() for name in each["properties"]]
+    paths = [item.path for item in Setup.declared() if item.path != "fidelity.based_on"]
     keys: dict[str, Schema] = {
         "title": {"type": "string", "description": "heading of the report"},
         "scene": {"enum": list(SCENE_NAMES)},
@@ -88,17 +88,19 @@ def _closed(properties: Mapping[str, Schema], meaning: str = "") -> Schema:
 def _tables(table: type[Table]) -> dict[str, Schema]:
     """Name -> schema of the tables within one, as pydantic makes them of the declarations."""
     made = table.model_json_schema()["$defs"]
-    found = {}
-    for name, field in table.model_fields.items():
-        assert isinstance(field.annotation, type)
-        parameters = made[field.annotation.__name__]["properties"]
-        meaning = (field.annotation.__doc__ or "").partition("\n")[0]
-        shown = {
-            name: {key: value for key, value in each.items() if key not in ("title", "source")}
-            for name, each in parameters.items()
-        }
-        found[name] = _closed(shown, meaning)
-    return found
+
+    def schema_of(inner: type[Table]) -> Schema:
+        shown = {}
+        for name, each in made[inner.__name__]["properties"].items():
+            field = inner.model_fields[name].annotation
+            if isinstance(field, type) and issubclass(field, Table):
+                shown[name] = schema_of(field)
+            else:
+                shown[name] = {key: value for key, value in each.items() if key not in ("title", "source")}
+        return _closed(shown, (inner.__doc__ or "").partition("\n")[0])
+
+    tables = {name: field.annotation for name, field in table.model_fields.items()}
+    return {name: schema_of(inner) for name, inner in tables.items() if isinstance(inner, type)}
 
 
 def _axis(paths: list[str], settings: Mapping[str, Schema]) -> Schema:
@@ -112,7 +114,7 @@ def _axis(paths: list[str], settings: Mapping[str, Schema]) -> Schema:
     }
     many = {"type": "array", "minItems": 1, "maxItems": MOST_ON_AN_AXIS, "items": value}
     same = {"$ref": "#/properties/axis/items/properties/values"}
-    along = {name: _closed(dict.fromkeys(table["properties"], same)) for name, table in settings.items()}
+    along = {name: _along(table, same) for name, table in settings.items()}
     keys: dict[str, Schema] = {
         "name": {"type": "string", "description": "name of the axis; without it the path"},
         "path": path | {"description": "the parameter varied"},
@@ -129,6 +131,11 @@ def _axis(paths: list[str], settings: Mapping[str, Schema]) -> Schema:
     return _closed(keys) | {
         "allOf": [{"oneOf": [{"required": ["path"]}, {"required": ["paths"]}]}, {"oneOf": one_of}]
     }
+
+
+def _along(table: Schema, values: Schema) -> Schema:
+    inner = table["properties"].items()
+    return _closed({key: _along(each, values) if "properties" in each else values for key, each in inner})
 
 
 def _whole(least: int, most: int, meaning: str) -> Schema:

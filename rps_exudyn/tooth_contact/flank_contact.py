@@ -245,5 +245,5 @@ def _press_line(depth, length, p_r, p_t, q, z, side, data, work, slopes):  # typ
     before = work.sums[LOAD]
     press(depth, data.line_stiffness * length, 1.0, p_r, p_t, z, side, data, work, slopes)
     load = work.sums[LOAD] - before
-    note_line_load(load / length, q, work)
+    note_line_load(load / length, q * (1.0 - side.sign * q * side.bend), work)  # the relative radius
     return load

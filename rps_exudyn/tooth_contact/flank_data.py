@@ -8,9 +8,11 @@ import numpy as np
 
 from rps_exudyn.base.compiled import record, record_type
 from rps_exudyn.forces.friction import LAW, Patches, law_of
+from rps_exudyn.gears.course import MOST_PIECES
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.flank_grid import measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.generated_rack import GeneratedRack
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.pitch_errors import MOST_TEETH, rack_errors
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
@@ -65,6 +67,18 @@ FLANK = record_type(
         ("flank_offset", "f8"),  # distance of flank 0 from the origin along its normal
         ("normal_base_pitch", "f8"),
         ("gain", "f8"),  # rack's travel per radian of the pinion
+        # of a variable ratio, see gears.course: its pieces (0: constant), where each begins and what it is
+        ("course_pieces", "i8"),
+        ("course_starts", "f8", (MOST_PIECES,)),
+        ("course", "f8", (MOST_PIECES, 5)),
+        ("sine_per_gain", "f8"),  # A and B of S = A / g + B
+        ("sine_offset", "f8"),
+        ("kappa", "f8"),  # angle from the middle of a pinion's space to its tooth on the base circle
+        # tan delta and tau / cos delta: the normal has N_z = -N_x (trace + g trace_per_gain)
+        ("trace", "f8"),
+        ("trace_per_gain", "f8"),
+        ("cos_design", "f8"),  # of the shaft angle as designed
+        ("sin_design", "f8"),
         ("tip_depth", "f8"),  # the teeth's tips stand at y = -tip_depth
         ("bar_radius", "f8"),
         # contact law
@@ -160,6 +174,7 @@ def pack(
         flank_offset=pair.normal_base_pitch / 4 + np.sin(pair.alpha_n) * pair.reference_height,
         normal_base_pitch=pair.normal_base_pitch,
         gain=float(pair.gain),
+        **course_fields(pair),
         tip_depth=pair.reference_height + pair.rack_addendum,
         bar_radius=pair.bar_radius,
         stiffness=mesh.stiffness,
@@ -177,6 +192,26 @@ def pack(
         generators=generators,
         **_rules(stations, across, mesh.contact_law == "teeth"),
     )
+
+
+def course_fields(pair: GearPair) -> dict[str, np.ndarray | float]:
+    """Return the fields of the record `FLANK` of a course; a constant ratio has no pieces."""
+    mesh, starts, pieces = pair.design_mesh, np.zeros(MOST_PIECES), np.zeros((MOST_PIECES, 5))
+    count = 0 if pair.course is None else len(pair.course.starts)
+    if pair.course is not None:
+        starts[:count], pieces[:count] = pair.course.starts, pair.course.pieces
+    return {
+        "course_pieces": count,
+        "course_starts": starts,
+        "course": pieces,
+        "sine_per_gain": mesh.A,
+        "sine_offset": mesh.B,
+        "kappa": GeneratedRack.of(pair).kappa,
+        "trace": np.tan(mesh.delta),
+        "trace_per_gain": pair.twist / np.cos(mesh.delta),
+        "cos_design": np.cos(mesh.delta),
+        "sin_design": np.sin(mesh.delta),
+    }
 
 
 @lru_cache(maxsize=64)

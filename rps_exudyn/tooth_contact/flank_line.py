@@ -36,6 +36,7 @@ from rps_exudyn.forces.rigid_motion import Vector
 from rps_exudyn.gears.tooth_stiffness import EFFECTIVE_MODULUS
 from rps_exudyn.tooth_contact import wrench
 from rps_exudyn.tooth_contact.flank_strip import MARGIN, SURPLUS, across
+from rps_exudyn.tooth_contact.generated_flank import tangent_plane
 
 Coefficients = tuple[float, float, float, float]
 
@@ -60,6 +61,9 @@ class Side(NamedTuple):
     part: Coefficients  # and along N, which parts the flanks when negative
     y: Coefficients  # the rack's own y coordinate of a point
     z: Coefficients  # and its z coordinate
+    along_x: float  # |component| along X of the rack's own normal
+    gain: float  # rack's travel per radian of the pinion
+    bend: float  # 1 / Q, by which the rack is curved [1/m]; 0 of plane flanks
 
 
 class Line(NamedTuple):
@@ -126,8 +130,14 @@ def gear_centre(angle, position, data):  # type: ignore[no-untyped-def]
 def side_of(sign, angle, rate, position, rotation, velocity, spin, data):  # type: ignore[no-untyped-def]
     """The line frame of side `sign` at this pose and motion."""
     ecc_e, ecc_y, gx, gy, gz = gear_centre(angle, position, data)
+    along_x, along_y, along_z, offset = data.normal_x, data.normal_y, data.normal_z, data.flank_offset
+    gain, bend = data.gain, 0.0
+    if data.course_pieces > 0:
+        plane = tangent_plane(sign, angle, gx, gy, gz, rotation, data)
+        along_x, along_y, along_z, offset = plane.normal_x, plane.normal_y, plane.normal_z, plane.offset
+        gain, bend = plane.gain, plane.bend
     # the normal: rack -> housing -> pinion frame (e, Y, k)
-    bx, by, bz = sign * data.normal_x, -data.normal_y, -sign * data.normal_z
+    bx, by, bz = sign * along_x, -along_y, -sign * along_z
     nx = rotation[0, 0] * bx + rotation[0, 1] * by + rotation[0, 2] * bz
     ny = rotation[1, 0] * bx + rotation[1, 1] * by + rotation[1, 2] * bz
     nz = rotation[2, 0] * bx + rotation[2, 1] * by + rotation[2, 2] * bz
@@ -152,13 +162,16 @@ def side_of(sign, angle, rate, position, rotation, velocity, spin, data):  # typ
         cos,
         n_p,
         n_k,
-        data.flank_offset - (nx * gx + ny * gy + nz * gz),
+        offset - (nx * gx + ny * gy + nz * gz),
         (v_r, v_t, v_z),
         (w_r, w_t, w_z),
         (n_k * v_t - n_t * v_z, n_k * w_z + n_t * w_t, -n_t * w_r, -n_k * w_r),
         (n_t * v_t + n_k * v_z, n_t * w_z - n_k * w_t, n_k * w_r, -n_t * w_r),
         _rack_axis(1, rotation, gx, gy, gz, sin, cos, data),
         _rack_axis(2, rotation, gx, gy, gz, sin, cos, data),
+        along_x,
+        gain,
+        bend,
     )
 
 
@@ -203,7 +216,7 @@ def line_of(tooth, turn, side, data):  # type: ignore[no-untyped-def]
     if data.has_rack_errors:
         place = int(rack_tooth) + data.rack_middle
         if 0 <= place <= 2 * data.rack_middle:
-            d_0 += s * data.normal_x * data.rack_shifts[place]
+            d_0 += s * side.along_x * data.rack_shifts[place]
     return Line(q_0, q_1, d_0, side.n_p * q_1 - side.n_z, rack_tooth)
 
 
@@ -336,7 +349,7 @@ def rolling_slip(p_r, p_t, side, data):  # type: ignore[no-untyped-def]
     Bristles of one side share their forces along it and across: it differs from point to point, and what they
     share must not, or they would lose torque.
     """
-    v_e, v_z = data.cos_delta * data.gain, data.sin_delta * data.gain
+    v_e, v_z = data.cos_delta * side.gain, data.sin_delta * side.gain
     r = side.cos * v_e - p_t
     b = side.n_z * (p_r - side.sin * v_e) + side.sign * side.n_p * v_z
     size = np.sqrt(r * r + b * b)

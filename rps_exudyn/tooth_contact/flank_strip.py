@@ -47,6 +47,10 @@ def describe_strip(strip, line, band, side, data):  # type: ignore[no-untyped-de
     depth[7] = -n_p * (q_1 / 2 + surplus_1 / 2)
     depth[8] = -n_p * surplus_2 / 2
     depth[9] = n_p * s * rb / 3
+    if side.bend != 0.0:  # the rack's curvature, that of the band's middle
+        sharper = 1.0 / (1.0 - s * side.bend * (band.low + band.high) / 2)
+        for i in range(6, 10):
+            depth[i] *= sharper
     surplus = strip[SURPLUS]
     surplus[0], surplus[1], surplus[2], surplus[3] = surplus_0, surplus_1, surplus_2, surplus_3
     surplus[4], surplus[6] = surplus_4, -relief * rb * rb

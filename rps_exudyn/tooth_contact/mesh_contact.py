@@ -13,7 +13,8 @@ k follows the radius of curvature rho that the involute has at a point's radius 
 
     k = c / sqrt(rho),     rho = sqrt(r^2 - r_b^2) / cos beta_b,
 
-as the spheres' does (`spheres`), so that a line's load per length does not depend on rho.
+as the spheres' does (`spheres`), so that a line's load per length does not depend on rho. Where the ratio
+varies rho is the relative radius, q (1 - s q / Q) / cos beta_b (`gears.course`).
 
 Only faces that oppose the triangle's normal count: the prism reaches through the tooth, and a flank would
 press on the land beside it.
@@ -33,7 +34,7 @@ MOST_EDGES = MOST_CORNERS - 4  # of a face
 BLOCK = 16  # triangles of the pinion that one sphere encloses
 LEAF = 4  # faces of the rack in a leaf of the tree
 TRIANGLE = 12  # numbers of a pinion's triangle: corners (9), normal (3)
-FACE = 6  # of a rack's face: normal (3), offset, first edge, edges
+FACE = 7  # of a rack's face: normal (3), offset, first edge, edges, s / Q
 EDGE = 4  # of an edge: normal within the face (3), offset
 MOVED = TRIANGLE + 6  # of a triangle in the rack frame, with its lowest and highest corner
 BALL = 4  # of a sphere: centre (3), radius
@@ -143,8 +144,8 @@ def mesh_contact(  # type: ignore[no-untyped-def]
                     corners = _overlap(a, b, c, normal, offset, face, data, pool, polygon, other)
                     if corners >= 3:
                         _press_polygon(
-                            polygon, corners, normal, offset, middle, rotation, axis, to_axis, rate, moving,
-                            turning, data, work, factor_q, factor_v,
+                            polygon, corners, normal, offset, pool[face + 6], middle, rotation, axis, to_axis,
+                            rate, moving, turning, data, work, factor_q, factor_v,
                         )  # fmt: skip
             node = _after(node)
 
@@ -270,8 +271,8 @@ def _clip(polygon, count, outwards, limit, other):  # type: ignore[no-untyped-de
 
 @kernel
 def _press_polygon(  # type: ignore[no-untyped-def]
-    polygon, corners, normal, offset, middle, rotation, axis, to_axis, rate, moving, turning, data, work,
-    factor_q, factor_v,
+    polygon, corners, normal, offset, bend, middle, rotation, axis, to_axis, rate, moving, turning, data,
+    work, factor_q, factor_v,
 ):  # fmt: skip
     """Add the pressure on a polygon of the rack frame."""
     in_housing = times(rotation, normal)
@@ -284,8 +285,8 @@ def _press_polygon(  # type: ignore[no-untyped-def]
             point = times(rotation, place)
             out = minus(point, middle)
             height = dot(axis, out)
-            square = dot(out, out) - height * height - data.square
-            rho = max(np.sqrt(max(square, 0.0)) / data.cos_beta_b, data.least_rho)
+            q = np.sqrt(max(dot(out, out) - height * height - data.square, 0.0))
+            rho = max(q * (1.0 - bend * q) / data.cos_beta_b, data.least_rho)
             press_point(
                 offset - dot(normal, place), data.by_curvature / np.sqrt(rho) * area / 3, in_housing, point,
                 minus(point, to_axis), axis, rate, moving, turning, side, data, work, factor_q, factor_v,

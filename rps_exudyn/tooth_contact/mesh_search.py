@@ -17,13 +17,16 @@ from rps_exudyn.tooth_contact.mesh_contact import BLOCK, LEAF, MOST_EDGES, MeshD
 BITS = 10  # of each coordinate along the curve
 
 
-def mesh_data(corners: np.ndarray, polygons: Sequence[np.ndarray]) -> MeshData:
+def mesh_data(
+    corners: np.ndarray, polygons: Sequence[np.ndarray], bends: Sequence[np.ndarray] | None = None
+) -> MeshData:
     """Return both meshes as the kernel takes them.
 
     Args:
         corners: of the pinion's triangles (n, 3, 3) [m], counter-clockwise seen from outside.
         polygons: the rack's faces, (m, c, 3) each of m polygons with c corners [m], plane, convex,
             counter-clockwise seen from outside.
+        bends: s / Q of the faces, (m,) of each m [1/m]; 0 of plane flanks.
 
     Raises:
         InputError: a face with more corners than the kernel takes.
@@ -32,8 +35,8 @@ def mesh_data(corners: np.ndarray, polygons: Sequence[np.ndarray]) -> MeshData:
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     triangles = np.concatenate([corners.reshape(-1, 9), normals], axis=1)
-    faces, edges, boxes = [np.zeros((0, 6))], [np.zeros((0, 4))], [np.zeros((0, 6))]
-    for each in polygons:
+    faces, edges, boxes = [np.zeros((0, 7))], [np.zeros((0, 4))], [np.zeros((0, 6))]
+    for each, bend in zip(polygons, bends or [np.zeros(len(each)) for each in polygons], strict=True):
         count = each.shape[1]
         if count > MOST_EDGES:
             raise InputError(f"A face has {count} corners; contact of triangles takes {MOST_EDGES}.")
@@ -44,7 +47,7 @@ def mesh_data(corners: np.ndarray, polygons: Sequence[np.ndarray]) -> MeshData:
         outwards /= np.linalg.norm(outwards, axis=2, keepdims=True)
         first = sum(map(len, edges)) + count * np.arange(len(each))
         offset, limit = np.einsum("ij,ij->i", normal, middle), np.einsum("ijk,ijk->ij", outwards, each)
-        faces.append(np.column_stack([normal, offset, first, np.full(len(each), count)]))
+        faces.append(np.column_stack([normal, offset, first, np.full(len(each), count), bend]))
         edges.append(np.concatenate([outwards, limit[..., None]], axis=2).reshape(-1, 4))
         boxes.append(np.concatenate([each.min(axis=1), each.max(axis=1)], axis=1))
     box = np.concatenate(boxes)

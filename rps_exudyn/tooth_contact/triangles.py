@@ -19,13 +19,14 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.flank_grid import FlankGrid, measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.generated_rack import GeneratedRack
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.mesh_file import Surface
 from rps_exudyn.gears.mesh_frames import PinionPlacement, Placement, RackPlacement
 from rps_exudyn.gears.pinion_mesh import flank_patch
 from rps_exudyn.gears.pitch_errors import rack_errors
 from rps_exudyn.gears.polyhedron import indexed
-from rps_exudyn.gears.rack_bar import RackBar, RackFlank
+from rps_exudyn.gears.rack_bar import RackBar, RackFlank, sagitta
 from rps_exudyn.gears.surface_report import contradictions, placed_surfaces
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -100,13 +101,14 @@ def own_meshes(gear: SteeringGear, chord_error: float) -> MeshData:
         corners = _turning(*given["pinion"], pair.bar_axis_height + rack_tip, pair.module)
     else:
         corners = own_corners(gear, chord_error)
+    bends = None
     if "rack" in given:
         polygons = _met(*given["rack"], pinion_tip - pair.bar_axis_height + DEEPEST * pair.module)
     else:
-        polygons = own_polygons(gear, chord_error)
+        polygons, bends = own_polygons(gear, chord_error), own_bends(gear, chord_error)
     if not len(corners) or not any(map(len, polygons)):
         raise InputError(f"{next(iter(given))}.surface does not reach the other part's teeth.")
-    return mesh_data(corners, polygons)
+    return mesh_data(corners, polygons, bends)
 
 
 def own_corners(gear: SteeringGear, chord_error: float) -> np.ndarray:
@@ -122,9 +124,26 @@ def own_polygons(gear: SteeringGear, chord_error: float) -> list[np.ndarray]:
     bar, errors, grid = RackBar.of(gear), rack_errors(gear), measured_flanks(gear).rack
     made = []
     for tooth, side in product(bar.teeth, SIDES):
-        flank = bar.flank(tooth, side)
         shift = np.array([errors[tooth - bar.teeth[0]] if len(errors) else 0.0, 0.0, 0.0])
+        if bar.pair.course is not None:
+            made.append(_generated(bar, tooth, side, chord_error) + shift)
+            continue
+        flank = bar.flank(tooth, side)
         made.append((outline(flank)[None] if grid is None else _measured(flank, grid, chord_error)) + shift)
+    return made
+
+
+def own_bends(gear: SteeringGear, chord_error: float) -> list[np.ndarray] | None:
+    """Return s / Q of the faces of `own_polygons` (m,) [1/m]; None of a constant ratio."""
+    bar = RackBar.of(gear)
+    if (course := bar.pair.course) is None:
+        return None
+    rack, mesh, made = GeneratedRack.of(bar.pair), bar.pair.design_mesh, []
+    flanks = product(bar.teeth, SIDES)
+    for (tooth, side), faces in zip(flanks, own_polygons(gear, chord_error), strict=True):
+        middle = faces.mean(axis=1)
+        chi = rack.generator(side, tooth, middle[:, 1] + bar.pair.bar_axis_height, middle[:, 2])
+        made.append(side * mesh.bend(course.gain(chi), course.slope(chi)))
     return made
 
 
@@ -197,7 +216,9 @@ def outline(flank: RackFlank) -> np.ndarray:
         np.linspace(first, last, 2 + int(abs(last - first) / np.sqrt(8 * RACK_CHORDS / radius)))
     )
     z = flank.half_chord(y)
-    return _outwards(np.concatenate([_on_plane(flank, y, z), _on_plane(flank, y, -z)[::-1]])[None], flank)[0]
+    return _outwards(
+        np.concatenate([_on_plane(flank, y, z), _on_plane(flank, y, -z)[::-1]])[None], flank.normal
+    )[0]
 
 
 def _measured(flank: RackFlank, grid: FlankGrid, chord_error: float) -> np.ndarray:
@@ -211,9 +232,34 @@ def _measured(flank: RackFlank, grid: FlankGrid, chord_error: float) -> np.ndarr
     y = np.broadcast_to(y, z.shape)
     dev = grid.at(y, z, flank.tooth, flank.side)
     points = _on_plane(flank, y.ravel(), z.ravel()).reshape(*z.shape, 3) + dev[..., None] * flank.normal
+    return _outwards(_halves(points), flank.normal)
+
+
+def _generated(bar: RackBar, tooth: int, side: int, chord_error: float) -> np.ndarray:
+    """Triangles (n, 3, 3) [m] of a flank of variable ratio, as deep as the pinion's tips reach."""
+    rack, axis = GeneratedRack.of(bar.pair), bar.pair.bar_axis_height
+    across = bar.pair.bar_radius * np.linspace(-1, 1, 33)
+    _, ends = rack.root_curve(tooth if side > 0 else tooth - 1, side * rack.root.end, across)
+    low, high = rack.tip_height, float(ends.max())
+    counts = [1, 1]
+    for fine in (False, True):
+        share = np.linspace(0, 1, counts[0] + 1 if fine else 17)[:, None]
+        H = low + (high - low) * share
+        Z = np.sqrt(bar.pair.bar_radius**2 - (H - axis) ** 2)
+        Z = Z * np.linspace(-1, 1, counts[1] + 1 if fine else 17)
+        H = np.broadcast_to(H, Z.shape)
+        points = np.stack([rack.flank(side, tooth, H, Z), H - axis, Z], axis=-1)
+        if not fine:
+            heights = [sagitta(points, along) for along in (0, 1)]
+            counts = [max(int(np.ceil(8 * np.sqrt(height / chord_error))), 1) for height in heights]
+    normal = rack.plane(side, rack.generator(side, tooth, H[:1, :1], Z[:1, :1])).normal[0, 0]
+    return _outwards(_halves(points), normal)
+
+
+def _halves(points: np.ndarray) -> np.ndarray:
+    """Triangles (n, 3, 3) of a grid of points."""
     a, b, c, d = points[:-1, :-1], points[:-1, 1:], points[1:, 1:], points[1:, :-1]
-    halves = [np.stack(each, axis=2).reshape(-1, 3, 3) for each in ((a, b, c), (a, c, d))]
-    return _outwards(np.concatenate(halves), flank)
+    return np.concatenate([np.stack(each, axis=2).reshape(-1, 3, 3) for each in ((a, b, c), (a, c, d))])
 
 
 def _on_plane(flank: RackFlank, y: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -224,9 +270,9 @@ def _on_plane(flank: RackFlank, y: np.ndarray, z: np.ndarray) -> np.ndarray:
     return flank.point + rise[:, None] * up + along[:, None] * flank.trace
 
 
-def _outwards(polygons: np.ndarray, flank: RackFlank) -> np.ndarray:
-    """Polygons (m, c, 3), counter-clockwise seen from outside."""
+def _outwards(polygons: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """Polygons (m, c, 3), counter-clockwise seen from outside, whither the normal points."""
     after = np.roll(polygons, -1, axis=1)
     middle = polygons.mean(axis=1, keepdims=True)
-    turned = np.cross(polygons - middle, after - middle).sum(axis=(0, 1)) @ flank.normal
+    turned = np.cross(polygons - middle, after - middle).sum(axis=(0, 1)) @ normal
     return polygons if turned > 0 else polygons[:, ::-1]

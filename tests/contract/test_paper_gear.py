@@ -1,7 +1,9 @@
 """studies/gears/paper.toml says, value by value, what the defaults are and where they come from."""
 
 import re
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 from rps_exudyn.parameters.declaration import read_toml
 from rps_exudyn.parameters.gear import SteeringGear
@@ -13,11 +15,20 @@ def sources_in_comments() -> dict[str, str]:
     """Path of the parameter -> first word of the comment behind its value."""
     sources, table = {}, ""
     for line in PAPER.read_text(encoding="utf-8").splitlines():
-        if header := re.fullmatch(r"\[(\w+)\]", line):
+        if header := re.fullmatch(r"\[([\w.]+)\]", line):
             table = header[1]
         elif entry := re.match(r"(\w+) = .*?# (\w+)", line):
             sources[f"{table}.{entry[1]}"] = entry[2]
     return sources
+
+
+def paths_of(tables: Mapping[str, Any], above: str = "") -> Iterator[str]:
+    """Yield the paths of the parameters of nested tables."""
+    for name, value in tables.items():
+        if isinstance(value, Mapping):
+            yield from paths_of(value, f"{above}{name}.")
+        else:
+            yield f"{above}{name}"
 
 
 def test_file_is_the_default_gear() -> None:
@@ -25,8 +36,7 @@ def test_file_is_the_default_gear() -> None:
 
 
 def test_file_names_every_parameter() -> None:
-    named = [f"{table}.{name}" for table, entries in read_toml(PAPER).items() for name in entries]
-    assert named == [item.path for item in SteeringGear.declared()]
+    assert list(paths_of(read_toml(PAPER))) == [item.path for item in SteeringGear.declared()]
 
 
 def test_comments_name_the_declared_source() -> None:

@@ -44,13 +44,18 @@ def test_shipped_file_fits_its_schema_and_a_wrong_key_does_not(path: Path) -> No
 @pytest.mark.parametrize("item", list(SteeringGear.declared()), ids=lambda item: item.path)
 def test_default_of_each_parameter_is_allowed(item: Any) -> None:
     """In SI and as a reader writes it; words where the parameter is a number are not."""
-    table, name = item.path.split(".")
+
+    def content(value: Any) -> dict[str, Any]:
+        for name in reversed(item.path.split(".")):
+            value = {name: value}
+        return dict(value)
+
     for value in (item.field.default, SteeringGear().value_at(item.path)):
-        assert problems("gear", {table: {name: value}}) == []
+        assert problems("gear", content(value)) == []
     shown = item.show(SteeringGear().value_at(item.path)) if item.unit else item.field.default
-    assert problems("gear", {table: {name: shown}}) == []
+    assert problems("gear", content(shown)) == []
     if item.unit:
-        assert problems("gear", {table: {name: "much"}})
+        assert problems("gear", content("much"))
 
 
 @pytest.mark.parametrize(

@@ -25,6 +25,10 @@ FIXED = {
     "rack.deviation",
     "pinion.surface",
     "rack.surface",
+    "rack.ratio.centre",  # a course is that of one gear
+    "rack.ratio.lock",
+    "rack.ratio.angle",
+    "rack.ratio.travel_per_turn",
 }
 
 

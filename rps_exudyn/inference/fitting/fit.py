@@ -38,7 +38,7 @@ from rps_exudyn.inference.fitting.unknowns import (
     unknowns_of,
 )
 from rps_exudyn.parameters.fidelity import MEAN_STEP
-from rps_exudyn.parameters.gear import SteeringGear, check_gear
+from rps_exudyn.parameters.gear import SteeringGear, check_constant_ratio, check_gear
 from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.scenes.checks.before_run import largest_angle
 from rps_exudyn.simulate.cases.run_cases import CaseRunner, cpu_time
@@ -89,6 +89,7 @@ def fit(
     """
     began, gear = cpu_time(), SteeringGear() if gear is None else gear
     check_gear(gear)
+    check_constant_ratio(gear, "a fit")
     files = [files] if isinstance(files, str | Path) else files
     free = [free] if isinstance(free, str) else free
     check_kind("files", files, Iterable | Measurement, "a list of files")

@@ -24,7 +24,7 @@ from rps_exudyn.inference.fitting.prediction import NoPredictionError, Predictio
 from rps_exudyn.inference.fitting.problem import expected_rows
 from rps_exudyn.inference.fitting.unknowns import BY_LOAD, LEVEL, WITHOUT_YOKE, nuisance_unknowns, unknowns_of
 from rps_exudyn.parameters.declaration import read_toml
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear, check_constant_ratio
 
 MOST_RUNS = 10  # of a test
 LARGEST_WANTED = 1.0  # half of an interval, of the value
@@ -150,6 +150,7 @@ def plan(
         ['bearing', 'free']
     """
     gear = gear or SteeringGear()
+    check_constant_ratio(gear, "a plan of tests")
     tests = list(tests) if tests is not None else [BenchTest("free"), *candidates(gear)]
     design = _Design.of(gear, tests, minutes or MINUTES, on_progress)
     chosen = whole = dict.fromkeys(tests, MOST_RUNS)

@@ -58,7 +58,7 @@ def read_measured_torque(
     Args:
         path: a text, or an MDF 4, TDMS or MAT file.
         columns: quantity -> "TITLE [unit]", where its header has none.
-        gear: whose travel per turn gives the angle where a file has the rack's travel instead.
+        gear: whose constant travel per turn gives the angle where a file has the rack's travel instead.
 
     Raises:
         InputError: the file cannot be read, lacks a column or its unit, or holds no numbers or no curve.
@@ -71,7 +71,8 @@ def read_measured_torque(
     """
     if gear is not None:
         check_gear(gear)
-    return read_curve(path, TORQUE, columns, None if gear is None else float(GearPair.of(gear).gain))
+    plain = gear if gear is not None and gear.rack.ratio.is_constant else None
+    return read_curve(path, TORQUE, columns, None if plain is None else float(GearPair.of(plain).gain))
 
 
 def read_curve(

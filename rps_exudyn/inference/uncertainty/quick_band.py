@@ -16,7 +16,7 @@ from rps_exudyn.inference.uncertainty.samples import Samples
 from rps_exudyn.inference.uncertainty.statistics import LEVELS, SEED
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear, check_constant_ratio
 from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_PINION_TORQUE
 from rps_exudyn.solvers.closed_form import mean_state, torque_per_preload
 from rps_exudyn.solvers.temperature_and_wear import tested_gear
@@ -93,6 +93,7 @@ def formula_torques(gear: SteeringGear, points: Samples) -> np.ndarray:
 
     Values that distributions draw are within their parameters' limits and not looked at again.
     """
+    check_constant_ratio(gear, "a band")
     found, direction = np.empty(len(points)), gear.test.direction
     for i, settings in enumerate(points.settings()):
         known = _changed(gear, {path: value for path, value in settings.items() if path not in ERRORS})

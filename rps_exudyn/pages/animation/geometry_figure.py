@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from rps_exudyn.gears.export import assembled
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.generated_rack import GeneratedRack, Section
 from rps_exudyn.gears.geometry_limits import path_on_involute
 from rps_exudyn.gears.geometry_report import GeometryReport, geometry_report
 from rps_exudyn.gears.helicoid import Flank, transverse_profile
@@ -99,13 +100,15 @@ def _draw_mesh(axes: Axes, pair: GearPair, solids: dict[str, Solid]) -> None:
     for name in ("rack", "pinion"):
         for polygon in _section(pair, solids[name]):
             axes.fill(*1e3 * polygon.T, facecolor=COLOURS[name], alpha=0.45, edgecolor="black", linewidth=1)
-    pitch = 1e3 * pair.reference_radius
+    section = _mesh_section(pair)
+    pitch = 1e3 * section.pitch_radius
     look: Any = {"color": style.COLOURS["lift"], "linewidth": 0.8, "linestyle": "-."}
     axes.plot(pitch * np.cos(ROUND), pitch * np.sin(ROUND), **look)
     axes.axhline(pitch, label="pitch circle and pitch line", **look)
-    ends, pitch_point = np.array(path_on_involute(pair)), np.array([0, pair.reference_radius])
+    ends, pitch_point = np.array(section.path), np.array([0, section.pitch_radius])
     for side, name, key in ((-1, "drive", "failure"), (1, "coast", "other")):
-        direction, colour = np.array([-side * np.cos(pair.alpha_t), np.sin(pair.alpha_t)]), style.COLOURS[key]
+        alpha_t, colour = section.alpha_t, style.COLOURS[key]
+        direction = np.array([-side * np.cos(alpha_t), np.sin(alpha_t)])
         line = 1e3 * (pitch_point + ends[:, None] * direction)
         axes.plot(*line.T, color=colour, linewidth=1.8, label=f"path of contact, {name} flanks")
         touching = 1e3 * (pitch_point + _contacts(pair, side)[:, None] * direction)
@@ -123,15 +126,22 @@ def _section(pair: GearPair, solid: Solid) -> list[np.ndarray]:
     return to_manifold(1e3 * vertices, solid.faces).slice(0.0).scale((1e-3, 1e-3)).to_polygons()
 
 
+def _mesh_section(pair: GearPair) -> Section:
+    """The mesh at pinion angle 0."""
+    if pair.course is not None:
+        return GeneratedRack.of(pair).section_at(0.0)
+    return Section(pair.reference_radius, pair.alpha_t, path_on_involute(pair))
+
+
 def _contacts(pair: GearPair, side: int) -> np.ndarray:
     """Positions q on the path of contact where flanks touch at pinion angle 0 in the middle plane [m]."""
-    start, end = path_on_involute(pair)
-    tangent_point = np.pi / 2 - side * pair.alpha_t
+    radius, alpha_t, (start, end) = _mesh_section(pair)
+    tangent_point = np.pi / 2 - side * alpha_t
     flanks = [Flank(pair, tooth, side) for tooth in range(pair.teeth)]
     lengths = np.array([float(flank.tangent_length(tangent_point, 0.0)) for flank in flanks])
     pitch = 2 * np.pi * pair.base_radius / pair.teeth
     q = np.concatenate([lengths + turn * pitch * pair.teeth for turn in (-1, 0, 1)])
-    q = q - pair.reference_radius * np.sin(pair.alpha_t)
+    q = q - radius * np.sin(alpha_t)
     return q[(q >= start) & (q <= end)]
 
 

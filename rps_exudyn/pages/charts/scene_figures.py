@@ -211,7 +211,7 @@ def reversal_figure(result: Result, measured: MeasuredTorque | None = None) -> F
     angle = SIGNALS["pinion_angle"].displayed(result["pinion_angle"])
     style.line(axes[0], angle, result["pinion_torque"], SIGNALS["pinion_torque"], "pinion torque", "torque")
     axes[0].axhline(0, color="black", linewidth=0.8)
-    lead = transmission_error(result.signals, GearPair.of(result.gear).gain)
+    lead = transmission_error(result.signals, GearPair.of(result.gear).travel_rule)
     style.line(axes[1], angle, lead, _LEAD, "rack's lead", "lift")
     if measured is not None:
         add_measured(axes[0], measured, result.signals)

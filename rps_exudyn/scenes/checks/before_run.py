@@ -112,7 +112,8 @@ def check_travel(gear: SteeringGear, angles: Sequence[float], test: str) -> None
 def largest_angle(gear: SteeringGear) -> float:
     """Return how far the pinion may turn either way from the rack's middle [rad]."""
     bar = RackBar.of(gear)
-    return float(bar.largest_displacement / bar.pair.gain)
+    farthest = bar.largest_displacement
+    return min(float(bar.pair.angle_at(farthest)), -float(bar.pair.angle_at(-farthest)))
 
 
 def degrees_shown(angle: float) -> str:
