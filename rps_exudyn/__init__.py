@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rps_exudyn.inference.fitting.fit import fit
     from rps_exudyn.inference.fitting.fitted import Fit
     from rps_exudyn.inference.measured.reading import read_measured_torque
+    from rps_exudyn.inference.uncertainty.sensitivities import sensitivities
     from rps_exudyn.multibody.model import build_model
     from rps_exudyn.parameters.fidelity import Fidelity
     from rps_exudyn.parameters.gear import SteeringGear
@@ -53,6 +54,7 @@ __all__ = [
     "open_study",
     "read_measured_torque",
     "run",
+    "sensitivities",
     "study_frame",
 ]
 
@@ -74,6 +76,7 @@ _HOME = {
     "Batch": "simulate.batch",
     "batch": "simulate.batch",
     "run": "simulate.run",
+    "sensitivities": "inference.uncertainty.sensitivities",
     "open_study": "study.dataset",
     "study_frame": "study.dataset",
 }

@@ -1,0 +1,257 @@
+"""Derivatives of all metrics of a scene with respect to the parameters of a gear, with their errors.
+
+    found = sensitivities("free-pinion-torque", gear)
+    found["slope"].sel(metric="torque_mean", parameter="yoke.preload")     # N m per N
+
+The gears a step above and below are computed together, from the reference gear's motion, where the scene
+allows it; the others run singly. The error of a slope has three parts:
+
+    2 |D_1(h) - D_0(2 h)|              levels of the ladder, and curvature
+    |2 S_1(h) - S_0(2 h) / 2| / 2 h    a kink, as of |x|; of a parabola it is 0
+    NOISE size / h                     equilibria are found to a hundred thousandth of their forces
+
+D_k(h) is the central difference at level k of the ladder with the step h, S_k(h) the second difference.
+
+Where one side is not allowed, D is the difference to the gear itself, and there is no S.
+"""
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+
+import numpy as np
+from xarray import Dataset
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.tooth_stiffness import line_stiffness
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear, check_gear
+from rps_exudyn.parameters.wrong_values import nearest_names
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.contact_law import resolve_contact_law
+from rps_exudyn.scenes.scene import RunOptions
+from rps_exudyn.scenes.sizes import size_of, sizes
+from rps_exudyn.simulate.gear_table import TABLES, is_weighted, metrics_nearby, record_at, unsupported_reason
+from rps_exudyn.simulate.run import simulate
+from rps_exudyn.simulate.run_plan import Plan
+from rps_exudyn.simulate.shared_maneuver import SINGLE_OUT, is_alike
+
+STEP = 0.01  # of a value: 1000 times the noise of equilibria
+STEPS = {"m": 2e-6, "rad": 5e-4, "N": 1.0, "N*m": 1e-3, "": 0.01, "N*s/m": 10.0, "m/s^2": 0.1, "s": 1e-5}
+"""SI unit -> step from 0: what gears of a series scatter by."""
+NOISE = 1e-5  # of the size of a metric
+FACTOR = 2.0  # as of the error bars of metrics
+SIZES = {1: 1, 0: 2}  # level -> steps up and down
+LINE_STIFFNESS = "mesh.line_stiffness"  # whose 0 stands for a value that follows from the gear
+NUMBERS = [item for item in SteeringGear.declared() if item.unit is not None]
+
+
+def sensitivities(
+    scene: str,
+    gear: SteeringGear,
+    metrics: Sequence[str] | None = None,
+    parameters: Sequence[str] | None = None,
+    *,
+    fidelity: str | Fidelity = "quasi-static",
+) -> Dataset:
+    """Return value, slope and error over the dimensions `metric` and `parameter`, all SI.
+
+    Beside them stand the `step` of each parameter, whether its gears were computed `together`, and the
+    `value_error` of each metric. A slope is nan where no gear a step away can exist or ends ok.
+
+    Args:
+        scene: one of `scenes.SCENE_NAMES`.
+        gear: about which the slopes are.
+        metrics: names; by default all that the scene simulates.
+        parameters: paths; by default all numbers of the gear but choices of the model.
+        fidelity: name of a preset, or a `Fidelity`.
+
+    Raises:
+        InputError: no such scene, metric or parameter, or a gear whose run fails.
+
+    Examples:
+        >>> found = rps.sensitivities("free-pinion-torque", rps.SteeringGear(), parameters=["bush.drag"])
+        >>> float(found["slope"].sel(metric="torque_mean", parameter="bush.drag").round(4))
+        0.0057
+    """
+    check_gear(gear)
+    chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity)
+    gear = resolve_contact_law(gear, chosen, scene_named(scene).law)
+    paths = _paths(parameters)
+    wrong = [name for name in metrics or () if name not in SUMMARY]
+    if wrong:
+        raise InputError(
+            [f"{name} is no metric; {nearest_names(name, [*SUMMARY], ['those of docs'])}." for name in wrong]
+        )
+    nominal = simulate(scene, gear, chosen)
+    if nominal.status is not Status.OK:
+        raise InputError(f"the run of the gear ends {nominal.status}: {nominal.message}.")
+    names = [name for name in nominal.summary if SUMMARY[name].simulated] if metrics is None else [*metrics]
+    if missing := [name for name in names if name not in nominal.summary]:
+        near = nearest_names(missing[0], [*nominal.summary], nominal.summary)
+        raise InputError(f"{scene} has no {missing[0]}; {near}.")
+    test = scene_named(scene).test is not None
+    weighted = test and is_weighted(scene_named(scene), gear)
+    own: Records = {level: record_at(gear, chosen, level, weighted) if test else None for level in SIZES}
+    stencils = [_Stencil.of(scene, gear, path, chosen, own, weighted) for path in paths]
+    value = np.array([nominal.summary[name] for name in names])
+    differences, together = _differences(scene, gear, chosen, stencils, names, own)
+    fine, coarse = differences[1], differences[0]
+    of_run = sizes(dict(nominal.signals), nominal.summary)
+    size = np.array([size_of(name, each, of_run) for name, each in zip(names, value, strict=True)])
+    step = np.array([each.step for each in stencils])
+    slope, kink = fine[0], np.abs(2 * fine[1] - coarse[1] / 2) / (2 * step)
+    error = FACTOR * np.abs(slope - coarse[0]) + np.nan_to_num(kink) + NOISE * size[:, None] / step
+    unmoved = np.array([each.is_idle for each in stencils])
+    slope[:, unmoved] = error[:, unmoved] = 0.0
+    bars = [nominal.errors.get(name, np.nan) for name in names]
+    units = [item.unit.si if item.unit else "" for path in paths for item in SteeringGear.declared_at(path)]
+    both = ("metric", "parameter")
+    return Dataset(
+        {"value": ("metric", value), "slope": (both, slope), "error": (both, error)},
+        coords={
+            "metric": names,
+            "parameter": paths,
+            "step": ("parameter", step),
+            "together": ("parameter", together),
+            "unit": ("metric", [SUMMARY[name].unit for name in names]),
+            "parameter_unit": ("parameter", units),
+            "value_error": ("metric", bars),
+        },
+        attrs={"scene": scene, "fidelity": chosen.name, "contact_law": gear.mesh.law},
+    )
+
+
+def _paths(parameters: Sequence[str] | None) -> list[str]:
+    """The parameters asked for, or the gear's own numbers.
+
+    Raises:
+        InputError: no such parameter, or one that is no number.
+    """
+    if parameters is None:
+        return [
+            each.path for each in NUMBERS if each.source != "choice" and each.path.partition(".")[0] in TABLES
+        ]
+    numbers = [each.path for each in NUMBERS]
+    for path in parameters:
+        if path not in numbers:
+            raise InputError(
+                f"{path} is no number of a gear; {nearest_names(path, numbers, dict.fromkeys(TABLES))}."
+            )
+    return list(parameters)
+
+
+Pair = list[SteeringGear | None]
+Records = dict[int, np.ndarray | None]
+"""Level -> record of the gear itself."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Stencil:
+    """A parameter's step, and the gears about its value.
+
+    Attributes:
+        step: of the parameter, SI.
+        gears: level -> gears above and below, None of one that cannot exist.
+        records: the same, of those that may be computed together; else {}.
+        is_idle: whether the scene's model does not contain the parameter.
+    """
+
+    step: float
+    gears: dict[int, Pair]
+    records: dict[int, list[np.ndarray | None]]
+    is_idle: bool = False
+
+    @classmethod
+    def of(
+        cls,
+        scene: str,
+        gear: SteeringGear,
+        path: str,
+        fidelity: Fidelity,
+        own: Records,
+        weighted: bool,
+    ) -> "_Stencil":
+        """About the gear: a step up and down at level 1, two of them at level 0."""
+        value = float(gear.value_at(path)) or (line_stiffness(gear) if path == LINE_STIFFNESS else 0.0)
+        item = SteeringGear.declared_at(path)[0]
+        step = abs(value) * STEP or STEPS.get(item.unit.si if item.unit else "", 1.0)
+        gears: dict[int, Pair] = {}
+        apart = path in SINGLE_OUT and is_alike(gear, {})
+        apart |= bool(unsupported_reason(scene, gear, fidelity, {path: [value]}))
+        records: dict[int, list[np.ndarray | None]] = {}
+        for level, base in own.items():
+            size, records[level] = SIZES[level] * step, []
+            gears[level] = [_existing(gear, path, value + sense * size) for sense in (1, -1)]
+            for each in gears[level] if not apart else ():
+                made = None if each is None else record_at(each, fidelity, level, weighted)
+                if made is not None and base is not None and made.tobytes() == base.tobytes():
+                    return cls(step, gears, {}, is_idle=True)
+                records[level].append(made)
+        return cls(step, gears, records)
+
+
+def _existing(gear: SteeringGear, path: str, value: float) -> SteeringGear | None:
+    try:
+        return gear.replace({path: value})
+    except InputError:
+        return None
+
+
+def _differences(
+    scene: str,
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    stencils: Sequence[_Stencil],
+    names: Sequence[str],
+    own: Records,
+) -> tuple[dict[int, np.ndarray], np.ndarray]:
+    """Return, by level, first differences over the step and second differences, (2, metrics, parameters), and
+    which parameters were computed together, (parameters,)."""
+
+    def run(one: SteeringGear | None, level: int) -> list[float]:
+        summary: Mapping[str, float] = {}
+        if one is not None:
+            with suppress(InputError):
+                done = Plan(scene, one, fidelity).run(RunOptions(bars=False, level=level))
+                summary = done.summary if done.status is Status.OK else {}
+        return [summary.get(name, np.nan) for name in names]
+
+    found, together = {}, np.ones(len(stencils), dtype=bool)
+    for level, record in own.items():
+        # gear itself, above, below
+        values = np.full((3, len(names), len(stencils)), np.nan)
+        rows, gears, records = [(0, -1)], [gear], [] if record is None else [record]
+        for j, each in enumerate(stencils):
+            for i, made in enumerate(each.records.get(level, ())):
+                one = each.gears[level][i]
+                if made is not None and one is not None:
+                    rows.append((i + 1, j))
+                    gears.append(one)
+                    records.append(made)
+        ended, metrics = np.zeros(len(rows), dtype=bool), dict[str, np.ndarray]()
+        if records and len(rows) > 1:
+            ended, metrics = metrics_nearby(scene, gear, fidelity, level, gears, records)
+        for row in np.flatnonzero(ended[1:] & ended[0]) + 1:
+            values[(rows[row][0], slice(None), rows[row][1])] = [metrics[name][row] for name in names]
+            values[0, :, rows[row][1]] = [metrics[name][0] for name in names]
+        wanted = [
+            [False, False] if each.is_idle else [one is not None for one in each.gears[level]]
+            for each in stencils
+        ]
+        alone = np.isnan(values[1:]).all(axis=1) & np.array(wanted).T
+        single = run(gear, level) if alone.any() else []
+        for j in np.flatnonzero(alone.any(axis=0)).tolist():
+            values[0, :, j], together[j] = single, False
+            for i in (0, 1):
+                values[i + 1, :, j] = run(stencils[j].gears[level][i], level)
+        base, above, below = values
+        step = SIZES[level] * np.array([each.step for each in stencils])
+        sides = np.isfinite(above).astype(int) + np.isfinite(below)
+        first = (np.where(np.isnan(above), base, above) - np.where(np.isnan(below), base, below)) / (
+            step * np.maximum(sides, 1)
+        )
+        found[level] = np.stack([np.where(sides > 0, first, np.nan), above + below - 2 * base])
+    return found, together
