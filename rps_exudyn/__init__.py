@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rps_exudyn.analysis.measured import compare_with_measured
+    from rps_exudyn.assessment.requirements.window import window
     from rps_exudyn.base.errors import InputError
     from rps_exudyn.fmu.export import export
     from rps_exudyn.inference.fitting.fit import fit
@@ -56,6 +57,7 @@ __all__ = [
     "run",
     "sensitivities",
     "study_frame",
+    "window",
 ]
 
 _HOME = {
@@ -79,6 +81,7 @@ _HOME = {
     "sensitivities": "inference.uncertainty.sensitivities",
     "open_study": "study.dataset",
     "study_frame": "study.dataset",
+    "window": "assessment.requirements.window",
 }
 
 # Exudyn reads this when it is imported: a user's own settings file would silently change results.

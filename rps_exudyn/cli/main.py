@@ -21,7 +21,18 @@ from rps_exudyn.cli.output import DONE, WRONG_INPUT, say
 
 COMMANDS = (
     *("run", "study", "show", "diff", "rerun", "geometry", "export", "describe", "collect", "report", "fit"),
-    *("plan-tests", "judge-batch", "check", "validate", "animate", "view", "explore", "doctor", "init"),
+    *(
+        "plan-tests",
+        "judge-batch",
+        "check",
+        "window",
+        "validate",
+        "animate",
+        "view",
+        "explore",
+        "doctor",
+        "init",
+    ),
     "schema",
 )
 MOVED = {

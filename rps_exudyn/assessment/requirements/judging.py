@@ -160,16 +160,17 @@ def judge(
         return runs(tested, FOR_MEANS, inputs, counts[scene], on_progress=report, jobs=jobs)
 
     one = _Judged(gear, limits, rated_torque, band_of)
-    computed: dict[str, Callable[[], RequirementRow]] = {
-        "efficiency_ratio": one.efficiency,
-        "rated_root_pinion": lambda: one.root("rated_root_pinion", pinion_form(one.pair)),
-        "rated_root_rack": lambda: one.root("rated_root_rack", rack_form(one.pair)),
-        "rated_flank": one.flank,
-        "travel": lambda: one.exact("travel", 2 * RackBar.of(gear).largest_displacement),
-        "gain": lambda: one.exact("gain", 2 * np.pi * float(one.pair.gain)),
-    }
+    computed = {"efficiency_ratio": one.efficiency, **one.without_runs}
     for name in sorted(limits, key=[*REQUIRED, *sources].index):
         yield one.row(name, computed.get(name) or partial(one.of_band, name, *sources[name]))
+
+
+def numbers_without_runs(
+    names: Iterable[str], gear: SteeringGear, limits: Mapping[str, Limit], rated_torque: float
+) -> dict[str, float]:
+    """Return those requirements that follow from a gear's teeth alone; nan of one that cannot be computed."""
+    one = _Judged(gear, limits, rated_torque)
+    return {name: one.row(name, one.without_runs[name]).value for name in names}
 
 
 def sources_of(
@@ -256,12 +257,23 @@ class _Judged:
     gear: SteeringGear
     limits: Mapping[str, Limit]
     rated_torque: float
-    band_of: BandOf
+    band_of: BandOf | None = None
     bands: dict[str, Band | InputError] = field(default_factory=dict)  # of scenes that were run
 
     @cached_property
     def pair(self) -> GearPair:
         return GearPair.of(self.gear)
+
+    @property
+    def without_runs(self) -> dict[str, Callable[[], RequirementRow]]:
+        """Requirements that have no band."""
+        return {
+            "rated_root_pinion": lambda: self.root("rated_root_pinion", pinion_form(self.pair)),
+            "rated_root_rack": lambda: self.root("rated_root_rack", rack_form(self.pair)),
+            "rated_flank": self.flank,
+            "travel": lambda: self.exact("travel", 2 * RackBar.of(self.gear).largest_displacement),
+            "gain": lambda: self.exact("gain", 2 * np.pi * float(self.pair.gain)),
+        }
 
     @cached_property
     def bears(self) -> FaceLoading:
@@ -273,7 +285,7 @@ class _Judged:
         Raises:
             InputError: there is none.
         """
-        if scene not in self.bands:
+        if scene not in self.bands and self.band_of is not None:
             try:
                 self.bands[scene] = self.band_of(scene)
             except InputError as error:

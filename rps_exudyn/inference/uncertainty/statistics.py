@@ -148,6 +148,16 @@ class Contributions:
         return ", ".join(each or "?" for each in shown) if any(shown) else ""
 
 
+def legendre_terms(u: np.ndarray, degree: int) -> np.ndarray:
+    """Return 1 and the polynomials of each input at quantiles (n, inputs), shape (n, 1 + inputs degree)."""
+    columns = [  # of mean 0 and variance 1 over 0 to 1
+        np.sqrt(2 * d + 1) * legval(2 * each - 1, np.eye(d + 1)[d])
+        for each in u.T
+        for d in range(1, degree + 1)
+    ]
+    return np.stack([np.ones(len(u)), *columns], axis=1)
+
+
 @dataclass(frozen=True, eq=False)
 class Polynomials:
     """Polynomials of single inputs at some points, to which any number of metrics is fitted."""
@@ -170,12 +180,7 @@ class Polynomials:
         count, inputs = u.shape
         degree = min(HIGHEST_DEGREE, count // (POINTS_PER_TERM * inputs))
         degree = max(degree, min(PARABOLA, (count // FEWEST_PER_TERM - 1) // inputs))
-        columns = [  # of mean 0 and variance 1 over 0 to 1
-            np.sqrt(2 * d + 1) * legval(2 * u[:, i] - 1, np.eye(d + 1)[d])
-            for i in range(inputs)
-            for d in range(1, degree + 1)
-        ]
-        terms = np.stack([np.ones(count), *columns], axis=1)
+        terms = legendre_terms(u, degree)
         return cls(groups, degree, terms, np.linalg.pinv(terms), values or {})
 
     def contributions(self, numbers: np.ndarray) -> Contributions | None:
