@@ -36,7 +36,7 @@ from rps_exudyn.inference.uncertainty.statistics import Polynomials, legendre_te
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import FOR_MEANS
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.parameters.wrong_values import nearest
+from rps_exudyn.parameters.wrong_values import nearest_names
 from rps_exudyn.results.limit import Limit
 from rps_exudyn.scenes.contact_law import LAW_OF_SERIES, resolve_contact_law
 from rps_exudyn.simulate.batch import batch
@@ -157,7 +157,7 @@ def window(
     asked = read_only(Path(limits)) if isinstance(limits, str | Path) else limits_in(limits, "limits")
     wanted, searched = _share(share), [_places(gear, path, (ranges or {}).get(path)) for path in names]
     if len(names) not in DENSE or len(set(names)) < len(names):
-        raise InputError(f"a window has one parameter or two; {', '.join(names)} cannot be.")
+        raise InputError(f"a window has one parameter or two, but {', '.join(names) or 'none'} is given.")
     if twice := [path for path in names if path in (own or {})]:
         raise InputError(f"{twice[0]} carries a distribution, but the window varies it; give it one value.")
     count = samples or (SAMPLES if len(names) == 1 else OF_MAP)
@@ -202,7 +202,9 @@ def _places(gear: SteeringGear, path: str, given: tuple[Any, Any] | None) -> np.
     """
     numbers = {item.path: item for item in SteeringGear.declared() if item.unit is not None}
     if path not in numbers:
-        raise InputError(f"{path} is no number of a gear; {nearest(SteeringGear, path)}.")
+        raise InputError(
+            f"{path} is no number of a gear; {nearest_names(path, [*numbers], ['yoke.preload'])}."
+        )
     value, unit = float(gear.value_at(path)), numbers[path].unit
     assert unit is not None
     if given is None:
@@ -252,6 +254,8 @@ class _Series:
         Raises:
             InputError: a point that is not allowed.
         """
+        if not points:
+            return
         gears = [self.gear.replace(dict(zip(self.paths, point, strict=True))) for point in points]
         tables = []
         for gear, point in zip(gears, points, strict=True):
