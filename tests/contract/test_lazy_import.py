@@ -65,7 +65,9 @@ def test_public_names_are_there_when_used() -> None:
             "open_study",
             "read_measured_torque",
             "run",
+            "sensitivities",
             "study_frame",
+            "window",
         )
     }
 

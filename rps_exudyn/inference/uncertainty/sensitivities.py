@@ -83,7 +83,7 @@ def sensitivities(
     wrong = [name for name in metrics or () if name not in SUMMARY]
     if wrong:
         raise InputError(
-            [f"{name} is no metric; {nearest_names(name, [*SUMMARY], ['those of docs'])}." for name in wrong]
+            [f"{name} is no metric; {nearest_names(name, [*SUMMARY], ['torque_mean'])}." for name in wrong]
         )
     nominal = simulate(scene, gear, chosen)
     if nominal.status is not Status.OK:
@@ -238,7 +238,7 @@ def _differences(
             values[(rows[row][0], slice(None), rows[row][1])] = [metrics[name][row] for name in names]
             values[0, :, rows[row][1]] = [metrics[name][0] for name in names]
         wanted = [
-            [False, False] if each.is_idle else [one is not None for one in each.gears[level]]
+            [made is not None and not each.is_idle for made in each.records.get(level) or each.gears[level]]
             for each in stencils
         ]
         alone = np.isnan(values[1:]).all(axis=1) & np.array(wanted).T
