@@ -15,9 +15,9 @@ D_k(h) is the central difference at level k of the ladder with the step h, S_k(h
 Where one side is not allowed, D is the difference to the gear itself, and there is no S.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from xarray import Dataset
@@ -95,7 +95,7 @@ def sensitivities(
     test = scene_named(scene).test is not None
     weighted = test and is_weighted(scene_named(scene), gear)
     own: Records = {level: record_at(gear, chosen, level, weighted) if test else None for level in SIZES}
-    stencils = [_Stencil.of(scene, gear, path, chosen, own, weighted) for path in paths]
+    stencils = [_stencil(scene, gear, path, chosen, own, weighted) for path in paths]
     value = np.array([nominal.summary[name] for name in names])
     differences, together = _differences(scene, gear, chosen, stencils, names, own)
     fine, coarse = differences[1], differences[0]
@@ -143,61 +143,41 @@ def _paths(parameters: Sequence[str] | None) -> list[str]:
     return list(parameters)
 
 
-Pair = list[SteeringGear | None]
 Records = dict[int, np.ndarray | None]
-"""Level -> record of the gear itself."""
+"""Level -> record of the gear itself; None where gears are not computed together."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Stencil:
-    """A parameter's step, and the gears about its value.
-
-    Attributes:
-        step: of the parameter, SI.
-        gears: level -> gears above and below, None of one that cannot exist.
-        records: the same, of those that may be computed together; else {}.
-        is_idle: whether the scene's model does not contain the parameter.
-    """
+class _Stencil(NamedTuple):
+    """A parameter's step [SI]; level -> gears above and below, None of one that cannot exist, and the records
+    of those that may be computed together; whether the scene's model does not contain the parameter."""
 
     step: float
-    gears: dict[int, Pair]
-    records: dict[int, list[np.ndarray | None]]
+    sides: dict[int, list[tuple[SteeringGear | None, np.ndarray | None]]]
     is_idle: bool = False
 
-    @classmethod
-    def of(
-        cls,
-        scene: str,
-        gear: SteeringGear,
-        path: str,
-        fidelity: Fidelity,
-        own: Records,
-        weighted: bool,
-    ) -> "_Stencil":
-        """About the gear: a step up and down at level 1, two of them at level 0."""
-        value = float(gear.value_at(path)) or (line_stiffness(gear) if path == LINE_STIFFNESS else 0.0)
-        item = SteeringGear.declared_at(path)[0]
-        step = abs(value) * STEP or STEPS.get(item.unit.si if item.unit else "", 1.0)
-        gears: dict[int, Pair] = {}
-        apart = path in SINGLE_OUT and is_alike(gear, {})
-        apart |= bool(unsupported_reason(scene, gear, fidelity, {path: [value]}))
-        records: dict[int, list[np.ndarray | None]] = {}
-        for level, base in own.items():
-            size, records[level] = SIZES[level] * step, []
-            gears[level] = [_existing(gear, path, value + sense * size) for sense in (1, -1)]
-            for each in gears[level] if not apart else ():
-                made = None if each is None else record_at(each, fidelity, level, weighted)
-                if made is not None and base is not None and made.tobytes() == base.tobytes():
-                    return cls(step, gears, {}, is_idle=True)
-                records[level].append(made)
-        return cls(step, gears, records)
 
-
-def _existing(gear: SteeringGear, path: str, value: float) -> SteeringGear | None:
-    try:
-        return gear.replace({path: value})
-    except InputError:
-        return None
+def _stencil(
+    scene: str, gear: SteeringGear, path: str, fidelity: Fidelity, own: Records, weighted: bool
+) -> _Stencil:
+    """About the gear: a step up and down at level 1, two of them at level 0."""
+    value = float(gear.value_at(path)) or (line_stiffness(gear) if path == LINE_STIFFNESS else 0.0)
+    unit = SteeringGear.declared_at(path)[0].unit
+    step = abs(value) * STEP or STEPS.get(unit.si if unit else "", 1.0)
+    apart = path in SINGLE_OUT and is_alike(gear, {})
+    apart |= bool(unsupported_reason(scene, gear, fidelity, {path: [value]}))
+    sides: dict[int, list[tuple[SteeringGear | None, np.ndarray | None]]] = {level: [] for level in own}
+    for level, base in own.items():
+        for sense in (1, -1):
+            one = made = None
+            with suppress(InputError):
+                one = gear.replace({path: value + sense * SIZES[level] * step})
+            if one is not None and not apart:
+                made = record_at(one, fidelity, level, weighted)
+                one = None if made is None else one
+            if made is not None and base is not None and made.tobytes() == base.tobytes():
+                return _Stencil(step, {}, is_idle=True)
+            sides[level].append((one, made))
+    return _Stencil(step, sides)
 
 
 def _differences(
@@ -211,47 +191,40 @@ def _differences(
     """Return, by level, first differences over the step and second differences, (2, metrics, parameters), and
     which parameters were computed together, (parameters,)."""
 
-    def run(one: SteeringGear | None, level: int) -> list[float]:
-        summary: Mapping[str, float] = {}
-        if one is not None:
-            with suppress(InputError):
-                done = Plan(scene, one, fidelity).run(RunOptions(bars=False, level=level))
-                summary = done.summary if done.status is Status.OK else {}
-        return [summary.get(name, np.nan) for name in names]
+    def run(one: SteeringGear, level: int) -> list[float]:
+        with suppress(InputError):
+            done = Plan(scene, one, fidelity).run(RunOptions(bars=False, level=level))
+            if done.status is Status.OK:
+                return [done.summary.get(name, np.nan) for name in names]
+        return [np.nan] * len(names)
 
-    found, together = {}, np.ones(len(stencils), dtype=bool)
+    found, alone, step = {}, set[int](), np.array([each.step for each in stencils])
     for level, record in own.items():
-        # gear itself, above, below
-        values = np.full((3, len(names), len(stencils)), np.nan)
-        rows, gears, records = [(0, -1)], [gear], [] if record is None else [record]
-        for j, each in enumerate(stencils):
-            for i, made in enumerate(each.records.get(level, ())):
-                one = each.gears[level][i]
-                if made is not None and one is not None:
-                    rows.append((i + 1, j))
-                    gears.append(one)
-                    records.append(made)
-        ended, metrics = np.zeros(len(rows), dtype=bool), dict[str, np.ndarray]()
-        if records and len(rows) > 1:
-            ended, metrics = metrics_nearby(scene, gear, fidelity, level, gears, records)
-        for row in np.flatnonzero(ended[1:] & ended[0]) + 1:
-            values[(rows[row][0], slice(None), rows[row][1])] = [metrics[name][row] for name in names]
-            values[0, :, rows[row][1]] = [metrics[name][0] for name in names]
-        wanted = [
-            [made is not None and not each.is_idle for made in each.records.get(level) or each.gears[level]]
-            for each in stencils
+        rows = [
+            (i, j, one, made)
+            for j, each in enumerate(stencils)
+            for i, (one, made) in enumerate(each.sides.get(level, ()), 1)
+            if one is not None
         ]
-        alone = np.isnan(values[1:]).all(axis=1) & np.array(wanted).T
-        single = run(gear, level) if alone.any() else []
-        for j in np.flatnonzero(alone.any(axis=0)).tolist():
-            values[0, :, j], together[j] = single, False
-            for i in (0, 1):
-                values[i + 1, :, j] = run(stencils[j].gears[level][i], level)
+        values = np.full((3, len(names), len(stencils)), np.nan)  # of the gear itself, above, below
+        nearby = [(i, j, one, made) for i, j, one, made in rows if made is not None]
+        if nearby and record is not None:
+            gears, records = [gear, *(each[2] for each in nearby)], [record, *(each[3] for each in nearby)]
+            ended, metrics = metrics_nearby(scene, gear, fidelity, level, gears, records)
+            for k, (i, j, *_) in enumerate(nearby, 1):
+                if ended[0] and ended[k]:
+                    values[i, :, j] = [metrics[name][k] for name in names]
+                    values[0, :, j] = [metrics[name][0] for name in names]
+        singly = {j for i, j, *_ in rows if np.isnan(values[i, :, j]).all()}
+        if singly:
+            values[0][:, [*singly]] = np.array(run(gear, level))[:, None]
+        for i, j, one, _ in rows:
+            if j in singly:
+                values[i, :, j] = run(one, level)
         base, above, below = values
-        step = SIZES[level] * np.array([each.step for each in stencils])
         sides = np.isfinite(above).astype(int) + np.isfinite(below)
-        first = (np.where(np.isnan(above), base, above) - np.where(np.isnan(below), base, below)) / (
-            step * np.maximum(sides, 1)
-        )
-        found[level] = np.stack([np.where(sides > 0, first, np.nan), above + below - 2 * base])
-    return found, together
+        width = np.where(sides > 0, SIZES[level] * step * sides, np.nan)
+        first = np.where(np.isnan(above), base, above) - np.where(np.isnan(below), base, below)
+        found[level] = np.stack([first / width, above + below - 2 * base])
+        alone |= singly
+    return found, ~np.isin(np.arange(len(stencils)), [*alone])
