@@ -30,7 +30,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import shown, to_si
 from rps_exudyn.inference.uncertainty.band import FEWEST, OnProgress
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
-from rps_exudyn.inference.uncertainty.quick_band import SCENE as TURN_FREELY
+from rps_exudyn.inference.uncertainty.joint import JointInputs
 from rps_exudyn.inference.uncertainty.samples import Samples
 from rps_exudyn.inference.uncertainty.statistics import Polynomials, legendre_terms
 from rps_exudyn.parameters.distribution import Distribution
@@ -163,22 +163,29 @@ def window(
     count = samples or (SAMPLES if len(names) == 1 else OF_MAP)
     if count < FEWEST:
         raise InputError(f"the window has {count} gears at each value; it needs at least {FEWEST}.")
-    drawn = uncertain_inputs(gear, inputs, own or {})
-    sources = sources_of(asked, gear, drawn, rated_torque)
-    series = _Series(gear, names, asked, sources, rated_torque, inputs, own or {}, count, seed)
-    if on_progress is not None:
-        on_progress(0, 1)
-    narrowed = [series.narrowed(k, places) for k, places in enumerate(searched)]
-    nodes = NODES if len(names) == 1 else OF_EACH
-    axes = [np.linspace(*ends, nodes) for ends in narrowed]
-    series.compute(list(product(*(axis.tolist() for axis in axes))))
-    if on_progress is not None:
-        on_progress(1, 2)
+    middle = gear.replace(
+        {path: float(np.median(places)) for path, places in zip(names, searched, strict=True)}
+    )
+    drawn = uncertain_inputs(middle, inputs, own or {})
+    sources = sources_of(asked, gear, uncertain_inputs(gear, inputs, own or {}), rated_torque)
+    series = _Series(gear, names, asked, sources, rated_torque, inputs, own or {}, drawn, count, seed)
+    report = on_progress or (lambda done, of: None)
+    report(0, 2)
+    axes = [
+        np.linspace(*series.narrowed(k, places), NODES if len(names) == 1 else OF_EACH)
+        for k, places in enumerate(searched)
+    ]
+    series.compute(_grid(axes))
+    report(1, 2)
     if len(names) == 1:
         ends = series.ends(axes, wanted) or (float(series.found(axes, wanted).best[names[0]]),)
-        series.compute([(end,) for end in ends if end not in axes[0]])
+        series.compute([(end,) for end in dict.fromkeys(ends) if end not in axes[0]])
         axes = [np.unique(np.append(axes[0], ends))]
     return series.with_errors(axes, series.found(axes, wanted))
+
+
+def _grid(axes: Sequence[np.ndarray]) -> list[Point]:
+    return list(product(*(axis.tolist() for axis in axes)))
 
 
 def _share(share: str | float) -> float:
@@ -237,6 +244,7 @@ class _Series:
     rated_torque: float
     inputs: str | None
     own: Mapping[str, Distribution]
+    drawn: JointInputs  # in the middle of the values: what varies
     count: int
     seed: int
     known: dict[Point, Numbers] = field(default_factory=dict)
@@ -244,9 +252,8 @@ class _Series:
     @cached_property
     def quantiles(self) -> tuple[np.ndarray, np.ndarray]:
         """Of the inputs of the runs, and of the gears by the polynomials."""
-        inputs = uncertain_inputs(self.gear, self.inputs, self.own)
-        runs = Samples.drawn(inputs, self.count, self.seed)
-        return runs.quantile, Samples.drawn(inputs, DRAWN, self.seed + 1).quantile
+        runs = Samples.drawn(self.drawn, self.count, self.seed)
+        return runs.quantile, Samples.drawn(self.drawn, DRAWN, self.seed + 1).quantile
 
     def compute(self, points: Sequence[Point]) -> None:
         """Compute the series at the points, with the same random numbers at each.
@@ -254,47 +261,35 @@ class _Series:
         Raises:
             InputError: a point that is not allowed.
         """
-        if not points:
-            return
-        gears = [self.gear.replace(dict(zip(self.paths, point, strict=True))) for point in points]
-        tables = []
-        for gear, point in zip(gears, points, strict=True):
-            here = dict(zip(self.paths, point, strict=True))
-            drawn = Samples.drawn(uncertain_inputs(gear, self.inputs, self.own), self.count, self.seed)
-            tables.append({path: np.full(self.count, value) for path, value in here.items()} | drawn.values)
-        for point, numbers in zip(points, self._numbers(gears, tables), strict=True):
-            self.known[point] = numbers
+        self.known.update(zip(points, self._numbers(points, self.quantiles[0]), strict=True))
 
-    def _numbers(
-        self, gears: Sequence[SteeringGear], tables: Sequence[dict[str, np.ndarray]]
-    ) -> list[Numbers]:
-        """Run the gears of all tables together, scene by scene."""
-        rows = len(next(iter(tables[0].values())))
-        found: list[Numbers] = [{} for _ in gears]
-        columns = {
-            path: np.concatenate(
-                [
-                    table.get(path, np.full(rows, gear.value_at(path)))
-                    for gear, table in zip(gears, tables, strict=True)
-                ]
-            )
-            for path in dict.fromkeys(path for table in tables for path in table)
-        }
-        for scene in dict.fromkeys(scene for scene, _ in self.sources.values()):
+    def _numbers(self, points: Sequence[Point], quantile: np.ndarray) -> list[Numbers]:
+        """Run gears at quantiles (n, inputs) at all points together, scene by scene."""
+        found: list[Numbers] = [{} for _ in points]
+        gears = [self.gear.replace(dict(zip(self.paths, point, strict=True))) for point in points]
+        rows, columns = len(quantile), dict[str, list[np.ndarray]]()
+        for gear in gears:
+            drawn = uncertain_inputs(gear, self.inputs, self.own)
+            for path in (*self.paths, *(path for path in self.drawn if path not in self.paths)):
+                at = (
+                    quantile[:, list(self.drawn).index(path)]
+                    if path in drawn and path in self.drawn
+                    else None
+                )
+                value = np.full(rows, gear.value_at(path)) if at is None else drawn[path].quantile(at)
+                columns.setdefault(path, []).append(value)
+        table = {path: np.concatenate(each) for path, each in columns.items()}
+        for scene in dict.fromkeys(scene for scene, _ in self.sources.values()) if points else ():
             metrics = {name: metric for name, (of, metric) in self.sources.items() if of == scene}
             tested = as_tested(self.gear, scene, self.rated_torque)
-            if (
-                scene == TURN_FREELY
-                and set(metrics.values()) <= FIRST_PASS
-                and tested.test.path == "there-and-back"
-            ):
+            if tested.test.path == "there-and-back" and set(metrics.values()) <= FIRST_PASS:
                 tested = tested.replace({"test.path": "one-way"})
-            tested = resolve_contact_law(tested, FOR_MEANS, LAW_OF_SERIES, columns)
-            ran = batch(scene, tested, columns, fidelity=FOR_MEANS, keep="torque")
+            tested = resolve_contact_law(tested, FOR_MEANS, LAW_OF_SERIES, table)
+            ran = batch(scene, tested, table, fidelity=FOR_MEANS, keep="torque")
             for name, metric in metrics.items():
-                both = ran.summary[metric], np.nan_to_num(ran.errors[metric])
-                for k, numbers in enumerate(found):
-                    numbers[name] = both[0][k * rows : (k + 1) * rows], both[1][k * rows : (k + 1) * rows]
+                both = np.split(ran.summary[metric], len(points)), np.split(ran.errors[metric], len(points))
+                for numbers, values, bars in zip(found, *both, strict=True):
+                    numbers[name] = values, np.nan_to_num(bars)
         names = [name for name in self.limits if name not in self.sources]
         for gear, numbers in zip(gears, found, strict=True):
             exact = numbers_without_runs(names, gear, self.limits, self.rated_torque)
@@ -304,30 +299,29 @@ class _Series:
     def narrowed(self, k: int, places: np.ndarray) -> tuple[float, float]:
         """Return the ends of a range about the values of a parameter at which the gear at the medians keeps
         the limits; where there are none, about the value that misses them least."""
-        gears, tables, allowed = [], [], []
+        others = [float(self.gear.value_at(path)) for path in self.paths]
+        points = []
         for place in places.tolist():
             with suppress(InputError):
-                gear = self.gear.replace({self.paths[k]: place})
-                drawn = uncertain_inputs(gear, self.inputs, self.own)
-                gears.append(gear)
-                tables.append(
-                    {self.paths[k]: np.array([place])}
-                    | {path: np.array([each.nominal]) for path, each in drawn.items()}
-                )
-                allowed.append(place)
-        missed = []
-        for numbers in self._numbers(gears, tables):
-            each = [_missed(self.limits[name], float(values[0])) for name, (values, _) in numbers.items()]
-            missed.append(max(each))
-        least = int(np.argmin(missed))
-        first = last = least
-        while missed[least] <= 0 and first > 0 and missed[first] <= 0:
+                self.gear.replace({self.paths[k]: place})
+                points.append((*others[:k], place, *others[k + 1 :]))
+        medians = np.full((1, len(self.drawn)), 0.5)
+        missed = np.array(
+            [
+                max(_missed(self.limits[name], float(values[0])) for name, (values, _) in numbers.items())
+                for numbers in self._numbers(points, medians)
+            ]
+        )
+        first = last = int(missed.argmin())
+        while first > 0 and missed[first - 1] <= 0:
             first -= 1
-        while missed[least] <= 0 and last < len(missed) - 1 and missed[last] <= 0:
+        while last < len(missed) - 1 and missed[last + 1] <= 0:
             last += 1
-        if missed[least] > 0:
-            first, last = max(first - 1, 0), min(last + 1, len(missed) - 1)
-        return allowed[first], allowed[last]
+        first -= int(first > 0 and np.isfinite(missed[first - 1]))
+        last += int(last < len(missed) - 1 and np.isfinite(missed[last + 1]))
+        if first == last:
+            raise InputError(f"{self.paths[k]} has no values at which the gear can be computed.")
+        return points[first][k], points[last][k]
 
     def found(self, axes: Sequence[np.ndarray], share: float) -> Window:
         """Return the shares between the points of a grid, and where the share is largest."""
@@ -380,8 +374,7 @@ class _Series:
         Polynomials of the inputs' quantiles through the runs give the numbers of many gears, with what they
         leave at one of the runs drawn at random.
         """
-        points = list(product(*(axis.tolist() for axis in axes)))
-        shape = [len(axis) for axis in axes]
+        points, shape = _grid(axes), [len(axis) for axis in axes]
         runs, drawn = self.quantiles
         fitted = Polynomials.at(runs[rows], {})
         virtual = legendre_terms(drawn, fitted.degree)
@@ -391,7 +384,7 @@ class _Series:
         for name, limit in self.limits.items():
             values, bars = (np.array([self.known[point][name][k][rows] for point in points]) for k in (0, 1))
             failed = ~np.isfinite(values)
-            values = np.where(failed, _mean(values), values) + sign * np.median(bars)
+            values = np.where(failed, _mean(values)[:, None], values) + sign * np.median(bars)
             coefficients = values @ fitted.inverse.T
             left = widened * (values - coefficients @ fitted.terms.T)
             many = coefficients @ virtual.T + left[:, chosen]
@@ -409,10 +402,9 @@ def _missed(limit: Limit, value: float) -> float:
 
 
 def _mean(values: np.ndarray) -> np.ndarray:
-    """Stand-in of a gear's number where it failed: the mean of those elsewhere, or 0."""
+    """Means (k,) of the known ones of values (k, n), which stand for those that failed."""
     known = np.isfinite(values)
-    total = np.where(known, values, 0.0).sum(axis=0)
-    return np.asarray(total / np.maximum(known.sum(axis=0), 1))
+    return np.asarray(np.where(known, values, 0.0).sum(axis=1) / np.maximum(known.sum(axis=1), 1))
 
 
 def _between(axes: Sequence[np.ndarray], dense: Sequence[np.ndarray], values: np.ndarray) -> np.ndarray:
