@@ -19,7 +19,9 @@ def window(
     limits: Path,
     share: str = "95%",
     inputs: Inputs = None,
-    between: Annotated[tuple[str, ...], Parameter(name="--range", negative=())] = (),
+    between: Annotated[
+        tuple[str, ...], Parameter(name="--range", negative=(), allow_leading_hyphen=True, show_default=False)
+    ] = (),
     rated_torque: str = "30 N*m",
     samples: int | None = None,
     out: Path | None = None,

@@ -98,6 +98,10 @@ def test_command_prints_ends_and_what_limits_them(command: Command) -> None:
         ({"paths": "yoke.preloads"}, "yoke.preloads is no number of a gear; the nearest one is yoke.preload"),
         ({"paths": "pinion.runout"}, "pinion.runout is 0 mm; give the range"),
         ({"paths": [PRELOAD] * 3}, "a window has one parameter or two"),
+        (
+            {"paths": [PRELOAD, "yoke.friction"]},
+            "a map needs the range of each parameter; give that of yoke.",
+        ),
         ({"paths": "bearing.friction_torque"}, "bearing.friction_torque carries a distribution"),
         ({"ranges": {PRELOAD: (400, 300)}}, "the range of yoke.preload is 400 N to 300 N; it must rise"),
         ({"ranges": {PRELOAD: ("1 m", 300)}}, "the range of yoke.preload is '1 m'"),

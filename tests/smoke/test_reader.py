@@ -130,10 +130,7 @@ def lender(tmp_path_factory: pytest.TempPathFactory) -> Lender:
     shutil.copytree(row, folder / "rows" / row.name)
     for name in ("measured.csv", "free.csv", "first.csv", "second.csv"):
         shutil.copy(EXAMPLES / "measured" / "made_up_free.csv", folder / name)
-    wishes = [
-        'free_torque = { least = "0.8 N*m", most = "1.8 N*m" }',
-        'torque_peak_to_peak = { most = "0.3 N*m" }',
-    ]
+    wishes = 'free_torque.most = "1.8 N*m"', 'torque_peak_to_peak.most = "0.3 N*m"'
     (folder / "wish.toml").write_text("\n".join(wishes) + "\n")
     (folder / "line").mkdir()
     for number in range(5):

@@ -137,7 +137,8 @@ def window(
         share: of the gears, more than 0 and less than 100 %.
         inputs: set of the errors: series, unknown or own.
         own: distributions that the gear's parameters carry.
-        ranges: path -> least and most value to look at; by default a fifth to five times the gear's value.
+        ranges: path -> least and most value to look at; of one parameter by default a fifth to five times the
+            gear's value.
         rated_torque: on the pinion [N m], of the requirements that have one.
         samples: gears at each value.
         seed: of their random numbers.
@@ -156,6 +157,8 @@ def window(
     names = (paths,) if isinstance(paths, str) else tuple(paths)
     asked = read_only(Path(limits)) if isinstance(limits, str | Path) else limits_in(limits, "limits")
     wanted, searched = _share(share), [_places(gear, path, (ranges or {}).get(path)) for path in names]
+    if len(names) == 2 and (missing := [path for path in names if path not in (ranges or {})]):
+        raise InputError(f"a map needs the range of each parameter; give that of {' and '.join(missing)}.")
     if len(names) not in DENSE or len(set(names)) < len(names):
         raise InputError(f"a window has one parameter or two, but {', '.join(names) or 'none'} is given.")
     if twice := [path for path in names if path in (own or {})]:
@@ -171,10 +174,10 @@ def window(
     series = _Series(gear, names, asked, sources, rated_torque, inputs, own or {}, drawn, count, seed)
     report = on_progress or (lambda done, of: None)
     report(0, 2)
-    axes = [
-        np.linspace(*series.narrowed(k, places), NODES if len(names) == 1 else OF_EACH)
-        for k, places in enumerate(searched)
-    ]
+    if len(names) == 1:
+        axes = [np.linspace(*series.narrowed(searched[0]), NODES)]
+    else:
+        axes = [np.linspace(places[0], places[-1], OF_EACH) for places in searched]
     series.compute(_grid(axes))
     report(1, 2)
     if len(names) == 1:
@@ -296,15 +299,14 @@ class _Series:
             numbers |= {name: (np.full(rows, value), np.zeros(rows)) for name, value in exact.items()}
         return found
 
-    def narrowed(self, k: int, places: np.ndarray) -> tuple[float, float]:
-        """Return the ends of a range about the values of a parameter at which the gear at the medians keeps
+    def narrowed(self, places: np.ndarray) -> tuple[float, float]:
+        """Return the ends of a range about the values of one parameter at which the gear at the medians keeps
         the limits; where there are none, about the value that misses them least."""
-        others = [float(self.gear.value_at(path)) for path in self.paths]
-        points = []
+        points = list[Point]()
         for place in places.tolist():
             with suppress(InputError):
-                self.gear.replace({self.paths[k]: place})
-                points.append((*others[:k], place, *others[k + 1 :]))
+                self.gear.replace({self.paths[0]: place})
+                points.append((place,))
         medians = np.full((1, len(self.drawn)), 0.5)
         missed = np.array(
             [
@@ -320,8 +322,8 @@ class _Series:
         first -= int(first > 0 and np.isfinite(missed[first - 1]))
         last += int(last < len(missed) - 1 and np.isfinite(missed[last + 1]))
         if first == last:
-            raise InputError(f"{self.paths[k]} has no values at which the gear can be computed.")
-        return points[first][k], points[last][k]
+            raise InputError(f"{self.paths[0]} has no values at which the gear can be computed.")
+        return points[first][0], points[last][0]
 
     def found(self, axes: Sequence[np.ndarray], share: float) -> Window:
         """Return the shares between the points of a grid, and where the share is largest."""

@@ -49,7 +49,10 @@ def sheet_of(
     state = "" if result.status is Status.OK else f" ({result.status})"
     rows = [*_measured(result, compared), *_band(band, _printed(result)[:WITH_SCATTER])]
     remarks = sentences(result.message) if result.message else []
-    if (shares := loss_shares(result)) and len(rows) + bool(remarks) + 1 < MOST_ROWS:
+    room = (
+        MOST_ROWS - bool(remarks) - (band is not None)
+    )  # of a band, two metrics are shown with their inputs
+    if (shares := loss_shares(result)) and len(rows) + 1 < room:
         lost = ", ".join(f"{PARTS[part]} {100 * share:.0f} %" for part, share in shares.items())
         rows.append(Row(WORK_LOST, lost))
     if remarks:
