@@ -189,6 +189,8 @@ class TableAtLevel:
             rows, records, reference = _records(gear, fidelity, table, ranges, weighted)
             if records is None or refused(reference, asked, motion="steady"):
                 return None
+            same = same_structure(records, packed([reference], fidelity, weighted))
+            rows, records = rows[same], records[same]
             some = {path: values[rows] for path, values in table.items()}
             whole = some if ranges is None else ranges
             shaped = reference if is_alike(reference, whole) else reference.replace({RUNOUT: 1e-6})
