@@ -151,7 +151,7 @@ def window(
         >>> found = rps.window(
         ...     rps.SteeringGear(), "yoke.preload", {"free_torque": {"most": "0.7 N*m"}}, samples=16
         ... )
-        >>> 280 < found.ends[1].value < 310, found.ends[1].limited_by
+        >>> 260 < found.ends[1].value < 290, found.ends[1].limited_by
         (True, ('free_torque',))
     """
     names = (paths,) if isinstance(paths, str) else tuple(paths)
