@@ -101,3 +101,16 @@ def test_a_parameter_at_its_limit_has_a_slope_to_the_side_that_is_allowed() -> N
     gain = float(GearPair.of(GEAR).gain)
     assert float(found["slope"][0, 0]) == pytest.approx(gain**2 * GEAR.test.speed, rel=0.02)  # efficiency
     assert np.isfinite(found["error"].values).all()
+
+
+def test_metrics_that_gears_together_lack_are_run_singly_where_asked_for() -> None:
+    """The face load factor is one; by default the load test leaves it out and computes the gears together."""
+    path = {"parameters": ["yoke.preload"], "fidelity": FOR_MEANS}
+    asked = rps.sensitivities("load-test", GEAR, ["face_load_factor", "efficiency_forward"], **path)
+    usual = rps.sensitivities("load-test", GEAR, **path)
+    assert np.isfinite(asked["slope"].values).all()
+    assert not asked["together"].values.any()
+    assert usual["together"].values.all()
+    assert "face_load_factor" not in usual["metric"].values
+    slopes = [float(each["slope"].sel(metric="efficiency_forward").values[0]) for each in (asked, usual)]
+    assert slopes[0] == pytest.approx(slopes[1], rel=0.01)

@@ -64,7 +64,7 @@ def sensitivities(
     Args:
         scene: one of `scenes.SCENE_NAMES`.
         gear: about which the slopes are.
-        metrics: names; by default all that the scene simulates.
+        metrics: names; by default all that the scene simulates and gears together have.
         parameters: paths; by default all numbers of the gear but choices of the model.
         fidelity: name of a preset, or a `Fidelity`.
 
@@ -97,7 +97,7 @@ def sensitivities(
     own: Records = {level: record_at(gear, chosen, level, weighted) if test else None for level in SIZES}
     stencils = [_stencil(scene, gear, path, chosen, own, weighted) for path in paths]
     value = np.array([nominal.summary[name] for name in names])
-    differences, together = _differences(scene, gear, chosen, stencils, names, own)
+    differences, together = _differences(scene, gear, chosen, stencils, names, own, metrics is not None)
     fine, coarse = differences[1], differences[0]
     of_run = sizes(dict(nominal.signals), nominal.summary)
     size = np.array([size_of(name, each, of_run) for name, each in zip(names, value, strict=True)])
@@ -106,6 +106,10 @@ def sensitivities(
     error = FACTOR * np.abs(slope - coarse[0]) + np.nan_to_num(kink) + NOISE * size[:, None] / step
     unmoved = np.array([each.is_idle for each in stencils])
     slope[:, unmoved] = error[:, unmoved] = 0.0
+    if metrics is None and (moved := together & ~unmoved).any():
+        kept = np.isfinite(slope[:, moved]).any(axis=1)
+        names = [name for name, each in zip(names, kept.tolist(), strict=True) if each]
+        value, slope, error = value[kept], slope[kept], error[kept]
     bars = [nominal.errors.get(name, np.nan) for name in names]
     units = [item.unit.si if item.unit else "" for path in paths for item in SteeringGear.declared_at(path)]
     both = ("metric", "parameter")
@@ -187,9 +191,13 @@ def _differences(
     stencils: Sequence[_Stencil],
     names: Sequence[str],
     own: Records,
+    complete: bool,
 ) -> tuple[dict[int, np.ndarray], np.ndarray]:
     """Return, by level, first differences over the step and second differences, (2, metrics, parameters), and
-    which parameters were computed together, (parameters,)."""
+    which parameters were computed together, (parameters,).
+
+    Gears that lack a metric together run singly if all are to be `complete`.
+    """
 
     def run(one: SteeringGear, level: int) -> list[float]:
         with suppress(InputError):
@@ -211,11 +219,13 @@ def _differences(
         if nearby and record is not None:
             gears, records = [gear, *(each[2] for each in nearby)], [record, *(each[3] for each in nearby)]
             ended, metrics = metrics_nearby(scene, gear, fidelity, level, gears, records)
+            unknown = np.full(len(gears), np.nan)
             for k, (i, j, *_) in enumerate(nearby, 1):
                 if ended[0] and ended[k]:
-                    values[i, :, j] = [metrics[name][k] for name in names]
-                    values[0, :, j] = [metrics[name][0] for name in names]
-        singly = {j for i, j, *_ in rows if np.isnan(values[i, :, j]).all()}
+                    values[i, :, j] = [metrics.get(name, unknown)[k] for name in names]
+                    values[0, :, j] = [metrics.get(name, unknown)[0] for name in names]
+        lacking = np.any if complete else np.all
+        singly = {j for i, j, *_ in rows if lacking(np.isnan(values[i, :, j]))}
         if singly:
             values[0][:, [*singly]] = np.array(run(gear, level))[:, None]
         for i, j, one, _ in rows:
