@@ -18,7 +18,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.page_blocks import Fold, Pictures
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.results.quantities import Quantity
-from rps_exudyn.results.rounding import rounded
+from rps_exudyn.results.rounding import half_width, rounded, rounded_range
 from rps_exudyn.results.sheet import Block, Grid, Row, Section, Sheet, Text
 
 ROWS = 21  # places of the table
@@ -56,8 +56,8 @@ def _rows(found: Window) -> Iterator[Row]:
         f"{named(path)} {rounded(_quantity(path), value)}" for path, value in found.best.items()
     )
     if found.ends:
-        low, high = (rounded(quantity, end.value, end.error or None) for end in found.ends)
-        yield Row(f"{low} to {high}", f"{wanted} of the gears keep the limits")
+        low, high = (end.value for end in found.ends)
+        yield Row(rounded_range(quantity, low, high), f"{wanted} of the gears keep the limits")
         for word, end in zip(("low end", "high end"), found.ends, strict=True):
             yield Row(word, _limited(end, found))
     elif found.best_share >= found.share:
@@ -77,9 +77,10 @@ def _limit(name: str, found: Window) -> str:
 def _limited(end: End, found: Window) -> str:
     if not end.limited_by:
         return "the search ended here, no limit does"
-    show = _quantity(found.paths[0]).show
-    errors = f"± {show(end.sampling)} by the number of gears, ± {show(end.numerical)} numerical"
-    return f"{'; '.join(_limit(name, found) for name in end.limited_by)} ({errors})"
+    quantity = _quantity(found.paths[0])
+    errors = [half_width(quantity, each, end.value) for each in (end.error, end.sampling, end.numerical)]
+    limited = "; ".join(_limit(name, found) for name in end.limited_by)
+    return f"{errors[0]}: {limited} ({errors[1]} by the number of gears, {errors[2]} numerical)"
 
 
 def _text(found: Window) -> Iterator[Block]:
