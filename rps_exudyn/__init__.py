@@ -17,11 +17,13 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rps_exudyn.analysis.measured import compare_with_measured
+    from rps_exudyn.assessment.requirements.window import window
     from rps_exudyn.base.errors import InputError
     from rps_exudyn.fmu.export import export
     from rps_exudyn.inference.fitting.fit import fit
     from rps_exudyn.inference.fitting.fitted import Fit
     from rps_exudyn.inference.measured.reading import read_measured_torque
+    from rps_exudyn.inference.uncertainty.sensitivities import sensitivities
     from rps_exudyn.multibody.model import build_model
     from rps_exudyn.optimisation.optimise import optimise
     from rps_exudyn.parameters.fidelity import Fidelity
@@ -55,7 +57,9 @@ __all__ = [
     "optimise",
     "read_measured_torque",
     "run",
+    "sensitivities",
     "study_frame",
+    "window",
 ]
 
 _HOME = {
@@ -77,8 +81,10 @@ _HOME = {
     "batch": "simulate.batch",
     "optimise": "optimisation.optimise",
     "run": "simulate.run",
+    "sensitivities": "inference.uncertainty.sensitivities",
     "open_study": "study.dataset",
     "study_frame": "study.dataset",
+    "window": "assessment.requirements.window",
 }
 
 # Exudyn reads this when it is imported: a user's own settings file would silently change results.

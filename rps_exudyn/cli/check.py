@@ -15,6 +15,7 @@ def check(
     gear: GearOptions = PAPER_GEAR,
     inputs: Inputs = None,
     limits: Path | None = None,
+    only: bool = False,
     rated_torque: str = "30 N*m",
     out: Path | None = None,
     jobs: Jobs = None,
@@ -27,19 +28,24 @@ def check(
     Args:
         limits: TOML file of limits that replace the default ones; a line of it is
             `free_torque = { least = "0.8 N*m", most = "1.8 N*m" }`. Default limits and their sources are in
-            `rps_exudyn/assessment/requirements/limits.toml`.
+            `rps_exudyn/assessment/requirements/limits.toml`. It may limit any metric of a free pinion
+            torque, a load test or a rack lift: `torque_peak_to_peak = { most = "0.3 N*m" }`.
+        only: Judge the rows of `--limits` alone, and state by how much they are missed.
         rated_torque: Pinion torque for the strength of the teeth and the lift of the rack.
         out: Sheet as a page (.html), or as data (.json), from which `report` makes the page.
     """
     shown.check()
     from rps_exudyn.assessment.requirements.judging import judge
-    from rps_exudyn.assessment.requirements.limits import read_limits
+    from rps_exudyn.assessment.requirements.limits import read_limits, read_only
     from rps_exudyn.assessment.requirements.requirement_page import requirement_page
     from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
     from rps_exudyn.pages.report.sheet_file import write_sheet
     from rps_exudyn.simulate.cases.run_cases import checked_jobs
 
-    own, chosen, asked = gear.drawn(), gear.load(), read_limits(limits)
+    if only and limits is None:
+        raise InputError("--only judges the rows of a file alone; add --limits FILE.")
+    own, chosen = gear.drawn(), gear.load()
+    asked = read_only(limits) if only and limits else read_limits(limits)
     if out is not None:
         check_writable(out, (".json", ".html"))
     try:
@@ -56,7 +62,7 @@ def check(
 
             rows = list(judge(chosen, drawn, asked, torque, on_progress=report, jobs=processes))
             report("sheet", 1.0)
-            sheet = requirement_page(rows, chosen, torque, command_line())
+            sheet = requirement_page(rows, chosen, torque, command_line(), margins=only)
             if out is not None:
                 write_sheet(sheet, out)
         present(sheet, [out] if out is not None else [], every=shown.every, json=shown.json)

@@ -21,8 +21,8 @@ from rps_exudyn.cli.output import DONE, WRONG_INPUT, say
 
 COMMANDS = (
     *("run", "study", "show", "diff", "rerun", "geometry", "export", "describe", "collect", "report", "fit"),
-    *("plan-tests", "judge-batch", "check", "optimise", "validate", "animate", "view", "explore", "doctor"),
-    *("init", "schema"),
+    *("plan-tests", "judge-batch", "check", "window", "optimise", "validate", "animate", "view", "explore"),
+    *("doctor", "init", "schema"),
 )
 MOVED = {
     "--plan": "plan-tests",

@@ -19,7 +19,7 @@ from rps_exudyn.cli.output import DONE, Files, command_line, naming, note, prese
 from rps_exudyn.inference.uncertainty.band import Band, band_of_runs
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.inference.uncertainty.quick_band import SCENE, quick_band
-from rps_exudyn.pages.report.result_page import result_page
+from rps_exudyn.pages.report.result_page import effects_grid, result_page
 from rps_exudyn.pages.report.result_sheet import measured_as_dict, measured_text, result_as_dict, sheet_of
 from rps_exudyn.pages.report.sheet_file import KEY, sheet_as_dict
 from rps_exudyn.parameters.fidelity import MEAN_STEP
@@ -138,6 +138,8 @@ def _text(band: Band) -> Iterator[Block]:
         largest = list(shares.fractions.items())[:SHOWN]
         text = ", ".join(f"{path} {100 * share:.0f} %" for path, share in largest)
         yield Text(f"Contributions to {name}: {text}; acting together {100 * shares.together:.0f} %.")
+    if band.contributions:
+        yield effects_grid(band)
     if failed and name in band.metrics:
         low, high = band.metrics[name].lowest[0], band.metrics[name].highest[-1]
         ends = f"{_end(name, low)} to {_end(name, high)}"

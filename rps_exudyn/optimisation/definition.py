@@ -33,7 +33,7 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.assessment.requirements.judging import ASSURED
+from rps_exudyn.assessment.requirements.judging import ASSURED, BY_RUNS
 from rps_exudyn.assessment.requirements.limits import REQUIRED, read_limits
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import shown, to_si
@@ -42,7 +42,6 @@ from rps_exudyn.inference.uncertainty.input_sets import SETS, carried, uncertain
 from rps_exudyn.optimisation.evaluation import numbers_of
 from rps_exudyn.optimisation.goals import (
     FORMULAS,
-    RUNS,
     STRESSES,
     Constraint,
     Number,
@@ -328,7 +327,9 @@ class _ProblemKeys(Keys):
             return None
         if of in STRESSES or of in FORMULAS or of in gear:
             return Number(name, of)
-        scene = RUNS[of][0] if of in RUNS else self.choice(table, "scene", SCENE_NAMES, problem.study.scene)
+        scene = (
+            BY_RUNS[of][0] if of in BY_RUNS else self.choice(table, "scene", SCENE_NAMES, problem.study.scene)
+        )
         return Number(name, of, scene, tuple(self.flat(self.table(table, "set"), where).items()), share)
 
     def _is_known(self, where: str, name: str, known: Collection[str]) -> bool:
@@ -376,7 +377,7 @@ class _ProblemKeys(Keys):
         for name in names if isinstance(names, list) else [names]:
             if not self._is_known("requirements", str(name), [*REQUIRED]):
                 continue
-            scene, limit = RUNS[name][0] if name in RUNS else "", limits[name]
+            scene, limit = BY_RUNS[name][0] if name in BY_RUNS else "", limits[name]
             for share, ends in ((1 - ASSURED, (limit.least, np.inf)), (ASSURED, (-np.inf, limit.most))):
                 quantile = share if scene and problem.errors != NONE else None
                 if np.isfinite(ends).any():

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.assessment.requirements.judging import RATED_TORQUE, TURNING, borne_under
+from rps_exudyn.assessment.requirements.judging import BY_RUNS, RATED_TORQUE, borne_under, settings_of_test
 from rps_exudyn.assessment.requirements.limits import REQUIRED
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
@@ -22,11 +22,6 @@ from rps_exudyn.gears.tooth_strength import (
 from rps_exudyn.parameters.gear import BY_SCENE, SteeringGear
 from rps_exudyn.results.limit import Limit
 from rps_exudyn.results.quantities import SUMMARY, Quantity
-from rps_exudyn.scenes.free_pinion_torque import SCENE as TURN_FREELY
-from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
-from rps_exudyn.scenes.rack_lift import SCENE as RACK_LIFT
-
-Settings = Callable[[SteeringGear], dict[str, Any]]
 
 
 def _root(form_of: Callable[[GearPair], ToothForm]) -> Callable[[SteeringGear, float], float]:
@@ -53,23 +48,6 @@ FORMULAS: Mapping[str, Callable[[SteeringGear], float]] = {
 """Requirement -> its number, from the gear's geometry."""
 
 
-def _about_centre(gear: SteeringGear) -> dict[str, Any]:
-    start = -np.pi * gear.test.direction
-    return {"test.path": "there-and-back", "test.start_angle": start, "test.turns": 1.0}
-
-
-def _over_two_teeth(gear: SteeringGear) -> dict[str, Any]:
-    return {"test.path": "there-and-back", "test.turns": 2 / gear.pinion.teeth}
-
-
-RUNS: Mapping[str, tuple[str, str, Settings]] = {
-    **{name: (TURN_FREELY.name, metric, _about_centre) for name, metric in TURNING.items()},
-    "efficiency_ratio": (LOAD_TEST.name, "efficiency_ratio", _over_two_teeth),
-    "rated_lift": (RACK_LIFT.name, "rack_lift", lambda gear: {"test.lift_torque": RATED_TORQUE}),
-}
-"""Requirement -> scene, metric and settings of the run that gives its number, as the requirement sheet's."""
-
-
 @dataclass(frozen=True)
 class Number:
     """One number of a design.
@@ -91,7 +69,7 @@ class Number:
     @property
     def metric(self) -> str:
         """Name of the metric in the scene's summary."""
-        return RUNS[self.of][1] if self.of in RUNS else self.of
+        return BY_RUNS[self.of][1] if self.of in BY_RUNS else self.of
 
     @property
     def quantity(self) -> Quantity:
@@ -119,7 +97,8 @@ class Number:
 
     def settings_of(self, gear: SteeringGear) -> dict[str, Any]:
         """Return what is set for its run."""
-        return (RUNS[self.of][2](gear) if self.of in RUNS else {}) | dict(self.settings)
+        own = settings_of_test(gear, self.scene, RATED_TORQUE) if self.of in BY_RUNS else {}
+        return own | dict(self.settings)
 
     def by_formula(self, gear: SteeringGear, face_load_factor: float) -> float | None:
         """Return the number of a gear that needs no run of the series; None of a metric.

@@ -1,7 +1,7 @@
 """What validation finds wrong with the values of parameters, as sentences that state what is allowed."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pydantic import ValidationError
@@ -124,14 +124,18 @@ def nearest(table: "type[Table]", path: str, left_out: tuple[str, ...] = ()) -> 
     if instead := parameter_instead(path):
         return instead
     offered = [item.path for item in table.declared() if item.path.partition(".")[0] not in left_out]
+    return nearest_names(path, offered, dict.fromkeys(name.partition(".")[0] for name in offered))
+
+
+def nearest_names(name: str, offered: Sequence[str], otherwise: Iterable[str]) -> str:
+    """Return which names that are offered may have been meant; where none is near, those `otherwise`."""
     import difflib
 
-    close = difflib.get_close_matches(path, offered, n=3, cutoff=0.6)
-    likeness = [difflib.SequenceMatcher(None, each, path).ratio() for each in close]
+    close = difflib.get_close_matches(name, offered, n=3, cutoff=0.6)
+    likeness = [difflib.SequenceMatcher(None, each, name).ratio() for each in close]
     close = [
         each for each, alike in zip(close, likeness, strict=True) if alike > likeness[0] - MUCH_LESS_ALIKE
     ]
     if close:
         return f"the nearest {'one is' if len(close) == 1 else 'ones are'} {', '.join(close)}"
-    known = dict.fromkeys(name.partition(".")[0] for name in offered)
-    return f"there are {', '.join(known)}"
+    return f"there are {', '.join(otherwise)}"

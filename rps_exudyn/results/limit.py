@@ -60,5 +60,5 @@ def limit_of(where: str, table: Mapping[str, Any], quantity: Quantity, problems:
         except ValueError as error:
             problems.append(f"{where}{key} {error}.")
     if not ends["least"] < ends["most"]:
-        problems.append(f"{where}least must be below most.")
+        problems.append(f"{where}least must be below most, {quantity.show(ends['most'])}.")
     return Limit(ends["least"], ends["most"], str(table.get("source", "your own")))

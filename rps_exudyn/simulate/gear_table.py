@@ -38,6 +38,7 @@ from rps_exudyn.solvers.many_gears import (
     Table,
     packed,
     packed_table,
+    same_structure,
 )
 from rps_exudyn.solvers.record import WHERE_DAMPED
 from rps_exudyn.solvers.temperature_and_wear import is_new
@@ -221,10 +222,12 @@ class TableAtLevel:
         scene, asked, fidelity = scene_named(name), fidelity, model_at(level, fidelity)
         assert scene.test is not None
         try:
-            weighted = _is_weighted(scene, gear)
+            weighted = is_weighted(scene, gear)
             rows, records, reference = _records(gear, fidelity, table, ranges, weighted, packing)
             if records is None or refused(reference, asked, motion="steady"):
                 return None
+            same = same_structure(records, packed([reference], fidelity, weighted))
+            rows, records = rows[same], records[same]
             some = {path: values[rows] for path, values in table.items()}
             whole = some if ranges is None else ranges
             shaped = reference if is_alike(reference, whole) else reference.replace({RUNOUT: 1e-6})
@@ -255,7 +258,7 @@ def fewest(table: Table) -> int:
     return FEWEST * (2 * sum(np.ptp(values) > 0 for values in table.values()) + 1)
 
 
-def _is_weighted(scene: Scene, gear: SteeringGear) -> bool:
+def is_weighted(scene: Scene, gear: SteeringGear) -> bool:
     """Return whether a weight pulls at the rack in some maneuver of a scene."""
     assert scene.test is not None
     heavy = gear.replace({WEIGHT: 1.0, "test.path": "one-way"})
@@ -449,3 +452,54 @@ def _joined(parts: Sequence[_Part], count: int) -> GearTable:
             whole.remarks[row] = remarks_of_row
     known = {name: values for name, values in whole.summary.items() if not np.isnan(values).all()}
     return replace(whole, summary=known)
+
+
+def record_at(gear: SteeringGear, fidelity: Fidelity, level: int, weighted: bool) -> np.ndarray | None:
+    """Return the record (1,) of a gear at a level of the ladder; None if it cannot exist."""
+    try:
+        return packed([gear], model_at(level, fidelity), weighted)
+    except InputError:
+        return None
+
+
+def metrics_nearby(
+    scene: str,
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    level: int,
+    gears: Sequence[SteeringGear],
+    records: Sequence[np.ndarray],
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Return which gears (n,) were computed together, and their metrics (n,), nan of the others.
+
+    The gears are so near to a reference that its motion is a good guess of theirs: none is followed first.
+
+    Args:
+        scene: one that follows many gears together.
+        gear: the reference.
+        fidelity: how all are modelled.
+        level: of the ladder.
+        gears: that can exist, the reference first.
+        records: of each at the level, (1,), see `record_at`.
+    """
+    together, chosen, model = np.zeros(len(gears), dtype=bool), scene_named(scene), model_at(level, fidelity)
+    assert chosen.test is not None
+    maneuvers, beside = chosen.test.maneuvers(gear, model.step_angle, StepLimits())
+    shared = [
+        SharedManeuver.of(each.halved(level - 1), gear, model, {WEIGHT: np.zeros(len(gears))})
+        for each in [*maneuvers, *([beside] if beside else [])]
+    ]
+    joined = np.zeros(len(gears), records[0].dtype)
+    for row, record in enumerate(records):
+        joined[row] = record[0]
+    alike = np.flatnonzero(same_structure(joined, joined[:1]))
+    if None in shared or not alike.size:
+        return together, {}
+    found = [each for each in shared if each is not None]
+    table = TableAtLevel(chosen, found, len(maneuvers), np.arange(len(gears)), joined, alike=True)
+    ended = _GearsAtLevel.of(table, alike, [gears[i] for i in alike.tolist()])
+    together[ended.chosen] = True
+    metrics = {name: np.full(len(gears), np.nan) for name in ended.summary}
+    for name, values in ended.summary.items():
+        metrics[name][ended.chosen] = values
+    return together, metrics

@@ -32,6 +32,7 @@ from rps_exudyn.solvers.many_gears import (
     Y,
     Z,
     packed,
+    same_structure,
 )
 from rps_exudyn.solvers.prescribed_motion import Steady, travel_per_radian
 from rps_exudyn.solvers.record import instant_signals, integrated, repeated
@@ -117,6 +118,8 @@ class SharedManeuver:
         ends = [{path: both[k] for path, both in settings} for settings, _ in steps for k in (0, 1)]
         gears = [gear, *(gear.replace(end) for end in ends)]
         records = packed(gears, fidelity, weighted)
+        if not same_structure(records, records[:1]).all():
+            return None
         forces = gear_forces(gear, fidelity, maneuver.rack_load)
         series = GearSeries(forces, pair, drive.pinion_speed(pair, 0.0), drive.body)
         first = _singly(maneuver, series, records[:1], angles)

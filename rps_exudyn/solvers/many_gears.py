@@ -93,6 +93,19 @@ def packed(gears: Sequence[SteeringGear], fidelity: Fidelity, weighted: bool = F
     return records
 
 
+def same_structure(records: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    """Return which records (n,) have the whole numbers of a reference (1,): counts, switches, places of
+    tables. Those of others need other room."""
+
+    def differ(some: np.ndarray, other: np.ndarray) -> np.ndarray:
+        if some.dtype.names is None:
+            apart = (some != other) & (some.dtype.kind in "iu")
+            return np.asarray(apart.reshape(len(records), -1).any(axis=1))
+        return np.logical_or.reduce([differ(some[name], other[name]) for name in some.dtype.names])
+
+    return ~differ(records, reference)
+
+
 def packed_table(
     reference: SteeringGear,
     fidelity: Fidelity,

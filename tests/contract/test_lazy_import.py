@@ -66,7 +66,9 @@ def test_public_names_are_there_when_used() -> None:
             "optimise",
             "read_measured_torque",
             "run",
+            "sensitivities",
             "study_frame",
+            "window",
         )
     }
 

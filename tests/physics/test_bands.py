@@ -100,6 +100,28 @@ def test_contributions_of_a_sum_and_of_a_product() -> None:
     assert whole.fractions == {"all": 1.0}  # nothing else varies
 
 
+def test_effects_are_slopes_and_elasticities() -> None:
+    """Of a b^2 and |c|: elasticities 1 and 2 to the order of the variances; c has a share and no sign."""
+    inputs = {name: Distribution("uniform", 0.9, 1.1) for name in "ab"} | {
+        "c": Distribution("uniform", -1, 1)
+    }
+    points = Samples.drawn(inputs, 64, 3)
+    a, b, c = points.values.values()
+    number = 5 * a * b**2 + np.abs(c)
+    found = Polynomials.at(points.quantile, points.inputs.groups, points.values).contributions(number)
+    assert found is not None
+    effects, mean = found.effects, number.mean()
+    assert effects["a"].slope == pytest.approx(5, abs=4 * effects["a"].error)
+    assert effects["b"].slope == pytest.approx(10, abs=4 * effects["b"].error)
+    assert effects["a"].error < 0.5
+    assert effects["b"].elasticity == pytest.approx(effects["b"].slope / mean, rel=0.01)
+    assert found.fractions["c"] > 0.1
+    assert not effects["c"].is_clear
+    assert np.isnan(effects["c"].elasticity)
+    assert found.effect_of("c") == ""
+    assert found.effect_of("b").startswith("+1.")
+
+
 def test_band_of_one_input_is_the_input() -> None:
     """The bearings' friction adds to the torque: the quantiles are those of its distribution."""
     own = carried({}, {"bearing.friction_torque": "uniform(20 N*mm, 60 N*mm)"})
@@ -114,6 +136,9 @@ def test_band_of_one_input_is_the_input() -> None:
     assert band.contributions["torque_mean"].fractions["bearing.friction_torque"] == pytest.approx(
         1, abs=0.01
     )
+    effect = band.contributions["torque_mean"].effects["bearing.friction_torque"]
+    assert effect.slope == pytest.approx(1, abs=0.01)
+    assert set(band.as_dict()["effects"]) == set(band.contributions)
     assert "torque_mean" not in without.contributions  # the formula knows no clearance
     assert band.curves is not None
     assert np.ptp(band.curves.quantiles, axis=1).max() < 1e-12  # the formula has no ripple

@@ -265,3 +265,13 @@ def test_gears_far_from_the_middle_are_settled_where_the_record_begins(scene: st
         alone = rps.run(scene, gear.replace(settings), fidelity="quasi-static")
         lift = found.found.signals_of(row)["rack_y"]
         assert np.abs(lift - alone["rack_y"]).max() < SIGNAL * np.ptp(alone["rack_y"])
+
+
+def test_gears_of_another_structure_run_singly() -> None:
+    """A relief of the tips has more lines of contact than none, for which the others have no room."""
+    relief = np.concatenate([np.zeros(20), np.linspace(1e-6, 4e-6, 6)])
+    table = {"pinion.tip_relief": relief, "yoke.preload": np.linspace(290, 310, 26)}
+    gear = rps.SteeringGear().replace({"mesh.law": "teeth", "test.turns": 0.2})
+    found = rps.batch("free-pinion-torque", gear, table)
+    assert found.ok.all()
+    assert not found.in_loop[relief > 0].any()

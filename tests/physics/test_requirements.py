@@ -25,6 +25,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.tooth_strength import flank_stress, pinion_form, rack_form, root_stress
 from rps_exudyn.inference.uncertainty.band import Band
 from rps_exudyn.inference.uncertainty.input_sets import carried
+from rps_exudyn.parameters.declaration import DEG
 from rps_exudyn.parameters.fidelity import FOR_MEANS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.limit import Limit
@@ -32,6 +33,7 @@ from rps_exudyn.solvers.closed_form import load_test, mean_state
 from shell import Command
 
 GEAR = SteeringGear()
+COARSE = FOR_MEANS.replace({"step_angle": 5 * DEG})
 INPUTS = carried({}, {"yoke.preload": "uniform(200 N, 400 N)"})
 
 
@@ -174,12 +176,14 @@ def test_line_of_the_help_is_a_limit(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("[torque]\nmost = 1\n", "torque is no requirement; there are free_torque"),
+        ("[stiff]\nmost = 1\n", "stiff is no requirement and no metric; there are free_torque"),
+        ("[torque_peak_peak]\nmost = 1\n", "the nearest one is torque_peak_to_peak."),
+        ("", "limits.toml has no limit; a line of it is"),
         ('[free_torque]\nmost = "1.5 mm"\n', "free_torque.most is '1.5 mm', which is no quantity in N*m"),
         ("[free_torque]\nlargest = 1\nmost = 2\n", "free_torque.largest is no key"),
         ("[free_torque]\n", "must be a table with most, least or both"),
         ("free_torque = 3\n", "must be a table with most, least or both"),
-        ('[gain]\nleast = "2 mm"\nmost = "1 mm"\n', "gain.least must be below most"),
+        ('[gain]\nleast = "2 mm"\nmost = "1 mm"\n', "gain.least must be below most, 1 mm."),
     ],
 )
 def test_limits_that_cannot_be(tmp_path: Path, text: str, said: str) -> None:
@@ -224,6 +228,35 @@ def test_command_judges_and_says_so_by_its_status(command: Command, monkeypatch:
     assert command(["check"]).status == 0
     assert command(["check", "--rated-torque", "30 mm"]).status == 2
     monkeypatch.undo()
+
+
+def test_rows_of_a_file_alone_have_margins_and_only_their_bands_are_computed(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A ripple is judged as any requirement; its margin is from the band's end to the limit."""
+    monkeypatch.setattr("rps_exudyn.assessment.requirements.judging.FOR_MEANS", COARSE)
+    Path("own.toml").write_text(
+        'torque_peak_to_peak = { most = "0.05 N*m" }\nfree_torque = { least = "0.1 N*m" }\n'
+    )
+    scatter = ("--set", "pinion.runout=uniform(20 um, 40 um)", "--inputs", "own")
+    monkeypatch.setattr("rps_exudyn.assessment.requirements.judging.band_of_runs", None)
+    monkeypatch.setattr("rps_exudyn.assessment.requirements.judging.borne_under", None)
+    answer = command(["check", "--limits", "own.toml", "--only", "--json", *scatter])
+    rows = answer.json["requirements"]
+    assert list(rows) == ["free_torque", "torque_peak_to_peak"]
+    ripple = rows["torque_peak_to_peak"]
+    assert ripple["margin"] == pytest.approx(0.05 - ripple["band"][1])
+    assert (answer.status, ripple["verdict"], rows["free_torque"]["verdict"]) == (1, "fail", "pass")
+    text = command(["check", "--limits", "own.toml", "--only", *scatter]).out.splitlines()
+    assert text[1].startswith("  1 of 2 ")
+    assert re.search(r"not kept  ripple, peak to peak .* kept by \d+ %, margin −0.\d+ N m", text[2])
+    assert text[3] == "  kept      free torque"
+    refused = command(["check", "--only"])
+    assert (refused.status, "add --limits FILE" in refused.err) == (2, True)
+    Path("own.toml").write_text('hysteresis_area = { most = "1 J" }\n')
+    refused = command(["check", "--limits", "own.toml"])
+    assert refused.status == 2
+    assert "(free-pinion-torque, load-test, rack-lift) have no hysteresis_area" in refused.err
 
 
 def test_rated_torque_must_be_one() -> None:

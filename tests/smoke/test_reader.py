@@ -66,6 +66,7 @@ OWN_FILES = {
     "e.csv",
     "expected.toml",
     "optimise_ripple.toml",
+    "wish.toml",
     "first.csv",
     "second.csv",
     "line",
@@ -130,6 +131,8 @@ def lender(tmp_path_factory: pytest.TempPathFactory) -> Lender:
     shutil.copytree(row, folder / "rows" / row.name)
     for name in ("measured.csv", "free.csv", "first.csv", "second.csv"):
         shutil.copy(EXAMPLES / "measured" / "made_up_free.csv", folder / name)
+    wishes = 'free_torque.most = "1.8 N*m"', 'torque_peak_to_peak.most = "0.3 N*m"'
+    (folder / "wish.toml").write_text("\n".join(wishes) + "\n")
     (folder / "line").mkdir()
     for number in range(5):
         shutil.copy(folder / "free.csv", folder / "line" / f"gear{number}.csv")

@@ -5,14 +5,15 @@ they decide it is open. Numbers that hang on the teeth alone have no band. What 
 not evaluated, with the cause; the others still are.
 """
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
 from itertools import pairwise
 
 import numpy as np
 
-from rps_exudyn.assessment.requirements.limits import REQUIRED
+from rps_exudyn.assessment.requirements.limits import REQUIRED, quantity_of
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.flank_grid import measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
@@ -28,12 +29,13 @@ from rps_exudyn.gears.tooth_strength import (
     root_load_factor,
     root_stress,
 )
-from rps_exudyn.inference.uncertainty.band import Band, OnProgress, band_of_runs
+from rps_exudyn.inference.uncertainty.band import LEFT_OUT, Band, band_of_runs, nominal_result
 from rps_exudyn.inference.uncertainty.quick_band import SCENE as TURN_FREELY
 from rps_exudyn.inference.uncertainty.quick_band import quick_band
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import FOR_MEANS
 from rps_exudyn.parameters.gear import SteeringGear, check_constant_ratio
+from rps_exudyn.parameters.wrong_values import nearest_names
 from rps_exudyn.results.judged_row import JudgedRow, Verdict
 from rps_exudyn.results.limit import Limit
 from rps_exudyn.results.outcome import Status
@@ -50,13 +52,18 @@ RATED_TORQUE = 30.0  # [N m]
 LIGHTEST, HEAVIEST = 0.5, 400.0  # weights between which a kept efficiency is looked for [kg]
 NO_FACE_LOADING = "face load factor is 1, because contact forces are missing: "
 LABELS_OF_FACE = {"load_centre": "load centre", "contact_pressure_max": "pressure"}
-TURNING = {
-    "free_torque": "torque_mean",
-    "variation_on_centre": "torque_on_centre_variation",
-    "variation_off_centre": "torque_off_centre_variation",
+BY_RUNS = {
+    "free_torque": (TURN_FREELY, "torque_mean"),
+    "variation_on_centre": (TURN_FREELY, "torque_on_centre_variation"),
+    "variation_off_centre": (TURN_FREELY, "torque_off_centre_variation"),
+    "efficiency_ratio": (LOAD_TEST.name, "efficiency_ratio"),
+    "rated_lift": (RACK_LIFT.name, "rack_lift"),
 }
-"""Requirement -> metric of a run that turns the pinion freely."""
-BandOf = Callable[[SteeringGear], Band]
+"""Requirement -> scene and metric; all others follow from the teeth alone."""
+STEPS = {TURN_FREELY: "free torque and its variation", LOAD_TEST.name: "efficiencies", RACK_LIFT.name: "lift"}
+"""Scene that the sheet runs -> what is computed by it."""
+BandOf = Callable[[str], Band]
+"""Scene -> its band."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +78,11 @@ class RequirementRow(JudgedRow):
     def is_close(self) -> bool:
         """Whether the number lies within its error bar of a limit."""
         return any(abs(self.value - end) < self.error for end in (self.limit.least, self.limit.most))
+
+    @property
+    def margin(self) -> float:
+        """How far the band of 90 % lies within the limit; negative: how far it reaches beyond."""
+        return min(self.low - self.limit.least, self.limit.most - self.high)
 
 
 def requirement_row(
@@ -112,7 +124,7 @@ def judge(
     on_progress: Callable[[str, float], None] | None = None,
     jobs: int = 1,
 ) -> Iterator[RequirementRow]:
-    """Yield every requirement of the gear, in the order of `limits.REQUIRED`.
+    """Yield every requirement that has a limit, in the order of `limits.REQUIRED`, then the metrics.
 
     Args:
         gear: its own load mass is the weight of the efficiencies.
@@ -124,41 +136,91 @@ def judge(
         jobs: number of processes, for bands that are worth them.
 
     Raises:
-        InputError: a rated torque that is none.
+        InputError: a rated torque that is none, or a metric that no scene of the sheet has.
     """
     check_constant_ratio(gear, "a requirement sheet")
     if not rated_torque > 0:
         raise InputError(f"the rated torque is {rated_torque:g} N m; it must be more than 0 N m.")
+    sources = sources_of(limits, gear, inputs, rated_torque)
     few = max(samples // 2, FEWEST)
+    counts = {scene: samples if scene == TURN_FREELY else few for scene in STEPS}
+    counts = {scene: counts[scene] for scene in STEPS if scene in {of for of, _ in sources.values()}}
 
-    def counted(text: str, before: int) -> OnProgress:
-        """Count the samples of one band behind those before."""
+    def band_of(scene: str) -> Band:
+        names = list(counts)
+        before = sum(counts[each] for each in names[: names.index(scene)])
+        text = f"{STEPS[scene]} under {rated_torque:g} N m" if scene == RACK_LIFT.name else STEPS[scene]
 
         def report(done: int, of: int) -> None:
             if on_progress is not None:
-                on_progress(text, (before + done) / (samples + 2 * few))
+                on_progress(text, (before + done) / sum(counts.values()))
 
         report(0, 1)
-        return report
-
-    def band_of(scene: str, samples: int, report: OnProgress) -> BandOf:
         runs = quick_band if scene == TURN_FREELY else partial(band_of_runs, scene)
-        return lambda of: runs(of, FOR_MEANS, inputs, samples, on_progress=report, jobs=jobs)
+        tested = as_tested(gear, scene, rated_torque)
+        return runs(tested, FOR_MEANS, inputs, counts[scene], on_progress=report, jobs=jobs)
 
-    one = _Judged(gear, limits)
-    turning = band_of(TURN_FREELY, samples, counted("free torque and its variation", 0))
-    yield from one.turning(turning)
-    loaded = band_of(LOAD_TEST.name, few, counted("efficiencies", samples))
-    yield one.row("efficiency_ratio", partial(one.efficiency, loaded))
-    pair = GearPair.of(gear)
-    bears = borne_under(gear, rated_torque)
-    for name, form in {"rated_root_pinion": pinion_form(pair), "rated_root_rack": rack_form(pair)}.items():
-        yield one.row(name, partial(one.root, name, form, rated_torque, bears))
-    yield one.row("rated_flank", partial(one.flank, rated_torque, bears))
-    lifted = band_of(RACK_LIFT.name, few, counted(f"lift under {rated_torque:g} N m", samples + few))
-    yield one.row("rated_lift", partial(one.lift, rated_torque, lifted))
-    yield one.exact("travel", 2 * RackBar.of(gear).largest_displacement)
-    yield one.exact("gain", 2 * np.pi * float(pair.gain))
+    one = _Judged(gear, limits, rated_torque, band_of)
+    computed = {"efficiency_ratio": one.efficiency, **one.without_runs}
+    for name in sorted(limits, key=[*REQUIRED, *sources].index):
+        yield one.row(name, computed.get(name) or partial(one.of_band, name, *sources[name]))
+
+
+def numbers_without_runs(
+    names: Iterable[str], gear: SteeringGear, limits: Mapping[str, Limit], rated_torque: float
+) -> dict[str, float]:
+    """Return those requirements that follow from a gear's teeth alone; nan of one that cannot be computed."""
+    one = _Judged(gear, limits, rated_torque)
+    return {name: one.row(name, one.without_runs[name]).value for name in names}
+
+
+def sources_of(
+    names: Iterable[str], gear: SteeringGear, inputs: Mapping[str, Distribution], rated_torque: float
+) -> dict[str, tuple[str, str]]:
+    """Return name -> scene and metric of those requirements and metrics that runs give. The scene of a metric
+    is the first of the sheet's in which the gear at the medians has it.
+
+    Raises:
+        InputError: a metric that none of them has.
+    """
+    names = list(names)
+    found = {name: BY_RUNS[name] for name in names if name in BY_RUNS}
+    missing, had, problems = [name for name in names if name not in REQUIRED], dict[str, str](), list[str]()
+    for scene in STEPS if missing else ():
+        with suppress(InputError):  # of a gear that fails there, which the rows of that scene state
+            tested = as_tested(gear, scene, rated_torque)
+            for metric in nominal_result(scene, tested, FOR_MEANS, inputs).summary:
+                if metric not in LEFT_OUT:
+                    had.setdefault(metric, scene)
+        found |= {name: (had[name], name) for name in missing if name in had}
+        missing = [name for name in missing if name not in had]
+    for name in missing:
+        near = nearest_names(name, list(had), REQUIRED)
+        problems.append(f"the tests of this gear ({', '.join(STEPS)}) have no {name}; {near}.")
+    if problems:
+        raise InputError(problems)
+    return found
+
+
+def as_tested(gear: SteeringGear, scene: str, rated_torque: float) -> SteeringGear:
+    """Return the gear with the test of one of the sheet's scenes."""
+    return gear.replace(settings_of_test(gear, scene, rated_torque))
+
+
+def settings_of_test(gear: SteeringGear, scene: str, rated_torque: float) -> dict[str, object]:
+    """Return path -> value of the test of one of the sheet's scenes.
+
+    It turns freely over a turn about the centre, or lock to lock where the torque changes along the travel.
+    """
+    if scene == LOAD_TEST.name:
+        return {"test.path": "there-and-back", "test.turns": 2 / gear.pinion.teeth}
+    if scene == RACK_LIFT.name:
+        return {"test.lift_torque": rated_torque}
+    changing = gear.rack.bow or gear.rack.pitch_errors or measured_flanks(gear).change_along_travel
+    if changing or gear.installation.gravity:
+        return {"test.path": "lock-to-lock"}
+    start = -np.pi * gear.test.direction
+    return {"test.path": "there-and-back", "test.start_angle": start, "test.turns": 1.0}
 
 
 def law_of_sheet(gear: SteeringGear) -> str:
@@ -200,6 +262,43 @@ class _Judged:
 
     gear: SteeringGear
     limits: Mapping[str, Limit]
+    rated_torque: float
+    band_of: BandOf | None = None
+    bands: dict[str, Band | InputError] = field(default_factory=dict)  # of scenes that were run
+
+    @cached_property
+    def pair(self) -> GearPair:
+        return GearPair.of(self.gear)
+
+    @property
+    def without_runs(self) -> dict[str, Callable[[], RequirementRow]]:
+        """Requirements that have no band."""
+        return {
+            "rated_root_pinion": lambda: self.root("rated_root_pinion", pinion_form(self.pair)),
+            "rated_root_rack": lambda: self.root("rated_root_rack", rack_form(self.pair)),
+            "rated_flank": self.flank,
+            "travel": lambda: self.exact("travel", 2 * RackBar.of(self.gear).largest_displacement),
+            "gain": lambda: self.exact("gain", 2 * np.pi * float(self.pair.gain)),
+        }
+
+    @cached_property
+    def bears(self) -> FaceLoading:
+        return borne_under(self.gear, self.rated_torque)
+
+    def band(self, scene: str) -> Band:
+        """The band of a scene, computed once.
+
+        Raises:
+            InputError: there is none.
+        """
+        if scene not in self.bands and self.band_of is not None:
+            try:
+                self.bands[scene] = self.band_of(scene)
+            except InputError as error:
+                self.bands[scene] = error
+        if isinstance(found := self.bands[scene], InputError):
+            raise found
+        return found
 
     def row(self, name: str, computed: Callable[[], RequirementRow]) -> RequirementRow:
         """One requirement, not evaluated with the cause where computing it fails."""
@@ -209,7 +308,7 @@ class _Judged:
             return self.not_evaluated(name, error)
         if not row.is_close:
             return row
-        half = REQUIRED[name].show(row.error)
+        half = quantity_of(name).show(row.error)
         close = f"Too close to the limit to tell within the numerical error, ± {half}"
         return replace(row, remark="; ".join(each for each in (close, row.remark) if each))
 
@@ -223,8 +322,9 @@ class _Judged:
         value, limit = float(value), self.limits[name]
         return replace(requirement_row(name, limit, (value,) * 3, float(limit.keeps(value))), error=error)
 
-    def of_band(self, name: str, metric: str, band: Band) -> RequirementRow:
-        """Judge a metric by its band: the share of its runs; failed ones keep nothing."""
+    def of_band(self, name: str, scene: str, metric: str) -> RequirementRow:
+        """Judge a metric by the band of a scene: the share of its runs; failed ones keep nothing."""
+        band = self.band(scene)
         if metric not in band.metrics:
             raise InputError(f"the runs give no {metric}.")
         limit, numbers = self.limits[name], band.drawn.numbers[metric]
@@ -237,26 +337,10 @@ class _Judged:
         row = requirement_row(name, limit, values, share, missing / numbers.size, remark)
         return replace(row, error=band.nominal.errors.get(metric, 0.0))
 
-    def turning(self, band_of: BandOf) -> Iterator[RequirementRow]:
-        """Torques over a turn about the centre; lock to lock where the torque changes along the travel."""
-        gear, path = self.gear, dict[str, object]({"test.path": "lock-to-lock"})
-        changing = gear.rack.bow or gear.rack.pitch_errors or measured_flanks(gear).change_along_travel
-        if not (changing or gear.installation.gravity):
-            start = -np.pi * gear.test.direction
-            path = {"test.path": "there-and-back", "test.start_angle": start, "test.turns": 1.0}
-        try:
-            band = band_of(gear.replace(path))
-        except InputError as error:
-            yield from (self.not_evaluated(name, error) for name in TURNING)
-            return
-        for name, metric in TURNING.items():
-            yield self.row(name, partial(self.of_band, name, metric, band))
-
-    def efficiency(self, band_of: BandOf) -> RequirementRow:
+    def efficiency(self) -> RequirementRow:
         """The ratio of the efficiencies, and the weight that it would take."""
         gear = self.gear
-        short = gear.replace({"test.path": "there-and-back", "test.turns": 2 / gear.pinion.teeth})
-        judged = self.of_band("efficiency_ratio", "efficiency_ratio", band_of(short))
+        judged = self.of_band("efficiency_ratio", *BY_RUNS["efficiency_ratio"])
         weight = f"With {gear.test.load_mass:.4g} kg; the ratio is about 1 − (T₀ / W s′)²"
         if judged.verdict is Verdict.PASS:
             return replace(judged, remark=weight)
@@ -264,9 +348,9 @@ class _Judged:
         found = f"it would take {enough:.3g} kg" if enough else f"no weight up to {HEAVIEST:g} kg is enough"
         return replace(judged, remark=f"{weight}: {found} at the medians, by the closed form")
 
-    def root(self, name: str, form: ToothForm, torque: float, bears: FaceLoading) -> RequirementRow:
+    def root(self, name: str, form: ToothForm) -> RequirementRow:
         """The standard's stress times K_F-beta, and what was chosen for it."""
-        pair = GearPair.of(self.gear)
+        pair, bears, torque = self.pair, self.bears, self.rated_torque
         factor = root_load_factor(pair, form, bears.factor)
         stress = root_stress(self.gear, form, torque)
         error = (root_load_factor(pair, form, bears.factor + bears.error) - factor) * stress
@@ -275,19 +359,14 @@ class _Judged:
         row = self.exact(name, factor * stress, error)
         return replace(row, remark=f"{_face(pair)}, {inclined}, {known}")
 
-    def flank(self, torque: float, bears: FaceLoading) -> RequirementRow:
+    def flank(self) -> RequirementRow:
         """The standard's stress times the root of K_H-beta, and what was chosen for it."""
-        pair = GearPair.of(self.gear)
-        stress = float(np.sqrt(bears.factor)) * flank_stress(self.gear, torque)
+        pair, bears = self.pair, self.bears
+        stress = float(np.sqrt(bears.factor)) * flank_stress(self.gear, self.rated_torque)
         ratio = transverse_contact_ratio(pair)
         shared = f"Z_epsilon {flank_sharing(pair):.3g} for a contact ratio of {ratio:.2g}"
         row = self.exact("rated_flank", stress, stress * bears.error / (2 * bears.factor))
         return replace(row, remark=f"{_face(pair)}, {shared}, all other K = 1; {bears.words}")
-
-    def lift(self, torque: float, band_of: BandOf) -> RequirementRow:
-        """The rack's lift under the torque [N m]."""
-        band = band_of(self.gear.replace({"test.lift_torque": torque}))
-        return self.of_band("rated_lift", "rack_lift", band)
 
 
 def _face(pair: GearPair) -> str:

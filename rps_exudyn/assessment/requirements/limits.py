@@ -1,13 +1,19 @@
-"""The limits of the requirement sheet: what is asked for, in which unit, and by whom."""
+"""The limits of the requirement sheet: what is asked for, in which unit, and by whom.
+
+A limit has the name of a requirement, or of a metric of the scenes that the sheet runs.
+"""
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import shown
 from rps_exudyn.parameters.declaration import read_toml
+from rps_exudyn.parameters.wrong_values import nearest_names
+from rps_exudyn.results import quantities
 from rps_exudyn.results.limit import Limit, limit_of
-from rps_exudyn.results.quantities import Quantity
+from rps_exudyn.results.quantities import SUMMARY, Quantity
 
 SHIPPED = Path(__file__).with_name("limits.toml")
 TORQUE, STRESS = ("N*m", "N*m"), ("Pa", "MPa")
@@ -41,26 +47,54 @@ LABELS = {
 """Name of a requirement -> its label for readers, and under what it holds ({torque}: the rated one)."""
 
 
+def quantity_of(name: str) -> Quantity:
+    """Return the number that is judged by a requirement, or a metric."""
+    return REQUIRED.get(name) or SUMMARY[name]
+
+
+def label_of(name: str) -> tuple[str, str]:
+    """Return the label of a requirement or a metric, and what stands below it."""
+    usual = quantities.LABELS.get(name, name.replace("_", " "))
+    return LABELS[name] if name in LABELS else (usual, SUMMARY[name].long_name)
+
+
 def read_limits(path: Path | None = None) -> dict[str, Limit]:
     """Return the shipped limits, single ones replaced by those of a file.
 
     Raises:
         InputError: everything that is wrong with the file: name, key, and what is allowed.
     """
-    limits = _limits(SHIPPED)
-    return limits | (_limits(path) if path else {})
+    limits = read_only(SHIPPED)
+    return limits | (read_only(path) if path else {})
 
 
-def _limits(file: Path) -> dict[str, Limit]:
+def read_only(file: Path) -> dict[str, Limit]:
+    """Return the limits of a file alone.
+
+    Raises:
+        InputError: everything that is wrong with the file, or a file without a limit.
+    """
+    return limits_in(read_toml(file), str(file))
+
+
+def limits_in(tables: Mapping[str, Any], file: str) -> dict[str, Limit]:
+    """Return the limits of tables with most, least and source, name -> table.
+
+    Raises:
+        InputError: everything that is wrong with them; `file` names their origin.
+    """
     problems: list[str] = []
     found = {}
-    for name, table in read_toml(file).items():
-        if name not in REQUIRED:
-            problems.append(f"{file}: {name} is no requirement; there are {', '.join(REQUIRED)}.")
+    for name, table in tables.items():
+        if name not in REQUIRED and name not in SUMMARY:
+            near = nearest_names(name, [*REQUIRED, *SUMMARY], REQUIRED)
+            problems.append(f"{file}: {name} is no requirement and no metric; {near}.")
         elif not isinstance(table, Mapping) or not table.keys() & {"most", "least"}:
             problems.append(f"{file}: {name} is {shown(table)}; it must be a table with most, least or both.")
         else:
-            found[name] = limit_of(f"{file}: {name}.", table, REQUIRED[name], problems)
+            found[name] = limit_of(f"{file}: {name}.", table, quantity_of(name), problems)
+    if not tables:
+        problems.append(f'{file} has no limit; a line of it is free_torque = {{ most = "1.5 N*m" }}.')
     if problems:
         raise InputError(problems)
     return found

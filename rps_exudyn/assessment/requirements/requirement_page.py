@@ -5,7 +5,7 @@ from math import isnan
 from typing import Any
 
 from rps_exudyn.assessment.requirements.judging import ASSURED, RequirementRow, law_of_sheet
-from rps_exudyn.assessment.requirements.limits import LABELS, REQUIRED
+from rps_exudyn.assessment.requirements.limits import label_of, quantity_of
 from rps_exudyn.pages.report.html import make_again, parameter_grid
 from rps_exudyn.pages.report.judged import ORDER, judgement, mark_of
 from rps_exudyn.pages.report.result_sheet import gear_shown, listed
@@ -21,7 +21,7 @@ WORDS = {Mark.NOT_KEPT: "not kept", Mark.OPEN: "open", Mark.KEPT: "kept"}
 
 
 def requirement_page(
-    sheet: Sequence[RequirementRow], gear: SteeringGear, torque: float, command: str
+    sheet: Sequence[RequirementRow], gear: SteeringGear, torque: float, command: str, margins: bool = False
 ) -> Sheet:
     """Return the sheet of all requirements.
 
@@ -30,17 +30,18 @@ def requirement_page(
         gear: that was judged.
         torque: rated one, on the pinion [N m].
         command: that makes it again.
+        margins: whether the margins of what is not kept are stated.
     """
     of = {mark: [each for each in sheet if mark_of(each) is mark] for mark in ORDER}
     kept = f"{len(of[Mark.KEPT])} of {len(sheet)}"
     rows = [Row(kept, f"requirements kept by {100 * ASSURED:.0f} % of the gears")]
     for mark in ORDER:
         if mark is Mark.NOT_KEPT:
-            rows += [Row(WORDS[mark], _missed(each)) for each in of[mark]]
+            rows += [Row(WORDS[mark], _missed(each) + _margin(each) * margins) for each in of[mark]]
         elif of[mark]:
-            rows.append(Row(WORDS[mark], listed([LABELS[each.name][0] for each in of[mark]])))
+            rows.append(Row(WORDS[mark], listed([label_of(each.name)[0] for each in of[mark]])))
     changed = gear.changes()
-    sources = [[LABELS[each.name][0], each.limit.source, each.remark, each.name] for each in sheet]
+    sources = [[label_of(each.name)[0], each.limit.source, each.remark, each.name] for each in sheet]
     heads = ("requirement", "source", "computed by", "name in the file")
     details = [
         Fold("Sources of the limits, and choices", [Grid(heads, sources)]),
@@ -54,7 +55,7 @@ def requirement_page(
         rows=rows,
         text=_text(sheet, gear, torque),
         more="limits, bands and sources",
-        data=lambda: _as_dict(sheet, gear),
+        data=lambda: _as_dict(sheet, gear, margins),
         sections=[Section("All requirements", [Judged(HEADS, judged)]), Section("Details", details)],
         gear=gear,
     )
@@ -63,7 +64,7 @@ def requirement_page(
 def _text(sheet: Sequence[RequirementRow], gear: SteeringGear, torque: float) -> Iterator[Block]:
     rows = []
     for each in sheet:
-        quantity = REQUIRED[each.name]
+        quantity = quantity_of(each.name)
         nominal = shown_with_bar(quantity, each.value, each.error) if each.is_known else ""
         band = each.band_shown(quantity.show)
         share = f"{each.share:.0%}" if band else ""
@@ -71,12 +72,12 @@ def _text(sheet: Sequence[RequirementRow], gear: SteeringGear, torque: float) ->
     yield Grid(COLUMNS, rows)
     for each in sheet:
         remark = f" {each.remark}." if each.remark else ""
-        yield Text(f"{each.name}: {REQUIRED[each.name].long_name}. From: {each.limit.source}.{remark}")
+        yield Text(f"{each.name}: {quantity_of(each.name).long_name}. From: {each.limit.source}.{remark}")
     yield Text(f"Rated torque {torque:g} N m. Contact law {law_of_sheet(gear)}.")
     yield Text(f"A requirement passes if {ASSURED:.0%} of the gears keep it.")
 
 
-def _as_dict(sheet: Sequence[RequirementRow], gear: SteeringGear) -> dict[str, Any]:
+def _as_dict(sheet: Sequence[RequirementRow], gear: SteeringGear, margins: bool) -> dict[str, Any]:
     """For JSON, which has no nan: None stands for what is missing."""
     rows = {
         each.name: {
@@ -84,11 +85,12 @@ def _as_dict(sheet: Sequence[RequirementRow], gear: SteeringGear) -> dict[str, A
             "nominal": _known(each.value),
             "error": _known(each.error) if each.is_known else None,
             "band": [_known(each.low), _known(each.high)],
-            "unit": REQUIRED[each.name].unit,
-            "limit": each.limit.show(REQUIRED[each.name]),
+            "unit": quantity_of(each.name).unit,
+            "limit": each.limit.show(quantity_of(each.name)),
             "share": each.share,
             "source": each.limit.source,
             "remark": each.remark,
+            **({"margin": _known(each.margin)} if margins else {}),
         }
         for each in sheet
     }
@@ -102,7 +104,7 @@ def _known(value: float) -> float | None:
 
 def _missed(each: RequirementRow) -> str:
     """The number of a requirement that is not kept, the limits it misses, and how many gears keep them."""
-    label, quantity, limit = LABELS[each.name][0], REQUIRED[each.name], each.limit
+    label, quantity, limit = label_of(each.name)[0], quantity_of(each.name), each.limit
     number = f"{label} {rounded(quantity, each.value, like=limit.finite)}"
     if each.low == each.high:
         return f"{number}; limit {limit.missed(each.value, each.value).show(quantity)}"
@@ -111,9 +113,15 @@ def _missed(each: RequirementRow) -> str:
     return f"{number}, {band} in 90 % of gears; limit {missed}, kept by {100 * each.share:.0f} %"
 
 
+def _margin(each: RequirementRow) -> str:
+    """How far the limit is missed, and where there is no band, that no gear keeps it."""
+    shown = rounded(quantity_of(each.name), each.margin, like=each.limit.finite)
+    return f", margin {shown}" + ", kept by 0 %" * (each.low == each.high)
+
+
 def _judged(each: RequirementRow, torque: float) -> Judgement:
-    label, note = LABELS[each.name]
-    quantity = REQUIRED[each.name]
+    label, note = label_of(each.name)
+    quantity = quantity_of(each.name)
     mark = mark_of(each)
 
     def show(value: float) -> str:

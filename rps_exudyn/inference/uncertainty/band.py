@@ -10,7 +10,7 @@ the error bars of its runs, and the error of the contact law.
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field, replace
+from dataclasses import astuple, dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -121,6 +121,13 @@ class Band:
             },
             "contributions": {
                 name: {**each.fractions, "together": each.together}
+                for name, each in self.contributions.items()
+            },
+            "effects": {
+                name: {
+                    path: dict(zip(("slope", "error", "elasticity"), _plain(astuple(effect)), strict=True))
+                    for path, effect in each.effects.items()
+                }
                 for name, each in self.contributions.items()
             },
             "law_error": self.law.mean_torque if self.law else None,
@@ -325,7 +332,8 @@ def contributions_of(drawn: Drawn) -> dict[str, Contributions]:
             continue
         key = known.tobytes()
         if key not in fitted:
-            fitted[key] = statistics.Polynomials.at(drawn.samples.quantile[known], groups)
+            values = {path: column[known] for path, column in drawn.samples.values.items()}
+            fitted[key] = statistics.Polynomials.at(drawn.samples.quantile[known], groups, values)
         if each := fitted[key].contributions(numbers[known]):
             found[name] = each
     return found

@@ -78,7 +78,8 @@ def quick_band(
     at_runs = done.drawn.numbers[METRIC] / formula_torques(gear, done.drawn.samples)
     means, resampled = _corrected(done.drawn.samples.quantile, at_runs, points.quantile, formula)
     band, of_mean = done.band(nominal, inputs), statistics.quantiles(means, resampled=resampled)
-    mean = statistics.Polynomials.at(points.quantile, points.inputs.groups).contributions(means)
+    polynomials = statistics.Polynomials.at(points.quantile, points.inputs.groups, points.values)
+    mean = polynomials.contributions(means)
     return replace(
         band,
         method=f"closed form at {POINTS} points, corrected by {len(done.drawn.samples)} runs",

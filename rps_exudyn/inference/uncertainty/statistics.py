@@ -1,7 +1,7 @@
 """Statistics of drawn numbers: quantiles with their errors, and the contribution of each input."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.polynomial.legendre import legval
@@ -101,7 +101,35 @@ def _at(known: np.ndarray, levels: np.ndarray, beyond: float) -> np.ndarray:
 # off. Inputs that vary together have one contribution, the variance of the sum of their polynomials.
 
 POINTS_PER_TERM = 8  # least
-HIGHEST_DEGREE = 3
+FEWEST_PER_TERM = 2  # up to parabolas: a number may be as large for both signs of an error
+PARABOLA, HIGHEST_DEGREE = 2, 3
+
+
+@dataclass(frozen=True)
+class Effect:
+    """What an input does to a number: the slope of the straight line through its polynomial, SI."""
+
+    slope: float
+    error: float  # standard error of the slope
+    elasticity: (
+        float  # per cent of the number for a per cent of the input; nan where one of them changes sign
+    )
+
+    @property
+    def is_clear(self) -> bool:
+        """Whether chance does not explain its sign."""
+        return abs(self.slope) > 2 * self.error
+
+    @property
+    def words(self) -> str:
+        """Its sign, with the elasticity where there is one; "" of an effect that chance explains."""
+        if not self.is_clear:
+            return ""
+        return ("+" if self.slope > 0 else "−") if np.isnan(self.elasticity) else _signed(self.elasticity)
+
+
+def _signed(value: float) -> str:
+    return f"{value:+.2g}".replace("-", "−")
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,6 +139,23 @@ class Contributions:
     fractions: dict[str, float]  # input -> its own
     together: float  # not explained by single inputs
     error: float  # standard error of a fraction, by the number of points
+    effects: Mapping[str, Effect] = field(default_factory=dict)  # of each input, also of those in a group
+
+    def effect_of(self, group: str) -> str:
+        """Return the effects of a group's inputs, one after the other, "" where none is clear."""
+        paths = [path for path in self.effects if path in group.split(" with ")]
+        shown = [self.effects[path].words for path in paths]
+        return ", ".join(each or "?" for each in shown) if any(shown) else ""
+
+
+def legendre_terms(u: np.ndarray, degree: int) -> np.ndarray:
+    """Return 1 and the polynomials of each input at quantiles (n, inputs), shape (n, 1 + inputs degree)."""
+    columns = [  # of mean 0 and variance 1 over 0 to 1
+        np.sqrt(2 * d + 1) * legval(2 * each - 1, np.eye(d + 1)[d])
+        for each in u.T
+        for d in range(1, degree + 1)
+    ]
+    return np.stack([np.ones(len(u)), *columns], axis=1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,34 +166,38 @@ class Polynomials:
     degree: int  # 0 where there are too few points
     terms: np.ndarray  # (n, 1 + inputs degree)
     inverse: np.ndarray  # of the terms, (1 + inputs degree, n)
+    values: Mapping[str, np.ndarray]  # input -> its values (n,), SI
 
     @classmethod
-    def at(cls, u: np.ndarray, groups: Mapping[str, Sequence[int]]) -> "Polynomials":
-        """From quantiles of the inputs, shape (n, inputs), even over 0 to 1, of independent groups."""
+    def at(
+        cls,
+        u: np.ndarray,
+        groups: Mapping[str, Sequence[int]],
+        values: Mapping[str, np.ndarray] | None = None,
+    ) -> "Polynomials":
+        """From quantiles of the inputs, shape (n, inputs), even over 0 to 1, of independent groups; with the
+        values of all inputs contributions have effects."""
         count, inputs = u.shape
         degree = min(HIGHEST_DEGREE, count // (POINTS_PER_TERM * inputs))
-        columns = [  # of mean 0 and variance 1 over 0 to 1
-            np.sqrt(2 * d + 1) * legval(2 * u[:, i] - 1, np.eye(d + 1)[d])
-            for i in range(inputs)
-            for d in range(1, degree + 1)
-        ]
-        terms = np.stack([np.ones(count), *columns], axis=1)
-        return cls(groups, degree, terms, np.linalg.pinv(terms))
+        degree = max(degree, min(PARABOLA, (count // FEWEST_PER_TERM - 1) // inputs))
+        terms = legendre_terms(u, degree)
+        return cls(groups, degree, terms, np.linalg.pinv(terms), values or {})
 
     def contributions(self, numbers: np.ndarray) -> Contributions | None:
         """Return what each group contributes to the variance of finite numbers at the points, shape (n,);
         None if they do not vary, or are too few."""
         if not np.ptp(numbers) > 1e-9 * np.abs(numbers).max():
             return None
-        if len(self.groups) == 1:  # nothing else varies
-            return Contributions(dict.fromkeys(self.groups, 1.0), 0.0, 0.0)
-        if self.degree < 1:
-            return None
+        if self.degree < 1:  # one group: nothing else varies
+            return Contributions(dict.fromkeys(self.groups, 1.0), 0.0, 0.0) if len(self.groups) == 1 else None
         count = len(numbers)
         scaled = (numbers - numbers.mean()) / numbers.std()
         coefficients = self.inverse @ scaled
         left = scaled - self.terms @ coefficients
         noise = float(left @ left) / max(count - self.terms.shape[1], 1)
+        effects = self._effects(numbers, np.sqrt(noise) * numbers.std())
+        if len(self.groups) == 1:
+            return Contributions(dict.fromkeys(self.groups, 1.0), 0.0, 0.0, effects)
         chance = noise * (self.inverse[1:] ** 2).sum(axis=1)
         single = (coefficients[1:] ** 2 - chance).reshape(-1, self.degree).sum(axis=1)
         found = [
@@ -159,7 +208,24 @@ class Polynomials:
         whole = float(each.sum()) + noise  # not the sample's variance, which chance correlations change
         shares = zip(self.groups, (each / whole).tolist(), strict=True)
         fractions = dict(sorted(shares, key=lambda pair: -pair[1]))
-        return Contributions(fractions, noise / whole, float(2 * np.sqrt(self.degree * noise / count)))
+        error = float(2 * np.sqrt(self.degree * chance.mean()))
+        return Contributions(fractions, noise / whole, error, effects)
+
+    def _effects(self, numbers: np.ndarray, noise: float) -> dict[str, Effect]:
+        """The straight line through each input's polynomial over its values; `noise` is the standard
+        deviation of what the polynomials leave."""
+        found = {}
+        for i, (path, values) in enumerate(self.values.items()):
+            columns = slice(1 + i * self.degree, 1 + (i + 1) * self.degree)
+            centred = values - values.mean()
+            if not (variance := float(centred @ centred)):
+                continue
+            weights = (centred @ self.terms[:, columns]) @ self.inverse[columns] / variance
+            slope, changes_sign = float(weights @ numbers), values.min() * values.max() < 0
+            changes_sign |= bool(numbers.min() * numbers.max() <= 0)
+            elasticity = np.nan if changes_sign else slope * float(values.mean() / numbers.mean())
+            found[path] = Effect(slope, noise * float(np.linalg.norm(weights)), elasticity)
+        return found
 
     def _together(self, group: Sequence[int], coefficients: np.ndarray, noise: float) -> float:
         """Variance of the sum of a group's polynomials, without what chance adds."""

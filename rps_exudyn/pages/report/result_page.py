@@ -22,7 +22,14 @@ from rps_exudyn.pages.charts.signals import signals_figure
 from rps_exudyn.pages.charts.style import about, scene_of
 from rps_exudyn.pages.report import html
 from rps_exudyn.pages.report.pictures import at_widths, picture
-from rps_exudyn.pages.report.result_sheet import REMARK, WORK_LOST, loss_shares, sheet_of, summary_grid
+from rps_exudyn.pages.report.result_sheet import (
+    REMARK,
+    WORK_LOST,
+    loss_shares,
+    sheet_of,
+    shown_effects,
+    summary_grid,
+)
 from rps_exudyn.parameters.display_names import GEAR_FACTS, named
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import error_of_law
@@ -134,6 +141,7 @@ Compared = Sequence[AgainstMeasured] | None
 QUANTITIES = ("quantity", "value", "definition")
 HEAD_SIZES = ("total_contact_ratio", "travel_per_turn", "tip_diameter", "crest_width", "toothed_length")
 MOST_SHARES = 6  # inputs that make the band, by name
+MOST_EFFECTS = 4  # the same in a cell
 DEFLECTIONS = ("rack_y", "rack_roll")
 
 
@@ -211,8 +219,25 @@ def _scatter(band: Band) -> Iterable[Section]:
         for name, each in band.metrics.items()
     ]
     grid = Grid(("quantity", "5 %", "median", "95 %", "numerical error"), rows)
-    fold = Fold(f"Quantiles of {len(rows)} quantities", [grid])
-    yield Section("Scatter", [*map(Warning, causes), *found, fold])
+    folds = [Fold(f"Quantiles of {len(rows)} quantities", [grid])]
+    if band.contributions:
+        folds.insert(0, Fold("Inputs that make quantities scatter", [effects_grid(band)]))
+    yield Section("Scatter", [*map(Warning, causes), *found, *folds])
+
+
+def effects_grid(band: Band) -> Grid:
+    """The inputs that scatter each metric most; of those that scatter by more than their numerical error."""
+    errors = {name: each.of_sample for name, each in band.drawn.numerical.items()}
+    rows = [
+        [name, shown_effects(each, MOST_EFFECTS), f"{100 * each.together:.0f} %", f"{100 * each.error:.0f} %"]
+        for name, each in band.contributions.items()
+        if band.metrics[name].half_width > errors.get(name, 0.0)
+    ]
+    caption = (
+        "Shares of the variance; in brackets the sign of the effect, or the elasticity: per cent of the "
+        "quantity for a per cent of the input."
+    )
+    return Grid(("quantity", "inputs", "acting together", "chance"), rows, caption)
 
 
 def _curves(result: Result, band: Band | None) -> Iterable[Block]:

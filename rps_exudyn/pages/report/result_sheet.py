@@ -25,13 +25,15 @@ if TYPE_CHECKING:
     from rps_exudyn.analysis.measured import AgainstMeasured
     from rps_exudyn.analysis.result_comparison import SignalPair
     from rps_exudyn.inference.uncertainty.band import Band
+    from rps_exudyn.inference.uncertainty.statistics import Contributions
 
 MANY_CHANGES = 3  # parameters that are not named
 MOST_METRICS = 3  # of a scene
+WITH_SCATTER = 2  # of them, whose inputs are named
 MOST_ROWS = 6  # with title and files a sheet has 8 lines
 REPEATED = ("torque_on_centre",)  # the mean again, over fewer angles
 REMARK, WORK_LOST = "remark", "work lost"
-LEAST_SHARE = 0.005  # of the work lost, below which a part is not named
+LEAST_SHARE = 0.005  # of the work lost, or of a variance, below which a part is not named
 
 
 def sheet_of(
@@ -45,9 +47,12 @@ def sheet_of(
     law = law_error(result.gear, result.fidelity)
     model = f"{result.fidelity['name']}; law {law.law}" if law else result.fidelity["name"]
     state = "" if result.status is Status.OK else f" ({result.status})"
-    rows = [*_measured(result, compared), *_band(band)]
+    rows = [*_measured(result, compared), *_band(band, _printed(result)[:WITH_SCATTER])]
     remarks = sentences(result.message) if result.message else []
-    if (shares := loss_shares(result)) and len(rows) + bool(remarks) + 1 < MOST_ROWS:
+    room = (
+        MOST_ROWS - bool(remarks) - (band is not None)
+    )  # of a band, two metrics are shown with their inputs
+    if (shares := loss_shares(result)) and len(rows) + 1 < room:
         lost = ", ".join(f"{PARTS[part]} {100 * share:.0f} %" for part, share in shares.items())
         rows.append(Row(WORK_LOST, lost))
     if remarks:
@@ -86,15 +91,18 @@ def changes_shown(gear: SteeringGear, but_for: Container[str] = ()) -> str:
     return text + (f", {derived} derived" if derived else "")
 
 
-def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
-    """The scene's own number and others that have a label, with their error bars; the error of the contact
-    law beside them."""
+def _printed(result: Result) -> list[str]:
+    """The scene's own number and others that have a label."""
     summary, first = result.summary, scene_named(result.scene).main_metric if is_scene(result.scene) else ""
     others = [name for name in LABELS if name not in (first, *REPEATED)]
     names = [name for name in (first, *others) if name in summary]
     shown = {name: rounding.rounded(SUMMARY[name], summary[name]) for name in names[1:]}
-    names = [*names[:1], *(name for name in shown if not shown[name].startswith("0 "))]
-    law, names = law_error(result.gear, result.fidelity), names[:MOST_METRICS]
+    return [*names[:1], *(name for name in shown if not shown[name].startswith("0 "))][:MOST_METRICS]
+
+
+def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
+    """These numbers with their error bars; the error of the contact law beside them."""
+    names, summary, law = _printed(result), result.summary, law_error(result.gear, result.fidelity)
     largest: dict[str, float] = {}  # unit -> number whose unit all others of it have
     for name in names:
         unit = SUMMARY[name].unit
@@ -128,16 +136,24 @@ def _measured(result: Result, compared: "Sequence[AgainstMeasured] | None") -> I
         yield Row(rounding.rounded(SUMMARY["torque_mean"], found), about)
 
 
-def _band(band: "Band | None") -> Iterable[Row]:
+def _band(band: "Band | None", printed: Sequence[str]) -> Iterable[Row]:
     if band is None:
         return
     count, failed = len(band.drawn.samples), band.drawn.failed
-    name = scene_named(band.nominal.scene).main_metric
-    if (shares := band.contributions.get(name)) is not None:
-        largest = [f"{named(path)} {100 * share:.0f} %" for path, share in list(shares.fractions.items())[:2]]
-        yield Row("scatter", f"of the {LABELS.get(name, name)}: {', '.join(largest)}")
+    for name in printed:
+        if (shares := band.contributions.get(name)) is not None:
+            yield Row("scatter", f"of the {LABELS.get(name, name)}: {shown_effects(shares, 2)}")
     state = f", {failed} failed" * (failed > 0) + ", interrupted" * band.interrupted
     yield Row("band", f"{count} gears{state}; {band.method}")
+
+
+def shown_effects(shares: "Contributions", most: int) -> str:
+    """The inputs with the largest shares of a metric's variance, each with its effect in brackets."""
+    named_shares = [each for each in shares.fractions.items() if each[1] >= LEAST_SHARE]
+    largest = named_shares[:most]
+    effects = [f" ({effect})" if (effect := shares.effect_of(group)) else "" for group, _ in largest]
+    each = zip(largest, effects, strict=True)
+    return ", ".join(f"{named(group)} {100 * share:.0f} %{effect}" for (group, share), effect in each)
 
 
 # --- Every number of a result, as blocks and for JSON

@@ -484,7 +484,6 @@ def _curves_of_cases(
 # --- Bands of a study with the design `uncertain`: quantiles with errors, contributions
 
 LEAST_KNOWN = 8  # cases, for quantiles
-WITH_CONTRIBUTIONS = 6  # numbers
 
 
 def band_blocks(table: CaseTable, names: Sequence[str]) -> Iterable[Block]:
@@ -506,7 +505,7 @@ def band_blocks(table: CaseTable, names: Sequence[str]) -> Iterable[Block]:
         return
     yield Grid(head, rows, "Quantiles; errors are standard errors, from the number of samples")
     inputs = [name for name, values in table.axes.items() if values.dtype.kind == "f"]
-    for name in names[:WITH_CONTRIBUTIONS]:
+    for name in names:
         yield from _contributions(table, name, inputs)
 
 
@@ -518,10 +517,13 @@ def _contributions(table: CaseTable, name: str, inputs: list[str]) -> Iterable[B
     ranks = [np.argsort(np.argsort(table.axes[axis])) for axis in inputs]
     quantile = (np.stack(ranks, axis=1) + 0.5) / len(known)
     groups = groups_of(inputs, read_pairs(table.description.correlation, CORRELATION, []))
-    shares = Polynomials.at(quantile[known], groups).contributions(table.numbers[name][known])
+    values = {axis: table.axes[axis][known] for axis in inputs}
+    shares = Polynomials.at(quantile[known], groups, values).contributions(table.numbers[name][known])
     if shares is None:
         return
-    rows = [[axis, f"{share:.0%}"] for axis, share in shares.fractions.items()]
-    rows.append(["acting together", f"{shares.together:.0%}"])
+    rows = [[axis, f"{share:.0%}", shares.effect_of(axis)] for axis, share in shares.fractions.items()]
+    rows.append(["acting together", f"{shares.together:.0%}", ""])
     caption = f"Share of the variance of {words(name)}, each within {shares.error:.0%} by chance"
-    yield Fold(f"Contributions to {words(name)}", [Grid(("input", "share"), rows, caption)])
+    yield Fold(
+        f"Contributions to {words(name)}", [Grid(("input", "share", "sign or elasticity"), rows, caption)]
+    )
