@@ -8,9 +8,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 import rps_exudyn as rps
 from benchmarks.topic import Topic, begun, load_data, markdown, save_data
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
@@ -29,6 +32,7 @@ FALLING: Settings = {f"{part}.friction_law": "stribeck" for part in RUBBING_PART
     f"{part}.static_ratio": 1.2 for part in RUBBING_PARTS
 }
 SUPPORTED: Settings = {"fidelity.pinion": "supported"}
+GAIN = float(GearPair.of(GEAR).gain)  # [m/rad]
 LEAD_ERROR = 0.2e-3 * GEAR.pinion.face_width  # over the face [m]
 
 CHANGES: dict[str, Settings] = {
@@ -39,6 +43,9 @@ CHANGES: dict[str, Settings] = {
     "rack: no roll, yaw, pitch, sway": {"fidelity.rack": "guided"},
     "rack: rigid": {"fidelity.rack": "free"},
     "rack: bending": {"fidelity.rack": "flexible"},
+    "rack: 10 % more travel per turn outwards": {
+        "rack.ratio.centre": 2 * np.pi * GAIN, "rack.ratio.lock": 2.2 * np.pi * GAIN
+    },
     "rack: bow of 0.15 mm along Y": {"rack.bow": "0.15 mm"},
     "rack: bow of 0.15 mm along Z": {"rack.bow": "0.15 mm", "rack.bow_angle": "90 deg"},
     "rack: 98 N across its end along Z": {"rack.side_force": "98 N", "rack.side_angle": "90 deg"},

@@ -158,14 +158,12 @@ class _Middle(Table):
     """The travel per turn of scalars."""
 
     centre: TravelPerTurn = parameter(
-        "as cut",
+        0.0,
         "travel per turn of the pinion up to the angle from; as cut: of module and tooth angle",
         ge=0,
         le=1,
     )
-    lock: TravelPerTurn = parameter(
-        "as cut", "travel per turn beyond the angle to; as cut: constant", ge=0, le=1
-    )
+    lock: TravelPerTurn = parameter(0.0, "travel per turn beyond the angle to; as cut: constant", ge=0, le=1)
 
 
 _FROM: Any = {  # a word of the language, which names a field only so

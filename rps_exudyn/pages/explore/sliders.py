@@ -72,6 +72,10 @@ SLIDERS = (
     Slider("pinion.face_width", 8, 25, 0.5, "mm"),
     Slider("installation.axis_offset", -100, 100, 5, "um"),
     Slider("installation.angle_error", -1, 1, 0.05, "deg"),
+    Slider("rack.ratio.centre", 0, 60, 0.1, "mm"),
+    Slider("rack.ratio.lock", 0, 60, 0.1, "mm"),
+    Slider("rack.ratio.from", 0, 360, 5, "deg"),
+    Slider("rack.ratio.to", 0, 720, 5, "deg"),
 )
 LEAST_TURN = 1e-6  # of the pinion, over which a curve can be drawn [rad]
 BY_PATH = {slider.path: slider for slider in SLIDERS}
