@@ -44,6 +44,20 @@ ZOOMS = {
     "rps_exudyn.pages.charts.scene_figures.impact_figure": {1: CLOSE_UP, 2: CLOSE_UP},
     "rps_exudyn.pages.animation.geometry_figure.geometry_figure": {2: SECTION},
 }
+TWO = """
+fidelity = "closed-form"
+errors = "none"
+designs = 24
+population = 12
+confirm = [1, 0]
+[variables]
+yoke.preload = ["200 N", "400 N"]
+rack.tooth_angle = ["0 deg", "15 deg"]
+[objectives.torque_mean]
+[objectives.gain]
+goal = "most"
+"""
+"""Two objectives of two variables, quickly."""
 LONG = "a_long_name_of_a_file_with_$signs$_2024-04-03_12-00-00_run_17"
 SENTENCE = "the rack lies 12.4 mm beyond the teeth of the pinion at 143.2 deg, where no flank touches; " * 3
 
@@ -60,7 +74,19 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 def album(place: Path) -> Album:
     """The pictures of all commands."""
     album = Album(ZOOMS)
-    for draw in (scenes, measured, failures, bands, comparisons, gears, fits, validations, studies, others):
+    for draw in (
+        scenes,
+        measured,
+        failures,
+        bands,
+        comparisons,
+        gears,
+        fits,
+        validations,
+        studies,
+        designs,
+        others,
+    ):
         draw(album)
     return album
 
@@ -216,6 +242,15 @@ def studies(album: Album) -> None:
         remarks = {0: "limited: the yoke stops at its nut"} if name == "grid" else {}
         make_study(Path(name), result, study, remarks=remarks)
         do(album, "report", name)
+
+
+def designs(album: Album) -> None:
+    Path("wish.toml").write_text('free_torque.most = "0.7 N*m"\n')
+    do(album, "window", "yoke.preload", "--limits", "wish.toml", "--samples", "16", "--out", "window.png")
+    Path("two.toml").write_text(TWO)
+    do(album, "optimise", "two.toml", "--jobs", "1")
+    worn = str(ROOT / "studies" / "gears" / "worn_rack.toml")
+    do(album, "run", *QUICK, "--gear", worn, "--set", "test.turns=0.2", "--out", "worn.h5")
 
 
 def others(album: Album) -> None:

@@ -86,6 +86,7 @@ SERVERS = {
 TO_HELP = {
     "run --column": "--measured titled.csv",
     "export --set": "gear.stl",
+    "export --part": "gear.stl",
     "study --cluster": "study.toml",
     "fit --set": "free.csv",
     "judge-batch --set": "line",
@@ -109,10 +110,10 @@ class Lender(NamedTuple):
     hash: str  # of a case of the study
 
     def lend(self, name: str, folder: Path) -> None:
-        """Put a copy where a reader would have it."""
+        """Put a copy where a reader would have it; what the reader has made stays."""
         if (source := self.folder / name).is_dir():
             shutil.copytree(source, folder / name, dirs_exist_ok=True)
-        elif source.exists():
+        elif source.exists() and not (folder / name).exists():
             shutil.copy(source, folder / name)
 
 
@@ -131,7 +132,11 @@ def lender(tmp_path_factory: pytest.TempPathFactory) -> Lender:
     shutil.copytree(row, folder / "rows" / row.name)
     for name in ("measured.csv", "free.csv", "first.csv", "second.csv"):
         shutil.copy(EXAMPLES / "measured" / "made_up_free.csv", folder / name)
-    wishes = 'free_torque.most = "1.8 N*m"', 'torque_peak_to_peak.most = "0.3 N*m"'
+    wishes = (
+        'free_torque.least = "0.8 N*m"',
+        'free_torque.most = "1.8 N*m"',
+        'torque_peak_to_peak.most = "0.3 N*m"',
+    )
     (folder / "wish.toml").write_text("\n".join(wishes) + "\n")
     (folder / "line").mkdir()
     for number in range(5):
