@@ -16,6 +16,22 @@ unit = "N"
 values = [{preloads}]
 """
 
+TWO = """
+title = "Much travel per turn at little torque"
+fidelity = "closed-form"
+errors = "none"
+designs = 24
+population = 12
+confirm = [1, 0]
+[variables]
+yoke.preload = ["200 N", "400 N"]
+rack.tooth_angle = ["0 deg", "15 deg"]
+[objectives.torque_mean]
+[objectives.gain]
+goal = "most"
+"""
+"""An optimisation of two objectives and two variables, in a second."""
+
 STAND_IN = '''
 import os, signal, time
 import numpy as np

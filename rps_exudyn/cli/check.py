@@ -5,8 +5,15 @@ from pathlib import Path
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import check_writable
 from rps_exudyn.base.screen import shown_progress
-from rps_exudyn.base.units import to_si
-from rps_exudyn.cli.options import HEAD_ALONE, PAPER_GEAR, GearOptions, Inputs, Jobs, Printing
+from rps_exudyn.cli.options import (
+    HEAD_ALONE,
+    PAPER_GEAR,
+    GearOptions,
+    Inputs,
+    Jobs,
+    Printing,
+    rated_torque_of,
+)
 from rps_exudyn.cli.output import DONE, FAILED, command_line, present, printing
 
 
@@ -48,10 +55,7 @@ def check(
     asked = read_only(limits) if only and limits else read_limits(limits)
     if out is not None:
         check_writable(out, (".json", ".html"))
-    try:
-        torque = to_si(rated_torque, "N*m")
-    except ValueError as error:
-        raise InputError(f"--rated-torque {error}.") from None
+    torque = rated_torque_of(rated_torque)
     processes = checked_jobs(jobs)
     drawn = uncertain_inputs(chosen, inputs, own)
     with printing(shown.quiet):

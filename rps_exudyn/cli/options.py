@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import check_depth
-from rps_exudyn.base.units import short
+from rps_exudyn.base.units import short, to_si
 from rps_exudyn.cli.output import note
 
 if TYPE_CHECKING:
@@ -259,6 +259,18 @@ def _reporting_together(problems: list[str]) -> Iterator[None]:
         raise InputError(problems + error.problems) from None
     if problems:
         raise InputError(problems)
+
+
+def rated_torque_of(text: str) -> float:
+    """Return the torque that --rated-torque gives [N m].
+
+    Raises:
+        InputError: the text is no torque.
+    """
+    try:
+        return to_si(text, "N*m")
+    except ValueError as error:
+        raise InputError(f"--rated-torque {error}.") from None
 
 
 def chosen_columns(texts: Iterable[str]) -> Mapping[str, str]:

@@ -8,8 +8,7 @@ from cyclopts import Parameter
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import PICTURES, check_writable
 from rps_exudyn.base.screen import shown_progress
-from rps_exudyn.base.units import to_si
-from rps_exudyn.cli.options import HEAD_ALONE, PAPER_GEAR, GearOptions, Inputs, Printing
+from rps_exudyn.cli.options import HEAD_ALONE, PAPER_GEAR, GearOptions, Inputs, Printing, rated_torque_of
 from rps_exudyn.cli.output import DONE, FAILED, command_line, present, printing
 
 
@@ -51,10 +50,7 @@ def window(
     ranges = {path: each.split(",") for path, each in zip(parameters, between, strict=False)}
     if wrong := [each for each in between if each.count(",") != 1] or between[len(parameters) :]:
         raise InputError(f'--range has {wrong[0]!r}; it takes "LEAST, MOST", once for each parameter.')
-    try:
-        torque = to_si(rated_torque, "N*m")
-    except ValueError as error:
-        raise InputError(f"--rated-torque {error}.") from None
+    torque = rated_torque_of(rated_torque)
     chosen, own = gear.load(), gear.drawn()
     with printing(shown.quiet):
         with shown_progress() as show:

@@ -33,7 +33,7 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.assessment.requirements.judging import ASSURED, BY_RUNS
+from rps_exudyn.assessment.requirements.judging import ASSURED, BY_GEOMETRY, BY_RUNS
 from rps_exudyn.assessment.requirements.limits import REQUIRED, read_limits
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import shown, to_si
@@ -41,7 +41,6 @@ from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.inference.uncertainty.input_sets import SETS, carried, uncertain_inputs
 from rps_exudyn.optimisation.evaluation import numbers_of
 from rps_exudyn.optimisation.goals import (
-    FORMULAS,
     STRESSES,
     Constraint,
     Number,
@@ -152,7 +151,7 @@ def _following(made: Setup, path: str, name: str, wanted: float) -> Setup:
     here = float(made.value_at(path))
 
     def beyond(factor: float) -> float:
-        return float(FORMULAS[name](made.replace({path: here * factor}))) - wanted
+        return float(BY_GEOMETRY[name](made.replace({path: here * factor}))) - wanted
 
     try:
         factor = brentq(beyond, *FOLLOWS, xtol=1e-12) if beyond(1.0) else 1.0
@@ -235,14 +234,14 @@ class _ProblemKeys(Keys):
         keep = self.table(content, "keep")
         for name, path in keep.items():
             declared = self.declared.get(path) if isinstance(path, str) else None
-            if name not in FORMULAS or declared is None or declared.unit is None:
-                allowed = f"{' or '.join(FORMULAS)}, and a parameter with a number"
+            if name not in BY_GEOMETRY or declared is None or declared.unit is None:
+                allowed = f"{' or '.join(BY_GEOMETRY)}, and a parameter with a number"
                 self.wrong("keep", f"has {name} = {shown(path)}; it must be {allowed}.")
         for axis in study.axes:
             if axis.name in own or axis.name in keep.values():
                 self.wrong("variables", f"has {axis.name}, which is given by a distribution or by keep, too.")
         self.stop()
-        numbers = {name: float(FORMULAS[name](gear)) for name in keep}
+        numbers = {name: float(BY_GEOMETRY[name](gear)) for name in keep}
         problem = Problem(
             study, keep, (), (), errors, own, samples, population, (confirm[0], confirm[1]), numbers
         )
@@ -325,7 +324,7 @@ class _ProblemKeys(Keys):
         gear = [each.path for each in declared if each.unit is not None or each.field.annotation is int]
         if not self._is_known(where, of, [*SUMMARY, *REQUIRED, *gear]) or len(self.problems) > before:
             return None
-        if of in STRESSES or of in FORMULAS or of in gear:
+        if of in STRESSES or of in BY_GEOMETRY or of in gear:
             return Number(name, of)
         scene = (
             BY_RUNS[of][0] if of in BY_RUNS else self.choice(table, "scene", SCENE_NAMES, problem.study.scene)

@@ -7,10 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.assessment.requirements.judging import BY_RUNS, RATED_TORQUE, borne_under, settings_of_test
+from rps_exudyn.assessment.requirements.judging import (
+    BY_GEOMETRY,
+    BY_RUNS,
+    RATED_TORQUE,
+    borne_under,
+    settings_of_test,
+)
 from rps_exudyn.assessment.requirements.limits import REQUIRED
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.tooth_strength import (
     ToothForm,
     flank_stress,
@@ -41,11 +46,6 @@ STRESSES: Mapping[str, Callable[[SteeringGear, float], float]] = {
     "rated_flank": lambda gear, factor: float(np.sqrt(factor)) * flank_stress(gear, RATED_TORQUE),
 }
 """Requirement -> its number at the rated torque, from the gear and its face load factor."""
-FORMULAS: Mapping[str, Callable[[SteeringGear], float]] = {
-    "travel": lambda gear: 2 * RackBar.of(gear).largest_displacement,
-    "gain": lambda gear: 2 * np.pi * float(GearPair.of(gear).gain),
-}
-"""Requirement -> its number, from the gear's geometry."""
 
 
 @dataclass(frozen=True)
@@ -108,8 +108,8 @@ class Number:
         """
         if self.of in STRESSES:
             return STRESSES[self.of](gear, face_load_factor)
-        if self.of in FORMULAS:
-            return float(FORMULAS[self.of](gear))
+        if self.of in BY_GEOMETRY:
+            return float(BY_GEOMETRY[self.of](gear))
         return None if self.scene else float(gear.value_at(self.of))
 
 

@@ -9,7 +9,7 @@ import json
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 
 import numpy as np
@@ -83,7 +83,7 @@ class Search:
     designs: tuple[Design, ...]
     refused: Sequence[Group]
 
-    @property
+    @cached_property
     def front(self) -> list[Design]:
         """Return the designs that keep all limits and that no other one is better than in every objective, by
         the first objective."""

@@ -105,7 +105,8 @@ def own_meshes(gear: SteeringGear, chord_error: float) -> MeshData:
     if "rack" in given:
         polygons = _met(*given["rack"], pinion_tip - pair.bar_axis_height + DEEPEST * pair.module)
     else:
-        polygons, bends = own_polygons(gear, chord_error), own_bends(gear, chord_error)
+        polygons = own_polygons(gear, chord_error)
+        bends = own_bends(gear, polygons)
     if not len(corners) or not any(map(len, polygons)):
         raise InputError(f"{next(iter(given))}.surface does not reach the other part's teeth.")
     return mesh_data(corners, polygons, bends)
@@ -133,14 +134,14 @@ def own_polygons(gear: SteeringGear, chord_error: float) -> list[np.ndarray]:
     return made
 
 
-def own_bends(gear: SteeringGear, chord_error: float) -> list[np.ndarray] | None:
-    """Return s / Q of the faces of `own_polygons` (m,) [1/m]; None of a constant ratio."""
+def own_bends(gear: SteeringGear, polygons: list[np.ndarray]) -> list[np.ndarray] | None:
+    """Return s / Q of the faces that `own_polygons` makes, (m,) [1/m]; None of a constant ratio."""
     bar = RackBar.of(gear)
     if (course := bar.pair.course) is None:
         return None
     rack, mesh, made = GeneratedRack.of(bar.pair), bar.pair.design_mesh, []
     flanks = product(bar.teeth, SIDES)
-    for (tooth, side), faces in zip(flanks, own_polygons(gear, chord_error), strict=True):
+    for (tooth, side), faces in zip(flanks, polygons, strict=True):
         middle = faces.mean(axis=1)
         chi = rack.generator(side, tooth, middle[:, 1] + bar.pair.bar_axis_height, middle[:, 2])
         made.append(side * mesh.bend(course.gain(chi), course.slope(chi)))

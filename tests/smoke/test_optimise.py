@@ -9,21 +9,7 @@ import pytest
 import rps_exudyn as rps
 from rps_exudyn.optimisation.definition import read_problem
 from shell import Command
-
-TWO = """
-title = "Much travel per turn at little torque"
-fidelity = "closed-form"
-errors = "none"
-designs = 24
-population = 12
-confirm = [1, 0]
-[variables]
-yoke.preload = ["200 N", "400 N"]
-rack.tooth_angle = ["0 deg", "15 deg"]
-[objectives.torque_mean]
-[objectives.gain]
-goal = "most"
-"""
+from study_files import TWO
 
 
 def test_front_on_sheet_page_and_in_json(command: Command) -> None:

@@ -26,6 +26,7 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.study.case_blocks import load
 from rps_exudyn.study.definition import Axis
+from study_files import TWO
 from verification.bench_curves import folder_of
 
 ROOT = Path(__file__).parents[2]
@@ -44,20 +45,6 @@ ZOOMS = {
     "rps_exudyn.pages.charts.scene_figures.impact_figure": {1: CLOSE_UP, 2: CLOSE_UP},
     "rps_exudyn.pages.animation.geometry_figure.geometry_figure": {2: SECTION},
 }
-TWO = """
-fidelity = "closed-form"
-errors = "none"
-designs = 24
-population = 12
-confirm = [1, 0]
-[variables]
-yoke.preload = ["200 N", "400 N"]
-rack.tooth_angle = ["0 deg", "15 deg"]
-[objectives.torque_mean]
-[objectives.gain]
-goal = "most"
-"""
-"""Two objectives of two variables, quickly."""
 LONG = "a_long_name_of_a_file_with_$signs$_2024-04-03_12-00-00_run_17"
 SENTENCE = "the rack lies 12.4 mm beyond the teeth of the pinion at 143.2 deg, where no flank touches; " * 3
 

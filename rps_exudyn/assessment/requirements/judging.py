@@ -62,6 +62,11 @@ BY_RUNS = {
 """Requirement -> scene and metric; all others follow from the teeth alone."""
 STEPS = {TURN_FREELY: "free torque and its variation", LOAD_TEST.name: "efficiencies", RACK_LIFT.name: "lift"}
 """Scene that the sheet runs -> what is computed by it."""
+BY_GEOMETRY: Mapping[str, Callable[[SteeringGear], float]] = {
+    "travel": lambda gear: 2 * RackBar.of(gear).largest_displacement,
+    "gain": lambda gear: 2 * np.pi * float(GearPair.of(gear).gain),
+}
+"""Requirement -> its number, from the gear's geometry."""
 BandOf = Callable[[str], Band]
 """Scene -> its band."""
 
@@ -277,8 +282,7 @@ class _Judged:
             "rated_root_pinion": lambda: self.root("rated_root_pinion", pinion_form(self.pair)),
             "rated_root_rack": lambda: self.root("rated_root_rack", rack_form(self.pair)),
             "rated_flank": self.flank,
-            "travel": lambda: self.exact("travel", 2 * RackBar.of(self.gear).largest_displacement),
-            "gain": lambda: self.exact("gain", 2 * np.pi * float(self.pair.gain)),
+            **{name: partial(self.of_geometry, name) for name in BY_GEOMETRY},
         }
 
     @cached_property
@@ -316,6 +320,10 @@ class _Judged:
         """A requirement without a number."""
         cause = f"Not evaluated: {' '.join(error.problems)}"
         return requirement_row(name, self.limits[name], (np.nan,) * 3, 0.0, remark=cause)
+
+    def of_geometry(self, name: str) -> RequirementRow:
+        """A requirement that follows from the geometry."""
+        return self.exact(name, BY_GEOMETRY[name](self.gear))
 
     def exact(self, name: str, value: float, error: float = 0.0) -> RequirementRow:
         """A requirement of one number; half of its error bar is `error`."""
