@@ -140,9 +140,7 @@ class Scene:
         """Return the kind of its motion, on which the limits of a plan depend."""
         if self.at_rest:
             return "at rest"
-        if self.steady:
-            return "steady"
-        return "stopping" if self.needs_inertia else "to and fro"
+        return "steady" if self.steady else "unsteady"
 
     @property
     def unit_of_cost(self) -> str:
