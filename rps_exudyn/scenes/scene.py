@@ -142,12 +142,6 @@ class Scene:
             return "at rest"
         return "steady" if self.steady else "unsteady"
 
-    @property
-    def unit_of_cost(self) -> str:
-        """Return what the CPU time of a run is counted by: "revolution", or "run" where the pinion is
-        held."""
-        return "revolution" if self.revolutions else "run"
-
     def curve(
         self, signals: Mapping[str, np.ndarray], gear: SteeringGear, fidelity: Fidelity, name: str = ""
     ) -> Curve:

@@ -79,6 +79,12 @@ class RuleInput:
         return self.fidelity
 
     @property
+    def run(self) -> Record:
+        """The record of a single run."""
+        assert self.record is not None
+        return self.record
+
+    @property
     def is_shaken(self) -> bool:
         """Whether pulses may part the teeth."""
         return self.record is not None and self.record.pulse_power is not None
@@ -223,10 +229,6 @@ def _is_chain(given: RuleInput) -> bool:
     return given.model.bush == "chain" and given.motion != "at rest"
 
 
-def _is_straight_only(given: RuleInput) -> bool:
-    return given.model.mesh == "general-contact" or _is_chain(given)
-
-
 def _bowed(breach: Breach) -> str:
     model = breach.given.model
     contact = model.mesh == "general-contact"
@@ -263,7 +265,12 @@ OF_PLAN = (
         lambda given: given.motion == "steady",
         lambda breach: {"step_angle": float(_pitch(breach.given.gear) / REPAIRED_STEPS_PER_PITCH)},
     ),
-    _plan(lambda given: abs(given.gear.rack.bow), _bowed, applies=_is_straight_only, repair=_straightened),
+    _plan(
+        lambda given: abs(given.gear.rack.bow),
+        _bowed,
+        applies=lambda given: given.model.mesh == "general-contact" or _is_chain(given),
+        repair=_straightened,
+    ),
     _of_perfect_rack("pitch_errors", rack_errors, "whose racks have teeth without errors"),
     _of_perfect_rack("deviation", _rack_deviations, "whose rack has plane flanks"),
     _at_least("strip_points", lambda gear: 2, "flank"),
@@ -344,8 +351,7 @@ IN_RECORD = (
 
 def _touching(given: RuleInput) -> float:
     """Spheres that touch, half of those on an edge: shafts askew, or the yoke at its nut."""
-    record = given.record
-    assert record is not None
+    record = given.run
     mesh = next(part for part in record.forces.parts if part.name == "mesh")
     column = mesh.size + ENERGY_TERMS + mesh.outputs.index("mesh_touching")
     stopped = (given.signals.get("yokenut_force", np.zeros(1)) > 0).any()
@@ -367,15 +373,10 @@ def _on_yokenut(given: RuleInput) -> float:
     return carried / float(given.signals["seat_force"].mean()) if carried > 0 else 0.0
 
 
-def _disagreement(given: RuleInput) -> float:
-    assert given.record is not None
-    return contact_disagreement(given.record)
-
-
 OF_GENERAL_CONTACT = (
     Rule(
         Code.CONTACT_DISAGREES,
-        _disagreement,
+        lambda given: contact_disagreement(given.run),
         lambda breach: (
             f"two evaluations of the contact forces differ by {breach.value:.2g} (limit {AGREEMENT:.0g})"
         ),
