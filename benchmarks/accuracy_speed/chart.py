@@ -108,7 +108,8 @@ def _draw_panel(axes: Axes, title: str, measurement: Measurement, families: set[
     for wanted in WANTED:
         if low <= wanted <= high:
             axes.axvline(wanted, **style.REFERENCE_LINE)
-    axes.set_ylabel(f"CPU time [s per {scene_named(measurement.scene).unit_of_cost}]")
+    per = "revolution" if scene_named(measurement.scene).revolutions else "run"
+    axes.set_ylabel(f"CPU time [s per {per}]")
     _legend_beside(axes)
 
 

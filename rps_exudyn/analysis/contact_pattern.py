@@ -1,9 +1,7 @@
 """Contact pattern: largest pressure on each point of the pinion's flanks on their way through the mesh.
 
 A flank is unrolled: length of roll (the tangent length q, from the base circle) over the face width Z. All
-teeth are superimposed, so that one tooth pitch of the record shows the whole passage of a tooth.
-
-The pressure is Hertz's on the lines of contact (`load_distribution`), interpolated between them.
+teeth are superimposed. The pressure is Hertz's on the lines of contact (`load_distribution`).
 """
 
 from dataclasses import dataclass

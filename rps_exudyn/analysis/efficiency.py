@@ -7,11 +7,8 @@ it is lowered:
 
 gross, as the standard measures them; net with the free torque T_0 tared, W s' / (T_f - T_0) and
 (T_r + T_0) / (W s'). While both flanks touch, T_f - T_r = 2 T_0 nearly, and the ratio reverse / forward is
-1 - (T_0 / W s')^2: heavier weights look better. Means are over whole tooth pitches.
-
-Below 0 and above 1 these numbers are no efficiencies, see `LoadTest.remarks`: reverse is negative where the
-gear locks itself, and net exceeds 1 where less rubs under the load than without it. Net is left out where the
-free torque takes nearly all of the torque under the load: what is left is smaller than what means may miss.
+1 - (T_0 / W s')^2: heavier weights look better. Means are over whole tooth pitches. Numbers below 0 and
+above 1 are no efficiencies, see `LoadTest.remarks`.
 """
 
 from collections.abc import Iterator

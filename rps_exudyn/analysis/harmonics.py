@@ -1,8 +1,7 @@
 """Orders of a curve over the pinion angle: amplitudes of its harmonics, in periods per revolution.
 
-A curve recorded at uneven angles is interpolated linearly to even ones over whole periods, so that sums are
-integrals and nothing leaks from one order into the next. What was recorded beyond the last whole period is
-discarded.
+The curve is interpolated linearly to even angles over whole periods, so that sums are integrals and nothing
+leaks from one order into the next.
 """
 
 from typing import Any

@@ -134,12 +134,6 @@ def _by_cycle(
     return np.concatenate(cycles)
 
 
-def first_hit(run: Signals) -> float | None:
-    """Return when the yokenut is first hit, from the beginning of a run [s]; None if it never is."""
-    hit = np.flatnonzero(run["yokenut_force"] > 0)
-    return float(run["time"][hit[0]] - run["time"][0]) if hit.size else None
-
-
 def _duration(run: Signals) -> float:
     return float(run["time"][-1] - run["time"][0])
 

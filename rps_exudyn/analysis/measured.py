@@ -105,7 +105,8 @@ def onto_simulated(measured: MeasuredTorque, signals: Signals, *, at_reversal: b
         begin = rows_at_reversal(turned) if is_friction else 0
         chosen = slice(begin) if at_reversal else slice(begin, None)
         turned = Pass(turned.direction, {name: values[chosen] for name, values in turned.signals.items()})
-        turns = turns_onto(turned.angle, _range_of(signals, turned.direction))
+        simulated = longest_pass(signals, turned.direction) or longest_pass(signals, -turned.direction)
+        turns = turns_onto(turned.angle, simulated.angle if simulated else np.zeros(0))
         for part in np.split(np.arange(turns.size), np.flatnonzero(np.diff(turns)) + 1):
             piece = {name: values[part] for name, values in turned.signals.items()}
             piece["pinion_angle"] = piece["pinion_angle"] + TURN * turns[part]
@@ -127,12 +128,6 @@ def residuals(measured: MeasuredTorque, signals: Signals) -> list[Pass]:
         if angle.size:
             pieces.append(Pass(piece.direction, {"pinion_angle": angle, "pinion_torque": torque}))
     return pieces
-
-
-def _range_of(signals: Signals, direction: int) -> np.ndarray:
-    """The simulated angles in a direction, or in the other one if there are none [rad]."""
-    found = longest_pass(signals, direction) or longest_pass(signals, -direction)
-    return found.angle if found else np.zeros(0)
 
 
 def compared_with_own(result: Result) -> list[AgainstMeasured] | None:

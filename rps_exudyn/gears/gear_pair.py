@@ -258,11 +258,6 @@ class GearPair:
         return float(max(levers.min(), 0.1 * levers.mean()))
 
     @cached_property
-    def slowest_sliding(self) -> float:
-        """Smallest friction lever in mesh over the mean one."""
-        return float(self.friction_levers.min() / self.friction_levers.mean())
-
-    @cached_property
     def friction_levers(self) -> np.ndarray:
         """Friction levers at points of the path of contact [m]."""
         return self.friction_lever(np.linspace(*self.active_path, 201))

@@ -198,11 +198,6 @@ class GeneratedRack:
         length = self.pair.design_mesh.tip_length - self.first_contact(chi)
         return length * np.cos(self.pair.beta_b) / self.pair.normal_base_pitch
 
-    def relative_length(self, side: int, chi: Function, q: Function) -> np.ndarray:
-        """q (1 - s q / Q): the relative radius of curvature times cos(beta_b) [m]."""
-        bend = self.pair.design_mesh.bend(self.course.gain(chi), self.course.slope(chi))
-        return q * (1 - side * q * bend)
-
     def sliding(self, chi: Function, q: Function) -> np.ndarray:
         """Sliding speed over pinion speed at tangent lengths q [m]."""
         mesh, g = self.pair.design_mesh, self.course.gain(chi)
@@ -230,9 +225,9 @@ class GeneratedRack:
             halves.append(half if side > 0 else half[..., ::-1, :])
         return np.concatenate(halves, axis=-2)
 
-    def tip_land(self, j: Function, Z: Function = 0.0) -> np.ndarray:
-        """Width of the tips of teeth along X [m]."""
-        return self.flank(1, j, self.tip_height, Z) - self.flank(-1, j, self.tip_height, Z)
+    def tip_land(self, j: Function) -> np.ndarray:
+        """Width of the tips of teeth along X at Z = 0 [m]."""
+        return self.flank(1, j, self.tip_height, 0.0) - self.flank(-1, j, self.tip_height, 0.0)
 
 
 def _root_of(

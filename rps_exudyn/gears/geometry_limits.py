@@ -294,7 +294,7 @@ def rack_tip_interference(pair: GearPair) -> float:
     return pair.rack_addendum - straight_depth(pair)
 
 
-def pinion_tip_interference(pair: GearPair, positions: int = 2001) -> float:
+def pinion_tip_interference(pair: GearPair) -> float:
     """Depth to which the pinion's tip corners cut into the rack's root fillets, across the teeth [m].
 
     Negative: the least room; minus infinity if the corners never come as deep as the fillets, or generate
@@ -302,13 +302,13 @@ def pinion_tip_interference(pair: GearPair, positions: int = 2001) -> float:
     """
     if pair.course is not None:
         return -np.inf
-    return _pinion_tip_interference(pair.design, positions)
+    return _pinion_tip_interference(pair.design)
 
 
 @lru_cache(maxsize=64)
-def _pinion_tip_interference(pair: GearPair, positions: int) -> float:
+def _pinion_tip_interference(pair: GearPair) -> float:
     r, ra, half = pair.reference_radius, pair.tip_radius, half_angle(pair, pair.tip_radius)
-    from_centre = np.linspace(-0.5, 0.5, positions) * np.pi  # of the corner, from the line pinion to rack
+    from_centre = np.linspace(-0.5, 0.5, 2001) * np.pi  # of the corner, from the line pinion to rack
     turn = from_centre + half  # of its tooth; the rack's space is at X = -r turn
     depth = ra * np.cos(from_centre) - pair.reference_line_height
     across = np.abs(-ra * np.sin(from_centre) + r * turn) * np.cos(pair.beta_p)

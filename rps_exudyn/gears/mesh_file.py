@@ -1,34 +1,29 @@
 """Surfaces of gears from files of others: STL, PLY, OBJ, GLB by trimesh, STEP by cascadio (extra `step`).
 
-A file is read in a process of its own with bounded memory and time, because a reader may allocate what some
-bytes state, or never end. The surface comes back as triangles, in the numbers of the file; their unit is that
-in which the gear has the size of a steering gear (`unit_of`).
+A file is read in a process of its own with bounded memory and time (`base.child_process`). The surface comes
+back as triangles, in the numbers of the file; their unit is that in which the gear has the size of a steering
+gear (`unit_of`).
 
 Surfaces may be open. Their normals point out of the material: an edge that two triangles pass in the same
 sense states that one of them is inverted.
 """
 
 import io
-import os
-import subprocess
 import sys
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from rps_exudyn.base.child_process import child_environment
+from rps_exudyn.base.child_process import MOST_MEMORY, answer, read_within_bounds
 from rps_exudyn.base.errors import InputError
 
 MOST_TRIANGLES = 2_000_000
-MOST_MEMORY = 2**32  # of the reading process [bytes]
-MOST_TIME = 60  # of its CPU [s]
+MOST_TIME = 60  # of the reading process [s of CPU time]
 READERS = ("stl", "ply", "obj", "glb", "step", "stp")
 STEP_CHORD = 1e-4  # of curved faces [mm]
 SIZES = (2e-3, 60e-3)  # of a tip radius, and of a rack's pitch [m]
 UNITS = {"mm": 1e-3, "m": 1.0}
-OWN_SENTENCE = 3  # exit status of the process whose error is one
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,15 +103,12 @@ def surface_in(content: bytes, suffix: str, part: str = "") -> Surface:
     kind = suffix.lower().removeprefix(".")
     if kind not in READERS:
         raise InputError(f"is no surface; its suffix must be one of .{', .'.join(READERS)}")
-    command = [sys.executable, "-P", "-m", "rps_exudyn.gears.mesh_file", kind, part]
-    done = subprocess.run(command, input=content, capture_output=True, check=False, env=child_environment())
-    if done.returncode == OWN_SENTENCE:
-        raise InputError(done.stderr.decode(errors="replace").strip().splitlines()[-1])
-    if done.returncode:
+    read = read_within_bounds("rps_exudyn.gears.mesh_file", content, kind, part)
+    if read is None:
         raise InputError(
             f"is no {kind.upper()}, or takes more than {MOST_TIME} s or {MOST_MEMORY / 2**30:.0f} GB to read"
         )
-    return Surface(np.frombuffer(done.stdout).reshape(-1, 3, 3))
+    return Surface(np.frombuffer(read).reshape(-1, 3, 3))
 
 
 def unit_of(length: float, what: str) -> tuple[str, float]:
@@ -137,7 +129,7 @@ def unit_of(length: float, what: str) -> tuple[str, float]:
 # --- The process that reads: kind and part as arguments, bytes in, array out
 
 
-def _triangles(content: bytes, kind: str, part: str) -> np.ndarray:
+def _triangles(content: bytes, kind: str, part: str) -> bytes:
     import trimesh
 
     options: dict[str, float] = {}
@@ -165,26 +157,8 @@ def _triangles(content: bytes, kind: str, part: str) -> np.ndarray:
         raise InputError("has vertices that are no finite numbers")
     if not areas.any():
         raise InputError("holds no triangles")
-    return corners if areas.all() else corners[areas > 0]
-
-
-def _main() -> int:
-    with suppress(ImportError):  # of Windows
-        import resource
-
-        for kind, most in (("AS", MOST_MEMORY), ("CPU", MOST_TIME), ("CORE", 0)):
-            resource.setrlimit(getattr(resource, f"RLIMIT_{kind}"), (most, most))
-    answer = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # libraries print there
-    try:
-        corners = _triangles(sys.stdin.buffer.read(), *sys.argv[1:])
-    except InputError as error:
-        print(error, file=sys.stderr)
-        return OWN_SENTENCE
-    with answer:
-        answer.write(corners.tobytes())
-    return 0
+    return (corners if areas.all() else corners[areas > 0]).tobytes()
 
 
 if __name__ == "__main__":
-    sys.exit(_main())
+    sys.exit(answer(_triangles, MOST_TIME))

@@ -1,15 +1,9 @@
-"""Stiffness of steel teeth by ISO 6336-1, method B: single stiffness c' and mesh stiffness c_gamma.
+"""Stiffness of steel teeth by ISO 6336-1:2019, method B (clause 9): c' of a pair, c_gamma of the mesh.
 
 The single stiffness is the load per face width over the deflection of one pair of teeth, both along the line
-of action; one N/(mm um) is 1e9 N/m^2. A rack is a gear of infinitely many teeth. The equations are those of
-the clause "Tooth stiffness parameters c' and c_gamma" (clause 9) of ISO 6336-1:2019. Left out are the
-standard's reductions for thin rims (a pinion and a rack are solid, C_R = 1), for other materials than steel
-and for less than 100 N per mm of face width, where c' would depend on the load.
-
-The series for q' is stated for external gears with x_1 >= x_2 and -0.5 <= x_1 + x_2 <= 2, and its virtual
-teeth for common numbers of teeth. Steering pinions with 6 to 10 teeth, helix angles of 20 to 30 degrees and
-x up to 1 lie at the edge of what it was fitted to: an error of 10 % must be expected. The default gear has
-13.8 N/(mm um).
+of action; one N/(mm um) is 1e9 N/m^2. A rack is a gear of infinitely many teeth. Left out are the standard's
+reductions for thin rims, other materials and less than 100 N per mm of face width. Steering pinions lie at
+the edge of what the series for q' was fitted to: an error of 10 % must be expected.
 """
 
 from math import asin, cos, degrees, inf, pi, radians, sin, tan

@@ -90,17 +90,15 @@ def _form_point(pair: GearPair) -> FormPoint:
         return FormPoint(pair.alpha_n, q, float(np.hypot(rb, q)), undercut=False)
     from scipy.optimize import brentq  # loads in a third of a second
 
-    def outside_base(eta: float) -> float:
-        return float(np.hypot(*trochoid(pair, eta))) - rb
-
     def gap(eta: float) -> float:  # of the trochoid from the involute, as an angle at the same radius
         x, y = trochoid(pair, eta)
         return float(np.arctan2(x, y) - (np.pi / pair.teeth - half_angle(pair, float(np.hypot(x, y)))))
 
-    at_base = float(brentq(outside_base, pair.alpha_n, np.pi / 2, xtol=1e-15))
-    if not gap(pair.alpha_n) * gap(at_base) < 0:
+    start = pair.alpha_n
+    at_base = float(brentq(lambda eta: np.hypot(*trochoid(pair, eta)) - rb, start, np.pi / 2, xtol=1e-15))
+    if not gap(start) * gap(at_base) < 0:
         raise ValueError("the undercut leaves no involute")
-    eta = float(brentq(gap, pair.alpha_n, at_base, xtol=1e-15))
+    eta = float(brentq(gap, start, at_base, xtol=1e-15))
     radius = float(np.hypot(*trochoid(pair, eta)))
     return FormPoint(eta, float(np.sqrt(radius**2 - rb**2)), radius, undercut=True)
 

@@ -106,7 +106,8 @@ class Recorder:
         """
         coordinates, rates = (each[self._columns] for each in self.steps[-1][1:3])
         angle, along = coordinates[[PINION, RACK]].tolist()
-        skipped, pitch = abs(along - float(self._pair.travel_at(-angle))), self._pair.rack_pitch
+        pair = GearPair.of(self.model.gear)
+        skipped, pitch = abs(along - float(pair.travel_at(-angle))), pair.rack_pitch
         if not skipped <= pitch / 2:
             raise StepRefusedError(
                 f"a time step moved the rack {1e3 * skipped:.4g} mm against the pinion (limit "
@@ -162,10 +163,6 @@ class Recorder:
     @cached_property
     def _columns(self) -> np.ndarray:
         return self.model.columns(self.model.stack)
-
-    @cached_property
-    def _pair(self) -> GearPair:
-        return GearPair.of(self.model.gear)
 
     @cached_property
     def _allowed_lift(self) -> float:

@@ -100,11 +100,6 @@ DERIVED: Mapping[str, Callable[[Teeth], float]] = {
 }
 
 
-def is_involved(path: str) -> bool:
-    """Return whether a parameter follows from others, or others from it."""
-    return path in SOURCES or path in DERIVED
-
-
 @cache
 def _default_crest() -> float:
     return DEFAULT.crest(_TIP / 2)

@@ -1,12 +1,5 @@
 """What is modelled how: the presets, and every choice within them.
 
-    full           what the paper models, all of it: general contact between the gear meshes, bush as a
-                   chain of segments, plunger body, seat and yokenut contact, in Exudyn
-    flank          analytic flank contact, bush condensed to its exact stiffness, the rest the same
-    quasi-static   the same forces, in equilibrium at each pinion angle
-    reduced        a table of equilibria, friction elements and the inertia of pinion and rack
-    closed-form    formulas
-
 Each part can be chosen alone, for instance `Fidelity.preset("flank").replace({"bush": "chain"})`.
 """
 

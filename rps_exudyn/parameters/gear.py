@@ -504,7 +504,8 @@ class SteeringGear(Table):
         )
 
     def _stands_alone(self, path: str) -> bool:
-        return not derived.is_involved(path) and super()._stands_alone(path)
+        follows = path in derived.SOURCES or path in derived.DERIVED
+        return not follows and super()._stands_alone(path)
 
     def conflicts(self) -> Iterator[WrongValue]:
         """Yield parameters that are each fine alone, but not together."""

@@ -2,8 +2,7 @@
 
     "worn.csv"  ->  "worn.csv sha256:9f2c51d08a7be634"
 
-The mark makes a gear with other content another gear, in hashes of cases and in results; a file that has
-changed since is refused where it is read.
+The mark makes a gear with other content another gear; a file that has changed since is refused.
 """
 
 import re

@@ -5,9 +5,8 @@
 
 It is what stays when all numerical errors are gone. The reference takes the compliance of whole teeth from
 finite elements, flattening of each line by Hertz, and the loads of all lines together under unilateral
-contact (`benchmarks/tooth_compliance.py`): eleven gears, plain and with tip relief and crowning, guided and
-free racks, and a load of 2 kN. The error of law "line" on plain flanks follows the truncation t of the
-pinion's tips,
+contact (`benchmarks/tooth_compliance.py`, eleven gears). The error of law "line" on plain flanks follows the
+truncation t of the pinion's tips,
 
     T_line / T = 1 + (1.41 - 5.44 t) / 100 +- 0.75 %,    t = (r_p + (x + 1) m - r_a) / m.
 """

@@ -1,12 +1,4 @@
-"""How a simulation ended. A failed one is a value with a remedy, not an exception.
-
-ok                 reached its end and passed every check: the numbers may be used
-diverged           left all bounds
-no-convergence     found no equilibrium, or no step that converges
-contact-lost       the rack left the mesh, or the teeth carry no load
-timeout, crashed   was ended by its time limit, or its process ended by itself
-invalid            reached its end and failed the check that the message names, or was refused before
-"""
+"""How a simulation ended. A failed one is a value with a remedy, not an exception."""
 
 import re
 from collections.abc import Iterable

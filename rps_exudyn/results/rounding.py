@@ -29,13 +29,6 @@ def is_vague(value: float, error: float | None) -> bool:
     return error is not None and not error <= MOST_OF_VALUE * abs(value)
 
 
-def vague_rows(result: Result) -> list[int]:
-    """Return the places of vague metrics in a result's summary."""
-    return [
-        k for k, (name, each) in enumerate(result.summary.items()) if is_vague(each, result.errors.get(name))
-    ]
-
-
 def rounded_metric(result: Result, name: str, like: float | None = None) -> str:
     """Return a metric of a result with its error bar."""
     return rounded(SUMMARY[name], result.summary[name], result.errors.get(name), like)

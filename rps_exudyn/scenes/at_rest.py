@@ -1,8 +1,7 @@
 """A gear at rest under loads from outside: equilibria one after the other, nothing sliding.
 
-Loads change so slowly that friction creeps away: the gear finds the place that it would find without
-friction. A mechanic taps the gear, and turns it to and fro, before reading the gauge. Time counts the
-loads only.
+Loads change so slowly that friction creeps away, as a mechanic taps the gear before reading the gauge. Time
+counts the loads only.
 """
 
 from collections.abc import Callable
@@ -46,21 +45,6 @@ class OutsideLoads:
     torque: np.ndarray  # (n,) in the sense of the pinion angle [N m]
     end_force: np.ndarray  # (n, 2) along Y and Z [N]
     shaft: np.ndarray | None = None  # (n, 3) along e, Y and k [N], none at the first two instants
-
-    @classmethod
-    def of_torque(cls, torque: np.ndarray) -> "OutsideLoads":
-        """Torques on the pinion alone."""
-        return cls(torque, np.zeros((len(torque), 2)))
-
-    @classmethod
-    def of_end_force(cls, force: np.ndarray) -> "OutsideLoads":
-        """Forces (n, 2) on the rack's end alone."""
-        return cls(np.zeros(len(force)), force)
-
-    @classmethod
-    def of_shaft(cls, force: np.ndarray) -> "OutsideLoads":
-        """Forces (n, 3) on the input shaft alone, which begin with none at two instants."""
-        return cls(np.zeros(len(force)), np.zeros((len(force), 2)), force)
 
     @property
     def time(self) -> np.ndarray:
@@ -129,7 +113,10 @@ def run_at_rest(
     if fidelity.solver == "reduced":
         raise InputError("fidelity.solver is reduced, which has no gear at rest; choose equilibrium.")
     drive = Steady(body, travel_per_radian(body, float(GearPair.of(gear).gain)) * start, 0.0)
-    run = _equilibria(_without_friction_memory(gear), fidelity, drive, loads, options)
+    # bristles and the shaft's axial friction would hold what tapping lets go
+    laws: dict[str, object] = {f"{part}.friction_law": PLAIN_LAW for part in RUBBING_PARTS}
+    tapped = gear.replace(laws | {"pinion.axial_friction": 0.0, "yoke.bore_friction": 0.0})
+    run = _equilibria(tapped, fidelity, drive, loads, options)
     return run.described(lambda signals: {**metrics(signals), **balance(signals)}, gear)
 
 
@@ -211,13 +198,6 @@ def _shaft_signals(
     signals = {f"shaft_force_{axis}": values for axis, values in zip(AT_SHAFT, applied.T, strict=True)}
     signals |= {f"shaft_end_{axis}": ends[:, i] for i, axis in enumerate(AT_SHAFT)}
     return signals | {"work_load": work_along(applied, ends), SHAFT_ENERGY: energy}
-
-
-def _without_friction_memory(gear: SteeringGear) -> SteeringGear:
-    """Return the gear without memory of friction: bristles and the shaft's axial friction would hold what
-    tapping lets go."""
-    laws: dict[str, object] = {f"{part}.friction_law": PLAIN_LAW for part in RUBBING_PARTS}
-    return gear.replace(laws | {"pinion.axial_friction": 0.0, "yoke.bore_friction": 0.0})
 
 
 def moved_by_modes(gear: SteeringGear, fidelity: Fidelity, place: float) -> np.ndarray:

@@ -1,12 +1,8 @@
 """The contact law of a gear whose `mesh.law` is by-scene: what its task needs.
 
-    line     means of free motion, on flanks without deviations
-    teeth    loads, impacts and ripple: scenes that declare it (`Scene.law`), the scatter of a series
-             (`LAW_OF_SERIES`), and every gear whose flanks have deviations
-
-A model without teeth that bend, of formulas, spheres or triangles, has `line`, and so have gears of variable
-ratio. A result names the law that
-it was made with in the parameters of its gear.
+Law line gives means of free motion; law teeth loads, impacts and ripple (`Scene.law`), the scatter of a
+series, and flanks with deviations. A model without teeth that bend, and a gear of variable ratio, have line.
+A result names the law that it was made with in the parameters of its gear.
 """
 
 from collections.abc import Collection
@@ -35,11 +31,12 @@ def with_meshes(fidelity: Fidelity, gear: SteeringGear) -> Fidelity:
     Raises:
         InputError: a model that has no surfaces, or no variable ratio.
     """
-    if fidelity.solver in ("closed-form", "reduced") or fidelity.mesh == "general-contact":
+    by_parameters = fidelity.solver in ("closed-form", "reduced") or fidelity.mesh == "general-contact"
+    if by_parameters:
         check_constant_ratio(gear, f"the fidelity {fidelity.name.partition(' ')[0]}")
     if not (given := surfaces_of(gear)):
         return fidelity
-    if fidelity.solver in ("closed-form", "reduced") or fidelity.mesh == "general-contact":
+    if by_parameters:
         part = "mesh" if fidelity.mesh == "general-contact" else "solver"
         raise InputError(
             f"{given[0]} is given, but fidelity.{part} is {getattr(fidelity, part)}, which has only flanks "

@@ -80,7 +80,8 @@ def bar_terms(
 
     Arguments as of `error_bars`, what the run found out about its start, and the masses that it moves.
     """
-    of_run, missing = sizes(signals, values), _missing_share(signals)
+    of_run = sizes(signals, values)
+    missing = _share(np.abs(missing_work(signals)), signals) if "stored_energy" in signals else 0.0
     leaves_inertia_out = scene.steady and fidelity.solver == "equilibrium"
     size = {name: size_of(name, values[name], of_run) for name in values if SUMMARY[name].simulated}
     total: dict[str, Any] = dict.fromkeys(size, 0.0)
@@ -114,11 +115,6 @@ def _work(signals: Signals, missing: Any, size: Terms) -> Terms:
     edges = np.abs(signals.get("work_mesh_edges", np.zeros(1))[..., -1])
     share = missing + _share(edges, signals)
     return {name: share * each for name, each in size.items()}
-
-
-def _missing_share(signals: Signals) -> Any:
-    """Return the share of the work that is missing in its balance; a number, or of many gears (n,)."""
-    return _share(np.abs(missing_work(signals)), signals) if "stored_energy" in signals else 0.0
 
 
 def _share(work: Any, signals: Signals) -> Any:

@@ -5,25 +5,21 @@ One way over `test.turns`, there and back, or lock to lock and back (`test.path`
 
 from functools import partial
 
-from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.metrics import metrics_of_turning
 from rps_exudyn.scenes.run_maneuver import run_steady
 from rps_exudyn.scenes.scene import Scene, SteadyTest
 from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state
 
-
-def _by_formula(gear: SteeringGear) -> dict[str, float]:
-    if beyond_formulas(gear):
-        return {}
-    return {"torque_closed_form": mean_state(gear, gear.test.direction, 0.0).torque}
-
-
 TEST = SteadyTest(
     maneuvers=lambda gear, step_angle, least: (maneuvers_of_test(gear, "pinion", step_angle, least), None),
     metrics=lambda record: metrics_of_turning(record.signals, record.gear, record.gain),
     curve=("time", "pinion_angle", "pinion_torque"),
-    formulas=_by_formula,
+    formulas=lambda gear: (
+        {}
+        if beyond_formulas(gear)
+        else {"torque_closed_form": mean_state(gear, gear.test.direction, 0.0).torque}
+    ),
 )
 
 SCENE = Scene(

@@ -1,9 +1,7 @@
-"""Input shaft play: forces on the end of the pinion's shaft; how far it gives way.
+"""Input shaft play: forces on the end of the pinion's shaft, along Y, across Y and along the shaft.
 
-A mechanic presses the end of the input shaft to and fro, across its axis and along it, and reads a gauge.
-The scene does so with `test.shaft_force` along Y and across Y, and with `test.shaft_axial_force` along the
-shaft. The pinion is held against rotation, the rack is free to follow. Clearances and float give way, and so
-do bearings, shaft, the housing's seat, and the mesh with the yoke behind it.
+The pinion is held against rotation, the rack is free to follow. Clearances and float give way, and so do
+bearings, shaft, the housing's seat, and the mesh with the yoke behind it.
 """
 
 import numpy as np
@@ -38,7 +36,8 @@ def input_shaft_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions
     force[1 : 1 + len(across), 1] = across
     force[len(across) : 2 * len(across), 0] = across
     force[2 * len(across) - 1 :, 2] = along
-    return run_at_rest(gear, chosen, "pinion", OutsideLoads.of_shaft(force), options, shaft_metrics)
+    loads = OutsideLoads(np.zeros(len(force)), np.zeros((len(force), 2)), force)
+    return run_at_rest(gear, chosen, "pinion", loads, options, shaft_metrics)
 
 
 def shaft_metrics(signals: Signals) -> dict[str, float]:

@@ -1,8 +1,7 @@
 """Rack lift: a torque on the pinion, the rack held; how far the teeth lift the rack off the pinion.
 
-A mechanic holds the rack, turns the pinion with a given torque and reads how far the bar moves away. The
-teeth push it away by torque / s' tan(alpha_n) / cos(beta_r), s' the rack's travel per radian. That is more
-than the yoke's spring holds: the plunger comes to rest on the yokenut, and the lift shows its clearance.
+The teeth push it away by torque / s' tan(alpha_n) / cos(beta_r), s' the rack's travel per radian: more than
+the yoke's spring holds, so that the plunger comes to rest on the yokenut.
 """
 
 import numpy as np
@@ -24,13 +23,14 @@ def rack_lift(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
         InputError: a model in which the rack has no freedom in its guides, or a start beyond its teeth.
     """
     torque = to_and_fro(gear.test.lift_torque, options.finer(STEPS))
+    loads = OutsideLoads(torque, end_force=np.zeros((len(torque), 2)))
     formula = {"rack_lift_closed_form": lift_of_torque(gear, gear.test.lift_torque)}
     formula = formula if gear.rack.ratio.is_constant else {}
 
     def metrics(signals: Signals) -> dict[str, float]:
         return lift_metrics(signals) | formula
 
-    return run_at_rest(gear, bending(fidelity), "rack", OutsideLoads.of_torque(torque), options, metrics)
+    return run_at_rest(gear, bending(fidelity), "rack", loads, options, metrics)
 
 
 def lift_metrics(signals: Signals) -> dict[str, float]:

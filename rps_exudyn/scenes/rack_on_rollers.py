@@ -1,9 +1,7 @@
 """Rack on rollers: two rollers stand in the pinion's place; the rig moves the rack between them and the yoke.
 
-Rollers press like the teeth and take no work: what is measured is D + mu_yoke kappa P. That is the drag of
-the bush and the friction of the plunger, without that of the teeth. The scene is a push of the rack with a
-pinion without friction, without runout and with bearings that do not rub (`on_rollers`). Friction of the
-rollers is left out.
+Rollers press like the teeth and take no work: what is measured is the drag of the bush and the friction of
+the plunger, D + mu_yoke kappa P. Friction of the rollers is left out.
 """
 
 from dataclasses import replace

@@ -1,9 +1,7 @@
 """Radial play: a force across the rack's end, the pinion held; how far the end gives way.
 
-A mechanic presses the end of the rack beside the pinion to and fro, and reads a gauge there. The scene does
-so away from the pinion and towards it (Y), then sideways (Z), with `test.play_force` either way. What gives
-way is the bar, which bends; the mesh, the yoke's spring and seat, the bush; and the clearance behind the
-plunger, once the force lifts the rack off the pinion.
+The force acts away from the pinion and towards it (Y), then sideways (Z). What gives way is the bar, which
+bends; the mesh, the yoke's spring and seat, the bush; and the clearance behind the plunger.
 """
 
 import numpy as np
@@ -34,7 +32,8 @@ def radial_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
     force = to_and_fro(gear.test.play_force, options.finer(STEPS))
     still = np.zeros_like(force)
     along = np.concatenate([np.stack([force, still], 1), np.stack([still, force], 1)[1:]])
-    run = run_at_rest(gear, chosen, "pinion", OutsideLoads.of_end_force(along), options, play_metrics)
+    loads = OutsideLoads(np.zeros(len(along)), along)
+    run = run_at_rest(gear, chosen, "pinion", loads, options, play_metrics)
     return run.noting(None if chosen.rack == "flexible" else RIGID)
 
 

@@ -1,9 +1,8 @@
 """Rattle: a road's force along a tie rod shakes the rack's end, the pinion held; the plunger hits the nut.
 
-The force is a sine, or its positive halves, at an angle to the bar away from the pinion. One cycle settles,
-then `test.road_cycles` are recorded. Motions with impacts are chaotic (`analysis.impacts`): the same follows
-for each of `test.road_phases` phases at which the force begins, evenly spread over the cycle. A growing sine
-finds the threshold instead: the size of the force at which the plunger first hits.
+One cycle settles, then `test.road_cycles` are recorded. Motions with impacts are chaotic
+(`analysis.impacts`): the same follows for each of `test.road_phases` phases at which the force begins. A
+growing sine finds the size of the force at which the plunger first hits.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -12,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from rps_exudyn.analysis.impacts import describe_rattle, first_hit, split_at_repeats
+from rps_exudyn.analysis.impacts import describe_rattle, split_at_repeats
 from rps_exudyn.forces.external_load import RoadForce
 from rps_exudyn.forces.pinion_support import with_float
 from rps_exudyn.gears.rack_bar import RackBar
@@ -86,10 +85,11 @@ def threshold(signals: Signals, maneuvers: Sequence[Maneuver]) -> dict[str, floa
     deviation over the phases; {} if one of them ends without."""
     found = []
     for run, maneuver in zip(split_at_repeats(signals), maneuvers, strict=False):
-        road, hit = maneuver.pulse, first_hit(run)
+        road, hits = maneuver.pulse, np.flatnonzero(run["yokenut_force"] > 0)
         assert isinstance(road, GrowingForce)
-        if hit is None:
+        if not hits.size:
             return {}
+        hit = float(run["time"][hits[0]] - run["time"][0])
         found.append(float(np.linalg.norm(road.peak)) * road.grown(hit + road.begin))
     if len(found) < len(maneuvers):
         return {}

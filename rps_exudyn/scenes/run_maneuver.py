@@ -44,7 +44,7 @@ from rps_exudyn.solvers.record import (
     signals_of,
     under_torque,
 )
-from rps_exudyn.solvers.settled_start import joined_instants, settled_behind, settled_start
+from rps_exudyn.solvers.settled_start import settled_behind, settled_path
 from rps_exudyn.solvers.sliding_stability import presliding_angle
 from rps_exudyn.solvers.steering_column import BehindColumn, ColumnModel, WheelTorque
 
@@ -230,11 +230,7 @@ def _along_equilibria(
         start, interrupted = process_time(), False
         try:
             if column is None:
-                approach_path = settled_start(balance, pair, drive, approach, time[:1])
-                path = equilibrium_path(
-                    balance, pair, drive, joined_instants(approach_path, time), approach_path
-                )
-                path = path if approach_path is None else replace(path, start=approach_path.start)
+                path = settled_path(balance, pair, drive, approach, time)
             else:
                 path = settled_behind(balance, pair, drive, column, approach)
                 if path.converged:

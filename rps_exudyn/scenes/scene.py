@@ -140,15 +140,7 @@ class Scene:
         """Return the kind of its motion, on which the limits of a plan depend."""
         if self.at_rest:
             return "at rest"
-        if self.steady:
-            return "steady"
-        return "stopping" if self.needs_inertia else "to and fro"
-
-    @property
-    def unit_of_cost(self) -> str:
-        """Return what the CPU time of a run is counted by: "revolution", or "run" where the pinion is
-        held."""
-        return "revolution" if self.revolutions else "run"
+        return "steady" if self.steady else "unsteady"
 
     def curve(
         self, signals: Mapping[str, np.ndarray], gear: SteeringGear, fidelity: Fidelity, name: str = ""

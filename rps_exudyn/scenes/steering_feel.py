@@ -1,9 +1,7 @@
 """Steering feel: the hand turns the wheel to and fro; what it feels through the column, without a road.
 
 The wheel is steered sinusoidally about `test.start_angle`, fastest, at the test's speed, in the middle.
-Behind it the column twists by the torque that the gear takes; each time the wheel turns back, that twist
-comes and goes before the gear moves again. Equilibria take the column as a spring in series, dynamics the
-vibration of the gear behind it as well.
+Equilibria take the column as a spring in series, dynamics the vibration of the gear behind it as well.
 """
 
 from rps_exudyn.analysis.hysteresis import lost_motion

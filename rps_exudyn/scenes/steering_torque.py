@@ -1,11 +1,8 @@
 """Steering by torque: the hand gives the wheel a sinusoidal torque, and the tyres hold against it.
 
-The torque has its peak `test.steer_torque` and the frequency `test.steer_frequency`; the wheel turns as the
-column, the gear's friction and a linear spring at the rack, `test.tyre_stiffness`, let it. That spring
-carries nothing where the test starts. One cycle and a quarter go before the record, which starts at a peak.
-More cycles go before it until another one changes no metric.
-With `test.steer_shape` ramp the torque grows from none at a constant rate, to that peak in a quarter of a
-cycle: the wheel moves off where it overcomes the friction.
+The tyres are a linear spring at the rack that carries nothing where the test starts. One cycle and a quarter
+go before the record, which starts at a peak. With `test.steer_shape` ramp the torque grows from none at a
+constant rate, to its peak in a quarter of a cycle: the wheel moves off where it overcomes the friction.
 """
 
 import numpy as np

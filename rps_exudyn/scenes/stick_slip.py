@@ -1,10 +1,8 @@
 """Stick-slip: the wheel turns at a slow constant speed from rest; the gear slides, or sticks and slips.
 
-The column twists until static friction is overcome, which is the breakaway. If friction falls with speed the
-gear may come to rest again, and again. The record begins at rest and goes on for so many cycles; metrics are
-those of its later half. Two predictions stand beside them. Below a speed the reduced gear goes on sticking
-(`analysis.friction_oscillator`). Below a damping of the column steady sliding is unstable
-(`solvers.sliding_stability`).
+Metrics are those of the record's later half, beside two predictions: the speed below which the reduced gear
+goes on sticking (`analysis.friction_oscillator`), and the damping of the column below which steady sliding
+is unstable (`solvers.sliding_stability`).
 """
 
 import numpy as np

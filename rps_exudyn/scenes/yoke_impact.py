@@ -1,10 +1,7 @@
 """Yoke impact: pulses of force on the rack's end, the pinion held; the plunger hits the yokenut.
 
-A pulse is a half sine along `test.pulse_axis` on the bar's end beside the pinion: across the rack or along
-it, as a road shakes a tie rod. Another period is recorded after the last.
-
-The rack bends by default: its first modes swing as fast as the pulse. Its end moves by millimetres, that of
-a rigid bar by tenths. A rigid bar is simulated on request, with a remark.
+A pulse is a half sine along `test.pulse_axis` on the bar's end beside the pinion; another period is recorded
+after the last. The rack bends by default: its first modes swing as fast as the pulse.
 """
 
 import numpy as np
@@ -50,10 +47,13 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
     own = STEPS_PER_SWING_OF_A_BENDING_RACK if chosen.rack == "flexible" else STEPS_PER_SWING
 
     def metrics(signals: Signals) -> dict[str, float]:
+        end = [
+            signals[name] for name in ("rack_end_y", "rack_end_z") if name in signals
+        ]  # of a bar that bends
         return {
             **describe_impacts(signals),
             **describe_rack(signals, passes(signals), GearPair.of(gear).travel_rule),
-            **end_deflection(signals),
+            **({"rack_end_deflection": float(np.hypot(*end).max())} if len(end) else {}),
             **balance(signals),
         }
 
@@ -65,13 +65,6 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
         f"up to {force.max():.4g} N, and only contacts that open and close again count as impacts",
     )
     return run.noting(None if chosen.rack == "flexible" else RIGID, pressed if force[0] > 0 else None)
-
-
-def end_deflection(signals: Signals) -> dict[str, float]:
-    """Return how far the end of a bar that bends moves across X; {} of any other."""
-    if "rack_end_y" not in signals:
-        return {}
-    return {"rack_end_deflection": float(np.hypot(signals["rack_end_y"], signals["rack_end_z"]).max())}
 
 
 def shaken(gear: SteeringGear, steps_per_swing: int = STEPS_PER_SWING) -> Maneuver:

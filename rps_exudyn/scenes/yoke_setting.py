@@ -1,11 +1,7 @@
 """Yoke setting: tighten the yokenut to a torque, turn it back by an angle, and measure the rotation torque.
 
-The scene does what a workshop does. A mechanic tightens the yokenut, the cap, until it presses the plunger
-against the rack, and turns it back by an angle. That leaves a clearance and a preload. Then the pinion turns
-from lock to lock and back, near the centre and beyond.
-
-A torque T on the thread presses with F = T / lever. The lever is that of a metric thread (VDI 2230), without
-friction under a head, which a cap does not have:
+That leaves a clearance and a preload; then the pinion turns from lock to lock and back. A torque T on the
+thread presses with F = T / lever, the lever of a metric thread (VDI 2230) without friction under a head:
 
     lever = d_2 / 2 tan(lambda + rho'),  tan(lambda) = p / (pi d_2),  tan(rho') = mu / cos(30 deg)
 """
@@ -110,12 +106,6 @@ def yoke_set(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sce
     return run.noting(pressing if setting.clearance < 0 else None).described(metrics, as_set)
 
 
-def _revolutions(gear: SteeringGear) -> float:
-    if gear.test.path == "there-and-back":
-        return gear.test.turns
-    return largest_angle(gear) / np.pi
-
-
 SCENE = Scene(
     name="yoke-setting",
     title="Yoke setting: rotation torque after tightening and turning back",
@@ -124,5 +114,7 @@ SCENE = Scene(
     main_metric="torque_on_centre",
     chart="torque",
     steady=True,
-    revolutions=_revolutions,
+    revolutions=lambda gear: (
+        gear.test.turns if gear.test.path == "there-and-back" else largest_angle(gear) / np.pi
+    ),
 )

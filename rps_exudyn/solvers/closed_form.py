@@ -76,10 +76,6 @@ class ClosedForm:
         """Mean free pinion torque towards +X [N m]."""
         return self.forward.torque
 
-    def towards(self, direction: int) -> MeanState:
-        """Return the state free of load, towards +X or -X."""
-        return self.forward if direction > 0 else self.backward
-
 
 def closed_form(gear: SteeringGear) -> ClosedForm:
     """Return the gear without load: torques, losses, limits."""

@@ -45,11 +45,10 @@ class Start:
 
     unsettled: float  # by how much the drive's force depends on it, over its largest
     settles_in: float  # time of steady motion after which it does not any more [s]
-    approach_time: float  # time of steady motion that the rack's teeth allow before the start [s]
     unsettled_behind: float = 0.0  # by how much the force over the first tooth pitch depends on it at most
 
 
-SETTLED = Start(0.0, 0.0, 0.0)
+SETTLED = Start(0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -76,10 +76,6 @@ class Record:
         """Return the coordinates of one body, shape (n, .)."""
         return self.coordinates[..., COORDINATE_BLOCKS[body]]
 
-    def of_rates(self, body: str) -> np.ndarray:
-        """Return the rates of one body, shape (n, .)."""
-        return self.rates[..., COORDINATE_BLOCKS[body]]
-
     @property
     def bar(self) -> BentBar | None:
         """Return the rack's bar, where it bends or is not straight."""
@@ -371,9 +367,9 @@ def of_column(record: Record) -> dict[str, np.ndarray]:
     if column is None or record.wheel is None:
         return {}
     angle = record.wheel[:, 0]
-    ratio, twist, twisting = column.twisted(
-        record.wheel.T, record.of("pinion")[:, 0], record.of_rates("pinion")[:, 0]
-    )
+    pinion = COORDINATE_BLOCKS["pinion"].start
+    turned = (each[:, pinion] for each in (record.coordinates, record.rates))
+    ratio, twist, twisting = column.twisted(record.wheel.T, *turned)
     torque = column.torque(twist, twisting)
     lost = column.damping * twisting**2
     signals = {

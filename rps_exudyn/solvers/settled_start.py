@@ -1,10 +1,9 @@
-"""The settled start: equilibria before the start of a motion, until where they began is forgotten.
+"""The settled start: equilibria before the start of a motion, until where they began has no effect.
 
-Friction lets go of what the gear came with only as it slides. A rack that lies askew creeps into its place
-over a part of a tooth pitch where seat and bush are stiff, over ten pitches and more where they are soft; one
-that is steered to and fro rolls from side to side, and may need some cycles until all are alike. So the
-motion begins further and further back until two beginnings in a row lead to the same start: the same force of
-the drive, and the same place in every coordinate.
+Friction lets go of what the gear came with only as it slides: over a part of a tooth pitch where seat and
+bush are stiff, over ten pitches or some cycles of steering where they are soft. So the motion begins further
+and further back until two beginnings in a row lead to the same start: the same force of the drive, and the
+same place in every coordinate.
 """
 
 from dataclasses import dataclass, replace
@@ -185,7 +184,7 @@ class _Search:
             return None
         if lost and len(found) == 2 and _rolling(found[-1]) <= ROLLING:  # only the start to compare it with
             return found[-1]
-        return replace(found[-1], start=Start(differ, np.inf, self.approach.toothed))
+        return replace(found[-1], start=Start(differ, np.inf))
 
     def begun(self, distance: float) -> EquilibriumPath | None:
         """Return the path to the start from so far before it, or from a part of a unit more; None where the
@@ -215,7 +214,7 @@ class _Search:
             on, real_on = (self.gone_on(each) for each in (path, real))
             if on.converged and real_on.converged:
                 behind = _apart(on.forces[-FINE:], real_on.forces[-FINE:], self.drive, FINE)
-        return replace(path, start=Start(unsettled, needed, toothed, behind))
+        return replace(path, start=Start(unsettled, needed, behind))
 
     def gone_on(self, path: EquilibriumPath) -> EquilibriumPath:
         """Return a path to the start for a unit of time more: the force may be the same at the start and not

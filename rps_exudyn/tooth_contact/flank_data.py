@@ -185,7 +185,7 @@ def pack(
         law=law_of(
             mesh, patches or Patches(), mesh.friction, gear.yoke.preload / abs(2 * normal[1]), count=2
         ),
-        breaks_sliding=pair.slowest_sliding < TURNS_ABOUT,
+        breaks_sliding=pair.friction_levers.min() / pair.friction_levers.mean() < TURNS_ABOUT,
         line_stiffness=line_stiffness(gear) if mesh.contact_law == "line" else 0.0,
         stations=stations,
         points=across,
@@ -224,14 +224,12 @@ def _rules(along: int, across: int, of_teeth: bool) -> dict[str, np.ndarray]:
     return rules | {"ease_along": eased(along, 1.5, 0.5), "ease_across": eased(across, 1.0, 0.0)}
 
 
-def sliding_zone(gear: SteeringGear, fraction: float = 0.01) -> float:
-    """Speed zone of the friction: `fraction` of the mean sliding speed at the test's speed [m/s].
-
-    At 1 % the law is Coulomb's except where sliding nearly vanishes, as on the pitch line of parallel axes.
-    """
+def sliding_zone(gear: SteeringGear) -> float:
+    """Speed zone of the friction: 1 % of the mean sliding speed at the test's speed [m/s]. So the law is
+    Coulomb's except where sliding nearly vanishes, as on the pitch line of parallel axes."""
     pair = GearPair.of(gear)
     lever = np.mean(pair.friction_lever(np.linspace(*pair.active_path, 33)))
-    return float(fraction * gear.test.speed * lever)
+    return float(0.01 * gear.test.speed * lever)
 
 
 def rules_of_teeth(n: int) -> np.ndarray:

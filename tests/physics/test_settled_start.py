@@ -218,9 +218,9 @@ def test_too_few_teeth_before_the_start_widen_the_bar_of_the_peak_to_peak() -> N
     ("start", "recorded", "share"),
     [
         (SETTLED, 1.0, 0.0),
-        (Start(0.05, 4.0, 1.0), 1.0, 0.05),
-        (Start(0.05, 4.0, 1.0), 40.0, 0.005),  # settled in a tenth of the record
-        (Start(0.05, np.inf, 1.0), 40.0, 0.05),
+        (Start(0.05, 4.0), 1.0, 0.05),
+        (Start(0.05, 4.0), 40.0, 0.005),  # settled in a tenth of the record
+        (Start(0.05, np.inf), 40.0, 0.05),
     ],
 )
 def test_what_the_start_remembers_moves_the_mean_while_it_lasts(

@@ -3,15 +3,12 @@
 import pytest
 
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.scenes.checks.predicted import work_in_zone
 from rps_exudyn.scenes.checks.rules import breaches_of_plan
-from rps_exudyn.scenes.scene import WITHOUT_BARS
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.simulate.run import run, simulate
-from rps_exudyn.simulate.run_plan import run_unchecked, run_with_fallback
+from rps_exudyn.simulate.run_plan import run_with_fallback
 from verification.law_area import by_law
 from verification.references import STRIPS
 
@@ -53,34 +50,21 @@ def test_bars_cover_a_wide_zone_of_friction_of_teeth_near_their_pitch_line() -> 
     assert off <= wide.errors["torque_mean"]
 
 
-def test_a_zone_of_friction_takes_the_work_that_is_predicted_of_a_swing() -> None:
-    """By the loss of each part at its largest sliding; teeth, whose sliding varies, to a third of it."""
-    gear = SteeringGear()
-    work, right = (
-        run_unchecked("reversal", gear, STILL.replace({"zone_ratio": ratio}), WITHOUT_BARS).summary[
-            "hysteresis_area"
-        ]
-        for ratio in (0.8, 0.001)
+def test_bars_cover_a_wide_zone_of_friction_where_the_motion_stops() -> None:
+    """Level 1 halves the widest zone; a yoke that rubs much is slowed by it at each impact."""
+    gear = SteeringGear().replace({"yoke.friction_law": "stribeck", "yoke.static_ratio": 2})
+    wide, right = (
+        run("yoke-impact", gear, fidelity=Fidelity.preset("flank").replace({"zone_ratio": ratio}))
+        for ratio in (1.0, 0.003)
     )
-    assert 1 - work / right == pytest.approx(work_in_zone(gear, 0.8), rel=0.35)
-
-
-def test_a_wide_zone_of_friction_is_refused_where_the_motion_stops() -> None:
-    """The limit is that of the gear's parts: bristles have no zone. A steady motion does not depend on it."""
-    wide = STILL.replace({"zone_ratio": 1.0})
-    result = run("yoke-impact", GEAR, fidelity=Fidelity.preset("flank").replace({"zone_ratio": 1.0}))
-    assert result.status is Status.INVALID
-    assert result.message.startswith("not run: fidelity.zone_ratio is 1; a motion that stops")
-    (breach,) = breaches_of_plan(GEAR, wide, motion="stopping")
-    assert not list(breaches_of_plan(GEAR, STILL.replace(breach.repair), motion="stopping"))
-    assert not list(breaches_of_plan(GEAR, wide, motion="steady"))
-    bristles = GEAR.replace({f"{part}.friction_law": "bristle" for part in RUBBING_PARTS})
-    assert not list(breaches_of_plan(bristles, wide, motion="stopping"))
+    assert wide.errors
+    for name, error in wide.errors.items():
+        assert abs(wide.summary[name] - right.summary[name]) <= error + right.errors[name], name
 
 
 def test_bars_cover_the_work_that_a_wide_zone_of_friction_takes_of_a_swing() -> None:
     """4 % of this gear's in the widest zone, which level 1 halves."""
-    assert not list(breaches_of_plan(GEAR, STILL.replace({"zone_ratio": 1.0}), motion="to and fro"))
+    assert not list(breaches_of_plan(GEAR, STILL.replace({"zone_ratio": 1.0}), motion="unsteady"))
     wide, right = (
         run("reversal", GEAR, fidelity=STILL.replace({"zone_ratio": ratio})) for ratio in (1.0, 0.001)
     )
@@ -88,11 +72,11 @@ def test_bars_cover_the_work_that_a_wide_zone_of_friction_takes_of_a_swing() -> 
     assert off <= wide.errors["hysteresis_area"]
 
 
-def test_a_gear_at_rest_asks_for_no_zone_of_friction_and_no_straight_bar() -> None:
-    """Friction has crept away, and a chain of segments is condensed: random plans were refused for both."""
+def test_a_gear_at_rest_asks_for_no_straight_bar() -> None:
+    """A chain of segments is condensed: random plans were refused for it."""
     wide = Fidelity.preset("flank").replace({"zone_ratio": 1.0, "bush": "chain"})
     bowed = SteeringGear().replace({"rack.bow": 1e-4})
-    assert list(breaches_of_plan(bowed, wide, motion="stopping"))
+    assert list(breaches_of_plan(bowed, wide, motion="unsteady"))
     assert not list(breaches_of_plan(bowed, wide, motion="at rest"))
     found, right = (run("radial-play", bowed, fidelity=model) for model in (wide, Fidelity.preset("flank")))
     assert found.status is Status.OK, found.message

@@ -17,7 +17,6 @@ from made_up_study import make_study
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of, without_checksum
 from rps_exudyn.gears.solids import rack_solid
-from rps_exudyn.inference.measured import binary_files
 from rps_exudyn.results.block import Block, CaseRecord, packed
 from rps_exudyn.study.study_file import read_study
 from shell import Command
@@ -176,28 +175,16 @@ def test_cells_within_cells_are_refused(tmp_path: Path) -> None:
     compressed = struct.pack("<II", 15, len(packed)) + packed
     for each in (content, compressed):
         (tmp_path / "m.mat").write_bytes(MAT_HEAD + each)
-        with pytest.raises(InputError, match=r"m.mat is a damaged file of MAT \(ValueError\)"):
+        with pytest.raises(InputError, match=r"m.mat is a damaged file of MAT"):
             rps.read_measured_torque(tmp_path / "m.mat")
 
 
 def test_a_matrix_of_more_cells_than_bytes_is_refused(tmp_path: Path) -> None:
-    """Room for its cells would be made before the first one is read."""
+    """Room for its cells is made before the first one is read: its reader's process has not as much."""
     sizes = struct.pack("<IIii", 5, 8, 2**31 - 1, 1)
     (tmp_path / "m.mat").write_bytes(MAT_HEAD + matrix(CELL, sizes, b""))
-    with pytest.raises(InputError, match=r"m.mat is a damaged file of MAT \(ValueError\)"):
+    with pytest.raises(InputError, match=r"m.mat needs more memory than there is"):
         rps.read_measured_torque(tmp_path / "m.mat")
-
-
-def test_compressed_blocks_unpack_to_what_is_allowed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A block of an MDF file is bounded by what it holds, not by what the file declares."""
-    zeros = zlib.compress(bytes(10**6))
-    data = struct.pack("<2sBxIQQ", b"DT", 0, 0, 8, len(zeros)) + zeros
-    block = struct.pack("<4s4xQQ", b"##DZ", 24 + len(data), 0) + data
-    head = struct.pack("<4s4xQQQ", b"##HD", 32, 1, 96)
-    (tmp_path / "m.mf4").write_bytes(b"MDF     4.10    ".ljust(64, b"\0") + head + block)
-    monkeypatch.setattr(binary_files, "LARGEST", 10**5)
-    with pytest.raises(InputError, match=r"m.mf4 needs more memory than there is"):
-        rps.read_measured_torque(tmp_path / "m.mf4")
 
 
 @pytest.mark.parametrize(

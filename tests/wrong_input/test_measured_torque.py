@@ -15,7 +15,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import measured_binary_files as binary
 from measured_binary_files import READABLE as BINARY
 from measured_binary_files import REFUSED as BINARY_REFUSED
 from measured_files import ANGLE, READABLE, REFUSED, TORQUE
@@ -29,7 +28,6 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.inference.fitting.bench_tests import read_measurement
 from rps_exudyn.inference.fitting.fit import check_sizes
-from rps_exudyn.inference.measured import binary_files
 from rps_exudyn.inference.measured.numbers import Format
 from rps_exudyn.inference.measured.reading import read_curve, read_measured_torque
 from rps_exudyn.parameters.gear import SteeringGear
@@ -437,17 +435,16 @@ def test_damaged_binary_files_are_refused_or_hold_the_curve(kind: str, tmp_path:
             read_measured_torque(path)
 
 
-@pytest.mark.parametrize("block", [b"##DG", b"##CG", b"##CN", b"##FH"])
-def test_blocks_that_follow_themselves_are_refused(block: bytes, tmp_path: Path) -> None:
-    """A reader that follows them would never end."""
+def test_blocks_that_follow_themselves_are_refused(tmp_path: Path) -> None:
+    """The process of a reader that follows them for ever is ended."""
     needs_libraries("MDF")
     path = tmp_path / "bench.mf4"
     BINARY["MDF"](path)
     content = bytearray(path.read_bytes())
-    place = content.find(block)
+    place = content.find(b"##CN")
     content[place + 24 : place + 32] = place.to_bytes(8, "little")
     path.write_bytes(content)
-    with pytest.raises(InputError, match="is a damaged file of MDF 4"):
+    with pytest.raises(InputError, match="is a damaged file of MDF 4, or takes more than 30 s"):
         read_measured_torque(path)
 
 
@@ -456,15 +453,6 @@ def test_a_library_that_is_missing_is_named(tmp_path: Path, monkeypatch: pytest.
     path = tmp_path / "bench.mf4"
     path.write_bytes(b"MDF     4.10    " + bytes(200))
     with pytest.raises(InputError, match=r"needs asammdf: pip install 'rps-exudyn\[bench\]'"):
-        read_measured_torque(path)
-
-
-def test_a_file_that_unpacks_to_much_more_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(binary_files, "LARGEST", 1_000_000)
-    path = tmp_path / "bench.mat"
-    binary.mat(path, {"angle_deg": np.zeros(200_000)}, compressed=True)
-    assert path.stat().st_size < 10_000
-    with pytest.raises(InputError, match="needs more memory than there is"):
         read_measured_torque(path)
 
 

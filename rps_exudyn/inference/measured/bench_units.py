@@ -40,7 +40,7 @@ def unit_size(unit: str, si_unit: str, german: bool = False) -> float | None:
 
     `german` is true where the column has a German name: Grad is a degree there.
     """
-    if is_never_unit(unit):
+    if _IN_NO_UNIT.search(unit):
         return None
     known, plain = KNOWN.get(si_unit, {}), re.sub(r"[\s.·*×⋅-]|\bof\b", "", unit.replace("º", "°"))
     if plain in known:
@@ -60,11 +60,6 @@ def unit_size(unit: str, si_unit: str, german: bool = False) -> float | None:
         return units.to_si(f"1 {unit.strip()}", si_unit)
     except ValueError:
         return None
-
-
-def is_never_unit(text: str) -> bool:
-    """Return whether a text holds a sign that stands in no unit, as the rest of a wrongly split row does."""
-    return bool(_IN_NO_UNIT.search(text))
 
 
 BESIDE = {

@@ -125,11 +125,9 @@ class Effect:
         """Its sign, with the elasticity where there is one; "" of an effect that chance explains."""
         if not self.is_clear:
             return ""
-        return ("+" if self.slope > 0 else "−") if np.isnan(self.elasticity) else _signed(self.elasticity)
-
-
-def _signed(value: float) -> str:
-    return f"{value:+.2g}".replace("-", "−")
+        if np.isnan(self.elasticity):
+            return "+" if self.slope > 0 else "−"
+        return f"{self.elasticity:+.2g}".replace("-", "−")
 
 
 @dataclass(frozen=True, eq=False)

@@ -98,7 +98,9 @@ def _draw_mesh(axes: Axes, pair: GearPair, solids: dict[str, Solid]) -> None:
     touch elsewhere along their helix.
     """
     for name in ("rack", "pinion"):
-        for polygon in _section(pair, solids[name]):
+        vertices = (solids[name].vertices - pair.pinion_origin) @ pair.pinion_frame
+        section = to_manifold(1e3 * vertices, solids[name].faces).slice(0.0).scale((1e-3, 1e-3))
+        for polygon in section.to_polygons():
             axes.fill(*1e3 * polygon.T, facecolor=COLOURS[name], alpha=0.45, edgecolor="black", linewidth=1)
     section = _mesh_section(pair)
     pitch = 1e3 * section.pitch_radius
@@ -118,12 +120,6 @@ def _draw_mesh(axes: Axes, pair: GearPair, solids: dict[str, Solid]) -> None:
     axes.set_xlim(-11.5e2 * pair.tip_radius, 11.5e2 * pair.tip_radius)
     axes.set_ylim(2e2 * pair.tip_radius, 2e2 * pair.tip_radius + 17e2 * pair.tip_radius)
     _finish_section(axes, "in mesh, transverse section at pinion angle 0")
-
-
-def _section(pair: GearPair, solid: Solid) -> list[np.ndarray]:
-    """Polygons (e, Y) in which the pinion's transverse plane cuts a part [m]."""
-    vertices = (solid.vertices - pair.pinion_origin) @ pair.pinion_frame
-    return to_manifold(1e3 * vertices, solid.faces).slice(0.0).scale((1e-3, 1e-3)).to_polygons()
 
 
 def _mesh_section(pair: GearPair) -> Section:

@@ -1,8 +1,7 @@
 """Where every body is at the shown instants of a record, with its deflections as they are or magnified.
 
-Deflections are micrometres and milliradians, and no picture shows them. They are magnified about their mean
-over the record, the displacements by one factor and the angles by another: the mean lift of -8 um, magnified
-too, would press the rack's teeth through the pinion's.
+Deflections are magnified about their mean over the record, displacements by one factor and angles by
+another: the mean lift of -8 um, magnified too, would press the rack's teeth through the pinion's.
 """
 
 from collections.abc import Iterable, Mapping

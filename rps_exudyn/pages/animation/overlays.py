@@ -14,6 +14,7 @@ from rps_exudyn.gears.solids import plunger_ends
 from rps_exudyn.pages.animation.motion import Motion
 from rps_exudyn.pages.charts.style import COLOURS, PART_COLOURS
 from rps_exudyn.parameters.gear import SteeringGear, surfaces_of
+from rps_exudyn.parameters.retired import with_lines
 from rps_exudyn.tooth_contact.line_loads import STATIONS
 
 LEAST = 1e-3  # of the largest force: a smaller one gets no arrow
@@ -84,8 +85,7 @@ def contact_lines(motion: Motion) -> ContactLines | None:
     gear = motion.gear
     if motion.rigid or surfaces_of(gear):
         return None
-    known = gear if gear.mesh.contact_law != "area" else gear.replace({"mesh.law": "line"})
-    loads = load_distribution(known, motion.signals)
+    loads = load_distribution(with_lines(gear), motion.signals)
     rows = np.arange(loads.load.size).reshape(-1, STATIONS)
     rows = rows[(loads.load[rows] > 0).any(axis=1)]
     if not rows.size:

@@ -187,7 +187,9 @@ def result_text(result: Result, compared: "Sequence[AgainstMeasured] | None" = N
 def summary_grid(result: Result) -> Grid:
     """Every summary value with its bar and definition."""
     rows = [(name, rounding.shown_metric(result, name), SUMMARY[name].long_name) for name in result.summary]
-    return Grid(("quantity", "value", "definition"), rows, vague=rounding.vague_rows(result))
+    values, errors = result.summary.items(), result.errors
+    vague = [k for k, (name, each) in enumerate(values) if rounding.is_vague(each, errors.get(name))]
+    return Grid(("quantity", "value", "definition"), rows, vague=vague)
 
 
 def measured_text(compared: "Sequence[AgainstMeasured] | None") -> Iterator[Block]:

@@ -1,8 +1,7 @@
 """The outcome of a finished run: what its physics must satisfy before it may be called ok.
 
-Wrong runs end with success flags and plausible torques. So every run is compared with what must be true of
-it: teeth in mesh, contact within the range in which its law holds. What discretisation misses, and what is
-left of the start, is in the error bars of its metrics.
+Wrong runs end with success flags and plausible torques. What discretisation misses, and what is left of the
+start, is in the error bars of the metrics.
 """
 
 from dataclasses import replace

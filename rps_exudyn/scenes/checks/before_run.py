@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -39,41 +40,25 @@ def check_memory(steps: int, spheres: int = 0) -> None:
 
 
 def free_memory() -> float:
-    """Return the memory that a process may still take [bytes]; infinite where the system reports none."""
-    return min(_of_machine(), _of_group(), _of_process())
-
-
-def _of_machine() -> float:
-    try:
+    """Return the memory that a process may still take [bytes], of the machine, its container and its own
+    limit; infinite where the system reports none."""
+    free, container = [float("inf")], Path("/sys/fs/cgroup")
+    with suppress(AttributeError, OSError, ValueError):
+        free.append(float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")))
+    with suppress(OSError, ValueError, KeyError):
         lines = dict(line.split(":") for line in Path("/proc/meminfo").read_text().splitlines())
-        return 1024.0 * int(lines["MemAvailable"].split()[0])
-    except (OSError, ValueError, KeyError):
-        pass
-    try:
-        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
-    except (AttributeError, OSError, ValueError):
-        return float("inf")
-
-
-def _of_group() -> float:
-    """What a container allows."""
-    group = Path("/sys/fs/cgroup")
-    try:
-        return float(int((group / "memory.max").read_text()) - int((group / "memory.current").read_text()))
-    except (OSError, ValueError):  # no such group, or "max"
-        return float("inf")
-
-
-def _of_process() -> float:
-    try:
+        free.append(1024.0 * int(lines["MemAvailable"].split()[0]))
+    with suppress(OSError, ValueError):  # no such file, or "max"
+        most, taken = (int((container / f"memory.{name}").read_text()) for name in ("max", "current"))
+        free.append(float(most - taken))
+    with suppress(ImportError, OSError, ValueError):
         import resource
 
         limit = resource.getrlimit(resource.RLIMIT_AS)[0]
         pages = int(Path("/proc/self/statm").read_text().split()[0])
-        free = limit - pages * resource.getpagesize()
-        return float("inf") if limit == resource.RLIM_INFINITY else float(free)
-    except (ImportError, OSError, ValueError):
-        return float("inf")
+        if limit != resource.RLIM_INFINITY:
+            free.append(float(limit - pages * resource.getpagesize()))
+    return min(free)
 
 
 # --- What a model or a gear lacks

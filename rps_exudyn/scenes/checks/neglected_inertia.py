@@ -1,9 +1,8 @@
 """The inertia that equilibria leave out in steady motion, and what it would change.
 
-Runout, errors and the teeth's compliance accelerate the rack all the time. Along its travel the drive
-overcomes its inertia; beside it, inertia presses on the yoke and moves the rack itself. Both grow with the
-square of the speed. With a runout of 20 um the first order of the default gear's torque is 0.4 % off at
-120 rpm, and 10 % at 600.
+Along its travel the drive overcomes the rack's inertia; beside it, inertia presses on the yoke and moves the
+rack itself. Both grow with the square of the speed: with a runout of 20 um the first order of the default
+gear's torque is 0.4 % off at 120 rpm, and 10 % at 600.
 """
 
 from dataclasses import dataclass

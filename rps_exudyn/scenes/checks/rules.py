@@ -26,21 +26,18 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark, Status
 from rps_exudyn.results.quantities import SIGNALS
-from rps_exudyn.scenes.checks.predicted import least_profile_samples, widest_zone, work_in_zone
 from rps_exudyn.solvers.record import Record, contact_disagreement
 from rps_exudyn.tooth_contact.mean_depth import mean_depth, rack_approach
 from rps_exudyn.tooth_contact.spheres import sphere_radius
 
-Motion = Literal["steady", "to and fro", "stopping", "at rest"]
-"""Whether everything slides at a constant speed, goes to and fro in whole cycles, stops, or does not move."""
+Motion = Literal["steady", "unsteady", "at rest"]
+"""Whether everything slides at a constant speed, speeds change, or nothing moves."""
 
 STEPS_PER_PITCH = 2  # fewer cannot show the tooth frequency
 REPAIRED_STEPS_PER_PITCH = 20
 DEEPEST = 1.5  # deepest contact over the mean one, measured on the paper's gear
 LEAST_STATIONS = {"area": 2, "line": 2, "teeth": 3}  # 3.5 % of the hysteresis by two teeth that bend
-LEAST_ROWS = 8  # of spheres along the face width
-NARROW_ZONE = 0.1  # which takes 0.8 % of the work of any friction law
-LOST_IN_ZONE = 0.013  # of the friction's work in a swing, predicted; runs lose about as much
+LEAST_ROWS = 8  # of spheres along the profile and along the face width: error bars cover the rest
 LEAST_TOUCHING = 15  # spheres of general contact, on an edge twice as many: fewer miss 8 % of the torque
 OUT_OF_PLACE = 0.06  # of the path of contact: spheres end where the rack's tips are under the preload
 AT_YOKENUT = 0.08  # of the force on the seat that the nut carries; means by spheres are up to 2 % off then
@@ -80,6 +77,12 @@ class RuleInput:
         """The fidelity of a plan."""
         assert self.fidelity is not None
         return self.fidelity
+
+    @property
+    def run(self) -> Record:
+        """The record of a single run."""
+        assert self.record is not None
+        return self.record
 
     @property
     def is_shaken(self) -> bool:
@@ -187,8 +190,7 @@ def remarks(gear: SteeringGear, signals: Signals) -> Iterator[Remark]:
 
 
 # --- Plans -----------------------------------------------------------------------------------------
-# A motion to and fro is made on two levels, which show what the zone of friction takes. At rest friction has
-# crept away, whatever its zone, and a chain of segments yields as the condensed bush.
+# At rest a chain of segments yields as the condensed bush.
 
 
 def _asks(quantity: str, why: str, show: str, scale: float = 1.0) -> Callable[[Breach], str]:
@@ -225,10 +227,6 @@ def _coarse(breach: Breach) -> str:
 
 def _is_chain(given: RuleInput) -> bool:
     return given.model.bush == "chain" and given.motion != "at rest"
-
-
-def _is_straight_only(given: RuleInput) -> bool:
-    return given.model.mesh == "general-contact" or _is_chain(given)
 
 
 def _bowed(breach: Breach) -> str:
@@ -268,28 +266,16 @@ OF_PLAN = (
         lambda breach: {"step_angle": float(_pitch(breach.given.gear) / REPAIRED_STEPS_PER_PITCH)},
     ),
     _plan(
-        lambda given: given.model.zone_ratio,
-        _asks(
-            "fidelity.zone_ratio",
-            "a motion that stops, where friction is too small within the zone,",
-            "{:.3g}",
-        ),
-        lambda given: widest_zone(given.gear, given.model.zone_ratio, LOST_IN_ZONE),
-        lambda given: (
-            given.motion == "stopping"
-            and given.model.zone_ratio > NARROW_ZONE
-            and work_in_zone(given.gear, given.model.zone_ratio) > LOST_IN_ZONE
-        ),
-        lambda breach: {"zone_ratio": 0.99 * breach.limit},
+        lambda given: abs(given.gear.rack.bow),
+        _bowed,
+        applies=lambda given: given.model.mesh == "general-contact" or _is_chain(given),
+        repair=_straightened,
     ),
-    _plan(lambda given: abs(given.gear.rack.bow), _bowed, applies=_is_straight_only, repair=_straightened),
     _of_perfect_rack("pitch_errors", rack_errors, "whose racks have teeth without errors"),
     _of_perfect_rack("deviation", _rack_deviations, "whose rack has plane flanks"),
     _at_least("strip_points", lambda gear: 2, "flank"),
     _at_least("strip_stations", lambda gear: LEAST_STATIONS[gear.mesh.contact_law], "flank"),
-    _at_least(
-        "profile_samples", lambda gear: max(LEAST_ROWS, least_profile_samples(gear)), "general-contact"
-    ),
+    _at_least("profile_samples", lambda gear: LEAST_ROWS, "general-contact"),
     _at_least("axial_samples", lambda gear: LEAST_ROWS, "general-contact"),
     _plan(
         lambda given: DEEPEST * mean_depth(given.gear),
@@ -365,8 +351,7 @@ IN_RECORD = (
 
 def _touching(given: RuleInput) -> float:
     """Spheres that touch, half of those on an edge: shafts askew, or the yoke at its nut."""
-    record = given.record
-    assert record is not None
+    record = given.run
     mesh = next(part for part in record.forces.parts if part.name == "mesh")
     column = mesh.size + ENERGY_TERMS + mesh.outputs.index("mesh_touching")
     stopped = (given.signals.get("yokenut_force", np.zeros(1)) > 0).any()
@@ -388,15 +373,10 @@ def _on_yokenut(given: RuleInput) -> float:
     return carried / float(given.signals["seat_force"].mean()) if carried > 0 else 0.0
 
 
-def _disagreement(given: RuleInput) -> float:
-    assert given.record is not None
-    return contact_disagreement(given.record)
-
-
 OF_GENERAL_CONTACT = (
     Rule(
         Code.CONTACT_DISAGREES,
-        _disagreement,
+        lambda given: contact_disagreement(given.run),
         lambda breach: (
             f"two evaluations of the contact forces differ by {breach.value:.2g} (limit {AGREEMENT:.0g})"
         ),

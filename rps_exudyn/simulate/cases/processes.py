@@ -1,11 +1,8 @@
 """Tasks in processes of their own, each with a hard time limit; no process can harm more than its task.
 
-A task whose time is over is interrupted by its own process, which answers with what was recorded; where it
-does not, its process is ended `GRACE` later.
-
-A process is started once and given many tasks, because starting one costs seconds. It has its own pipes
-and shares no lock with the others: it may be killed at any instant. Cheap tasks are handed over
-several at a time, which the processes answer one by one: the clock runs for each task alone.
+A task whose time is over is interrupted by its own process; where that does not answer, it is ended `GRACE`
+later. A process is started once and given many tasks, because starting one costs seconds; cheap ones several
+at a time. It has its own pipes and shares no lock with the others: it may be killed at any instant.
 """
 
 import contextlib
