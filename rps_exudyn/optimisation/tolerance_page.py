@@ -26,7 +26,7 @@ def tolerance_sheet(found: Tolerancing, command: str) -> Sheet:
     """Return the sheet of a choice of tolerances; `command` makes it again."""
     problem, blocks = found.problem, [_classes(found), _steps(found)]
     labels = [("cost", COST), ("scrap", SCRAP)]
-    points = np.array([found.costs, 100 * found.scrap]).T
+    points = np.array([found.costs, found.scrap]).T
     names = "sets of classes", "the chosen set"
     drawn = points[:: -(-len(points) // MOST_DRAWN)]
     figure = front_figure(drawn, points[found.front], points[[found.chosen]], labels, names=names)
