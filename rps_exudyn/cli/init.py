@@ -56,7 +56,7 @@ def init(folder: Path = Path(), /) -> int:
 
 def _content(source: "Traversable", name: Path) -> bytes:
     """A template's content; TOML begins with the place of its schema."""
-    if name.suffix != ".toml" or name.name.startswith("optimise"):  # the file of an optimisation has none
+    if name.suffix != ".toml" or name.name.startswith(("optimise", "tolerance_cost")):  # without a schema
         return source.read_bytes()
     text = source.read_text(encoding="utf-8")
     kind = "gear" if name.parent.name == "gears" else "study"

@@ -16,9 +16,9 @@ def optimise(
     toy: Flag = False,
     shown: Printing = HEAD_ALONE,
 ) -> int:
-    """Search for the gears whose series is best. Run it again after an interruption: designs are kept.
+    """Search for the gears whose series is best, or the cheapest tolerances; again after an interruption.
 
-    The exit status is 1 if no design keeps all limits.
+    The exit status is 1 if no design, or no set of tolerances, keeps all limits.
 
     Args:
         file: Optimisation file (TOML), see docs/tutorial/9-optimisation.md.
@@ -30,6 +30,8 @@ def optimise(
     from rps_exudyn.optimisation.optimisation_page import optimisation_sheet
     from rps_exudyn.optimisation.optimise import PAGE
     from rps_exudyn.optimisation.optimise import optimise as run
+    from rps_exudyn.optimisation.tolerance_page import tolerance_sheet
+    from rps_exudyn.optimisation.tolerance_search import Tolerancing
 
     with printing(shown.quiet):
         try:
@@ -38,6 +40,10 @@ def optimise(
         except KeyboardInterrupt:
             kept = "the designs that are done are kept; the same command continues"
             raise KeyboardInterrupt(f"interrupted; {kept}.") from None
-        files = [*found.files, found.search.store.path / PAGE]
-        present(optimisation_sheet(found, command_line()), files, every=shown.every, json=shown.json)
+        if isinstance(found, Tolerancing):
+            sheet, files = tolerance_sheet(found, command_line()), [found.folder / PAGE]
+        else:
+            sheet = optimisation_sheet(found, command_line())
+            files = [*found.files, found.search.store.path / PAGE]
+        present(sheet, files, every=shown.every, json=shown.json)
     return DONE if found.front else FAILED

@@ -21,15 +21,14 @@ quantile = "90 %"
 most = "given"                   # what the gear as given has
 """
 
-import difflib
 import hashlib
 import json
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -50,6 +49,7 @@ from rps_exudyn.optimisation.goals import (
 from rps_exudyn.parameters.declaration import read_toml
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.gear import Setup, SteeringGear
+from rps_exudyn.parameters.wrong_values import nearest_names
 from rps_exudyn.results.limit import Limit, limit_of
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.scenes import SCENE_NAMES
@@ -65,6 +65,7 @@ KEYS = (
 )
 NUMBER_KEYS = {"metric", "scene", "set"}
 GIVEN, NONE = "given", "none"  # limit of a constraint; no errors
+Read = TypeVar("Read")
 MOST_WHOLE = 1000  # whole numbers between the bounds of a variable
 TRIED = 64  # gears within the bounds, of which one must exist
 FOLLOWS = (0.25, 4.0)  # times its given value, between which a kept parameter is sought
@@ -184,16 +185,11 @@ def read_problem(path: str | Path) -> Problem:
     Raises:
         InputError: everything that is wrong with it: file, key, and what is allowed.
     """
-    reader, content = _ProblemKeys(Path(path)), read_toml(path)
-    problem = None
-    with reader.gathering():
-        problem = reader.problem(content)
-    if reader.problems or problem is None:
-        raise InputError(reader.problems)
-    return problem
+    reader, content = ProblemKeys(Path(path)), read_toml(path)
+    return reader.read(lambda: reader.problem(content))
 
 
-class _ProblemKeys(Keys):
+class ProblemKeys(Keys):
     """Reads the keys of an optimisation's file."""
 
     def stop(self) -> None:
@@ -206,6 +202,27 @@ class _ProblemKeys(Keys):
             found, self.problems = self.problems, []
             raise InputError(found)
 
+    def read(self, make: Callable[[], Read]) -> Read:
+        """Return what is made of the file.
+
+        Raises:
+            InputError: everything that is wrong with it.
+        """
+        with self.gathering():
+            made = make()
+        if self.problems:
+            raise InputError(self.problems)
+        return made
+
+    def confirmed(self, content: Mapping[str, Any]) -> tuple[int, int]:
+        """Return the fresh gears by the search's model, and by each of the others."""
+        given = content.get("confirm", [512, 40])
+        listed = isinstance(given, list) and len(given) == 2
+        if not listed or any(type(n) is not int or not 0 <= n <= 10**6 for n in given):
+            self.wrong("confirm", f"is {shown(given)}; it must be two numbers of gears, such as [512, 40].")
+            return 0, 0
+        return given[0], given[1]
+
     def problem(self, content: Mapping[str, Any]) -> Problem:
         for key in content.keys() - {*KEYS}:
             self.wrong(key, f"is no key of an optimisation; there are {', '.join(KEYS)}.")
@@ -213,13 +230,7 @@ class _ProblemKeys(Keys):
         population = self.whole(content, "population", min(36, designs), 4, designs)
         samples = self.whole(content, "samples", 96, 8, 10**5)
         errors = self.choice(content, "errors", (*SETS, NONE), "series")
-        confirm = content.get("confirm", [512, 40])
-        if not (
-            isinstance(confirm, list)
-            and len(confirm) == 2
-            and all(type(n) is int and 0 <= n <= 10**6 for n in confirm)
-        ):
-            self.wrong("confirm", f"is {shown(confirm)}; it must be two numbers of gears, such as [512, 40].")
+        confirm = self.confirmed(content)
         axes = [*self._axes(self.table(content, "variables"))]
         if not axes:
             self.wrong("variables", "must have at least one parameter with its bounds, [least, most].")
@@ -242,15 +253,13 @@ class _ProblemKeys(Keys):
                 self.wrong("variables", f"has {axis.name}, which is given by a distribution or by keep, too.")
         self.stop()
         numbers = {name: float(BY_GEOMETRY[name](gear)) for name in keep}
-        problem = Problem(
-            study, keep, (), (), errors, own, samples, population, (confirm[0], confirm[1]), numbers
-        )
+        problem = Problem(study, keep, (), (), errors, own, samples, population, confirm, numbers)
         _check_bounds(problem)
         objectives = [*self._objectives(self.table(content, "objectives"), problem)]
-        asked = [*self._asked(self.table(content, "constraints"), problem)]
-        required = [*self._requirements(content, problem)]
+        asked = [*self.asked(self.table(content, "constraints"), problem)]
+        required = [*self.requirements(content, problem)]
         self.stop()
-        constraints = (*self._constraints(problem, asked), *required)
+        constraints = (*self.constraints(problem, asked), *required)
         problem = replace(problem, objectives=tuple(objectives), constraints=constraints)
         self.stop()
         _check_contradictions(problem)
@@ -295,7 +304,7 @@ class _ProblemKeys(Keys):
                     number, -1 if self.choice(table, "goal", ("least", "most"), "least") == "most" else 1
                 )
 
-    def _asked(self, tables: Mapping[str, Any], problem: Problem) -> Iterator[tuple[Number, dict[str, Any]]]:
+    def asked(self, tables: Mapping[str, Any], problem: Problem) -> Iterator[tuple[Number, dict[str, Any]]]:
         """Yield the number of each limit, and its ends; a share of the gears makes a quantile of each end."""
         for name, table in tables.items():
             where = f"constraints: {name}"
@@ -334,8 +343,8 @@ class _ProblemKeys(Keys):
     def _is_known(self, where: str, name: str, known: Collection[str]) -> bool:
         if name in known:
             return True
-        near = difflib.get_close_matches(name, known, 3, 0.4) or [*known][:3]
-        self.wrong(where, f"{shown(name)} is unknown; the nearest: {', '.join(near)}.")
+        near = nearest_names(name, [*known], [*known][:3])
+        self.wrong(where, f"{shown(name)} is unknown; {near}.")
         return False
 
     def _share(self, where: str, table: Mapping[str, Any], problem: Problem) -> float | None:
@@ -355,7 +364,7 @@ class _ProblemKeys(Keys):
             self.wrong(where, f"has {key}, but errors is none; leave out one of them.")
         return share
 
-    def _constraints(
+    def constraints(
         self, problem: Problem, asked: Sequence[tuple[Number, dict[str, Any]]]
     ) -> Iterator[Constraint]:
         """Yield the constraints; numbers `given` are those of the gear as given."""
@@ -368,7 +377,7 @@ class _ProblemKeys(Keys):
             where = f"{self.file}: constraints: {number.name}: "
             yield Constraint(number, limit_of(where, limits, number.quantity, self.problems))
 
-    def _requirements(self, content: Mapping[str, Any], problem: Problem) -> Iterator[Constraint]:
+    def requirements(self, content: Mapping[str, Any], problem: Problem) -> Iterator[Constraint]:
         """Yield the requirements of the sheet that are asked for, kept by so many of the gears as there."""
         names, path = content.get("requirements", []), content.get("limits")
         names = [*REQUIRED] if names == "all" else names

@@ -9,7 +9,11 @@ from rps_exudyn.optimisation.confirmation import confirm
 from rps_exudyn.optimisation.definition import read_problem
 from rps_exudyn.optimisation.optimisation_page import Optimisation, gear_sheets, optimisation_sheet
 from rps_exudyn.optimisation.search import search
+from rps_exudyn.optimisation.tolerance_page import tolerance_sheet
+from rps_exudyn.optimisation.tolerance_search import Tolerancing, search_tolerances
+from rps_exudyn.optimisation.tolerances import read_tolerances
 from rps_exudyn.pages.report.html import write_page
+from rps_exudyn.parameters.declaration import read_toml
 from rps_exudyn.parameters.gear import gear_file
 from rps_exudyn.simulate.cases.run_cases import CaseRunner, checked_jobs
 
@@ -18,8 +22,10 @@ PAGE = "optimisation.html"
 
 def optimise(
     file: str | Path, out: str | Path | None = None, jobs: int | None = None, toy: bool = False
-) -> Optimisation:
+) -> Optimisation | Tolerancing:
     """Search for the gears whose series is best, and compute the best ones again on fresh gears.
+
+    Of a file with the table `tolerances`, choose the cheapest classes instead, see `tolerances`.
 
     The folder holds each design as soon as it is computed: the same call continues after an interruption, and
     ends as one that was not interrupted. It will hold the best gears and a page, too.
@@ -42,7 +48,15 @@ def optimise(
         >>> len(found.search.designs), found.front[0].gear.yoke.preload < 300
         (8, True)
     """
-    problem, stem = read_problem(file), Path(file).stem
+    stem = Path(file).stem
+    if "tolerances" in read_toml(file):
+        wanted = read_tolerances(file)
+        wanted, stem = (wanted.toy(), f"{stem}-toy") if toy else (wanted, stem)
+        with CaseRunner(checked_jobs(jobs), wanted.problem.study.time_limit) as runner:
+            chosen = search_tolerances(wanted, Path(stem if out is None else out), runner)
+        write_page([tolerance_sheet(chosen, join(["rps-exudyn", *sys.argv[1:]]))], chosen.folder / PAGE)
+        return chosen
+    problem = read_problem(file)
     problem, stem = (problem.toy(), f"{stem}-toy") if toy else (problem, stem)
     folder = Path(stem if out is None else out)
     with CaseRunner(checked_jobs(jobs), problem.study.time_limit) as runner:

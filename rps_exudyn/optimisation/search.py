@@ -6,7 +6,7 @@ begun anew each time, and takes from the folder what is there: a killed search e
 
 import hashlib
 import json
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -127,6 +127,10 @@ def search(problem: Problem, folder: Path, runner: CaseRunner) -> Search:
     Raises:
         InputError: pymoo is not installed, or the folder cannot be used.
     """
+
+    def calls(cases: Sequence[Case]) -> list[tuple[Case, Callable[[], Result]]]:
+        return [(case, partial(evaluate, problem, case.values)) for case in cases]
+
     asked = _asked(problem)
     store, designs = store_of(problem, folder), dict[str, Design]()
     rows: list[tuple[Case, CaseRow]] = []
@@ -140,12 +144,12 @@ def search(problem: Problem, folder: Path, runner: CaseRunner) -> Search:
         row = CasesRow(problem.study.samples)
         given = Case(hash_of(problem, {}), {})
         with open_screen() as screen, screen.row(row):
-            of_given = _results(problem, store, [given], runner, CasesRow(1))[given.hash]
+            of_given = computed_results(problem, store, calls([given]), runner, CasesRow(1))[given.hash]
             points = next(asked)
             while points is not None:
                 cases = [Case(hash_of(problem, values), values) for values in points]
                 new = {case.hash: case for case in cases if case.hash not in designs}
-                results = _results(problem, store, [*new.values()], runner, row)
+                results = computed_results(problem, store, calls([*new.values()]), runner, row)
                 for name, case in new.items():
                     designs[name] = Design.of(problem, case, results[name])
                     rows.append((case, CaseRow.of(CaseRecord.of(name, results[name]))))
@@ -159,17 +163,21 @@ def search(problem: Problem, folder: Path, runner: CaseRunner) -> Search:
         return Search(problem, store, start, tuple(designs.values()), refused)
 
 
-def _results(
-    problem: Problem, store: Store, cases: Sequence[Case], runner: CaseRunner, row: CasesRow
+def computed_results(
+    problem: Problem,
+    store: Store,
+    calls: Sequence[tuple[Case, Callable[[], Result]]],
+    runner: CaseRunner,
+    row: CasesRow,
 ) -> dict[str, Result]:
     """Return hash -> result of each case; those that the folder lacks are computed and stored."""
     found, tasks = dict[str, Result](), dict[Task, Case]()
-    for case in cases:
+    for case, call in calls:
         with suppress(InputError):  # there is none, or a damaged one
             if (stored := read_result(store.path_of(case.hash))).status not in AGAIN:
                 found[case.hash] = stored
         if case.hash not in found:
-            tasks[Task(partial(evaluate, problem, case.values))] = case
+            tasks[Task(call)] = case
     row.count([each.status for each in found.values()])
     for task, answer in runner.run(list(tasks)):
         case, base = tasks[task], problem.study.base

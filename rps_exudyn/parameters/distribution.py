@@ -111,6 +111,25 @@ class Distribution:
             return [first + second * deviation for deviation in deviations]
         return [float(first * second**deviation) for deviation in deviations]
 
+    def density(self, x: Any) -> Any:
+        """Return the probability density at values (any shape), 0 beyond the ends."""
+        import numpy as np
+        from scipy.special import ndtr
+
+        low, high = self.ends
+        at = np.clip(x, low, high)
+        inverse = 1 / at if self.kind.startswith("log") else 1.0
+        first, second = (
+            np.log([self.first, self.second]) if self.kind.startswith("log") else (self.first, self.second)
+        )
+        if self.kind.endswith("uniform"):
+            found = np.full(np.shape(at), 1 / (second - first))
+        else:
+            deviations = ((np.log(at) if self.kind == "lognormal" else at) - first) / second
+            inside = second * math.sqrt(2 * math.pi) * (ndtr(CUT) - ndtr(-CUT))
+            found = np.exp(-(deviations**2) / 2) / inside
+        return np.where(at == x, found * inverse, 0.0)
+
     def scaled(self, value: float) -> "Distribution":
         """Return the distribution of this one times a value above 0."""
         width = 1.0 if self.kind == "lognormal" else value

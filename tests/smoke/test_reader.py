@@ -66,6 +66,7 @@ OWN_FILES = {
     "e.csv",
     "expected.toml",
     "optimise_ripple.toml",
+    "tolerance_cost.toml",
     "wish.toml",
     "first.csv",
     "second.csv",

@@ -18,7 +18,7 @@ from shell import Command
 from study_files import Here
 
 FILES = sorted((Path(__file__).parents[2] / "studies").glob("*.toml"))
-STUDIES = [file for file in FILES if not file.stem.startswith("optimise")]
+STUDIES = [file for file in FILES if not file.stem.startswith(("optimise", "tolerance_cost"))]
 SHIPPED = (
     "preload friction runout installation_angle preload_friction_runout yoke_clearance load_map tolerance "
     "bent_rack radial_play rattle_threshold steering_column uncertain_gear"

@@ -18,6 +18,7 @@ def front_figure(
     labels: Sequence[tuple[str, Quantity]],
     links: Sequence[str] = (),
     width: float = 8.0,
+    names: tuple[str, str] = ("designs", "the gear as given"),
 ) -> Figure:
     """Return the picture.
 
@@ -28,6 +29,7 @@ def front_figure(
         labels: name and quantity of the abscissa and of the ordinate.
         links: where a click on a design of the front leads, m of them.
         width: of the picture [in].
+        names: of all points, and of the one that is marked as given.
     """
     figure, (axes,) = style.panels([HEIGHT], width)
     (name_x, over), (name_y, quantity) = labels
@@ -36,11 +38,11 @@ def front_figure(
         return over.displayed(points[:, 0]), quantity.displayed(points[:, 1])
 
     grey, ink = style.COLOURS["reference"], style.COLOURS["torque"]
-    axes.plot(*places(designs), ".", color=grey, alpha=0.4, markersize=5, markeredgewidth=0, label="designs")
+    axes.plot(*places(designs), ".", color=grey, alpha=0.4, markersize=5, markeredgewidth=0, label=names[0])
     axes.step(*places(front), where="post", color=ink, linewidth=1, alpha=0.5)
     dots = axes.scatter(*places(front), s=30, color=ink, zorder=3, label="the best")
     dots.set_urls(list(links))
-    axes.plot(*places(given), "D", color=style.COLOURS["failure"], markersize=7, label="the gear as given")
+    axes.plot(*places(given), "D", color=style.COLOURS["failure"], markersize=7, label=names[1])
     axes.set_ylabel(quantity.axis_label(name_y))
     axes.set_xlabel(over.axis_label(name_x))
     style.legend_above(axes)

@@ -1,0 +1,207 @@
+"""Tolerances with costs, in a file of the optimisation's form; mistakes in it are reported before any run.
+
+share = "95 %"                              # of the gears must keep all limits
+samples = 2048                              # gears that serve all sets of classes
+
+[tolerances.pinion.runout]                  # class = [scatter, cost]
+"quality 8" = ["uniform(0 um, 30 um)", 0]
+"quality 6" = ["uniform(0 um, 15 um)", 2.5]
+
+[constraints.torque_peak_to_peak]           # or `requirements`, as of an optimisation
+most = "0.25 N*m"
+
+All keys that both files have mean the same; `errors` are those of all other parameters.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from math import isfinite, prod
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rps_exudyn.assessment.requirements.judging import ASSURED
+from rps_exudyn.base.units import shown, to_si
+from rps_exudyn.gears.geometry_report import check_gear
+from rps_exudyn.inference.uncertainty.input_sets import SETS, carried, outside, uncertain_inputs
+from rps_exudyn.inference.uncertainty.joint import JointInputs
+from rps_exudyn.optimisation.definition import NONE, OF_STUDIES, Problem, ProblemKeys
+from rps_exudyn.parameters.declaration import read_toml
+from rps_exudyn.parameters.distribution import Distribution
+from rps_exudyn.study.study_file import study_of
+
+KEYS = (*OF_STUDIES, "errors", "samples", "confirm", "share", "limits", "requirements", "constraints")
+MOST_SETS = 20_000  # of classes, each of them compared with all others
+
+
+class ToleranceClass(NamedTuple):
+    """A class of a tolerance: how the parameter scatters by it, and what it costs."""
+
+    name: str
+    scatter: Distribution
+    cost: float
+
+    @property
+    def width(self) -> float:
+        """From the least to the greatest value [SI]."""
+        low, high = self.scatter.ends
+        return high - low
+
+
+@dataclass(frozen=True)
+class ToleranceProblem:
+    """Which classes to choose from, for which limits.
+
+    Attributes:
+        problem: the gear, its limits and its errors; without variables and objectives.
+        classes: path -> classes, from wide to narrow.
+        share: of the gears that must keep all limits.
+    """
+
+    problem: Problem
+    classes: Mapping[str, tuple[ToleranceClass, ...]]
+    share: float
+
+    @property
+    def sets(self) -> np.ndarray:
+        """All sets of classes, as numbers of the classes (sets, tolerances)."""
+        counts = [range(len(each)) for each in self.classes.values()]
+        return np.stack(np.meshgrid(*counts, indexing="ij"), axis=-1).reshape(-1, len(counts))
+
+    @property
+    def costs(self) -> np.ndarray:
+        """Cost of each set, (sets,)."""
+        columns = zip(self.classes.values(), self.sets.T, strict=True)
+        return np.sum([np.array([each.cost for each in own])[at] for own, at in columns], axis=0)
+
+    @property
+    def inputs(self) -> JointInputs:
+        """What scatters; the tolerances by their widest classes."""
+        own, problem = JointInputs.of(self.problem.own), self.problem
+        widest = {path: each[0].scatter for path, each in self.classes.items()}
+        errors = "own" if problem.errors == NONE else problem.errors
+        both = JointInputs({**own, **widest}, own.pairs, own.parted)
+        return uncertain_inputs(problem.study.base.steering_gear, errors, both)
+
+    def toy(self) -> "ToleranceProblem":
+        """The same at the smallest size."""
+        return replace(self, problem=replace(self.problem, samples=64, confirm=(64, 0)))
+
+
+def read_tolerances(path: str | Path) -> ToleranceProblem:
+    """Return the tolerances in a TOML file.
+
+    Raises:
+        InputError: everything that is wrong with it: file, key, and what is allowed.
+    """
+    reader, content = _ToleranceKeys(Path(path)), read_toml(path)
+    return reader.read(lambda: reader.tolerances(content))
+
+
+class _ToleranceKeys(ProblemKeys):
+    """Reads the keys of a file of tolerances."""
+
+    def tolerances(self, content: Mapping[str, Any]) -> ToleranceProblem:
+        for key in content.keys() - {*KEYS, "tolerances"}:
+            self.wrong(key, f"is no key of a file of tolerances; there are {', '.join(KEYS)}.")
+        share = self.wanted_share(content.get("share", ASSURED))
+        errors = self.choice(content, "errors", (*SETS, NONE), "series")
+        samples = self.whole(content, "samples", 2048, 64, 10**5)
+        confirm = self.confirmed(content)
+        classes = dict(self.classes(self.table(content, "tolerances")))
+        self.stop()
+        if not classes or (sets := prod(map(len, classes.values()))) > MOST_SETS:
+            found = f"have {sets} sets of classes" if classes else "have no class"
+            self.wrong("tolerances", f"{found}; there must be 1 to {MOST_SETS}.")
+        self.stop()
+        ends = [np.array([each.scatter.ends for each in own]) for own in classes.values()]
+        axes = [
+            {"path": path, "uniform": [float(each.min()), float(each.max())]}
+            for path, each in zip(classes, ends, strict=True)
+        ]
+        tables = {key: content[key] for key in OF_STUDIES if key in content}
+        kept = {"signals": "none", "blocks": False}
+        study = study_of(
+            self.file, tables | {"axis": axes, "design": "random", "samples": samples, "keep": kept}
+        )
+        own, gear = carried(study.tables, study.settings), study.base.steering_gear
+        check_gear(gear)
+        problem = Problem(study, {}, (), (), errors, own, samples, 0, confirm)
+        for name, table in self.table(content, "constraints").items():
+            if isinstance(table, Mapping) and "share" in table:
+                self.wrong(
+                    f"constraints: {name}", "has share; that of all limits is the key share of the file."
+                )
+        asked = [*self.asked(self.table(content, "constraints"), problem)]
+        required = [*self.requirements(content, replace(problem, errors=NONE))]
+        self.stop()
+        limits = (*self.constraints(problem, asked), *required)
+        self.stop()
+        for each in limits:
+            if not each.number.scene:
+                self.wrong(
+                    "constraints:", f"{each.number.name} follows from the drawing, no tolerance changes it."
+                )
+        if not limits:
+            self.wrong("constraints", "must have at least one table, or requirements a name.")
+        made = ToleranceProblem(replace(problem, constraints=limits), classes, share)
+        self.stop()
+        for path in {path for pair in made.inputs.pairs for path in pair} & {*classes}:
+            self.wrong(
+                "tolerances:", f"{path} is correlated with another input; a tolerance must vary by itself."
+            )
+        return made
+
+    def wanted_share(self, given: Any) -> float:
+        """Return the share of the gears that must keep all limits."""
+        try:
+            share = to_si(given, "")
+        except ValueError:
+            share = np.nan
+        if not 0 < share < 1:
+            self.wrong("share", f"is {shown(given)}; it must be more than 0 % and less than 100 %.")
+        return share
+
+    def classes(
+        self, table: Mapping[str, Any], above: str = ""
+    ) -> Iterator[tuple[str, tuple[ToleranceClass, ...]]]:
+        """Yield path -> classes, from wide to narrow."""
+        for key, value in table.items():
+            path, before = f"{above}{key}", len(self.problems)
+            if isinstance(value, Mapping) and any(isinstance(each, Mapping) for each in value.values()):
+                yield from self.classes(value, f"{path}.")
+            elif not isinstance(value, Mapping) or not value:
+                self.wrong(f"tolerances: {path}", f"is {shown(value)}; it must be a table of classes.")
+            elif self.is_parameter(path, "tolerances"):
+                made = [self.one_class(path, name, each) for name, each in value.items()]
+                found = sorted((each for each in made if each), key=lambda each: -each.width)
+                for wide, narrow in pairwise(found):
+                    if not (wide.width > narrow.width and wide.cost < narrow.cost):
+                        self.wrong(
+                            f"tolerances: {path}",
+                            f"{wide.name} costs {wide.cost:g} and {narrow.name} {narrow.cost:g}; of two "
+                            "classes the wider one must cost less.",
+                        )
+                if len(self.problems) == before:
+                    yield path, tuple(found)
+
+    def one_class(self, path: str, name: str, given: Any) -> ToleranceClass | None:
+        """Return a class of a parameter's tolerance; None of a wrong one."""
+        where, item = f"tolerances: {path}: {name}", self.declared[path]
+        listed = isinstance(given, list) and len(given) == 2 and isinstance(given[0], str)
+        if not listed or type(given[1]) not in (int, float) or not given[1] >= 0 or not isfinite(given[1]):
+            self.wrong(where, f"is {shown(given)}; it must be [scatter, cost] with a cost of 0 or more.")
+        elif item.unit is None or path.startswith("fidelity."):
+            self.wrong(where, f"is {shown(given)}; only numbers of the gear have tolerances.")
+        else:
+            try:
+                scatter = Distribution.read(given[0], item.unit.si)
+            except ValueError as error:
+                self.wrong(where, f"{error}.")
+                return None
+            for sentence in outside(item, scatter):
+                self.wrong(where, f"cannot be: {sentence}")
+            return ToleranceClass(name, scatter, float(given[1]))
+        return None
