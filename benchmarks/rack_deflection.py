@@ -71,7 +71,7 @@ def deflected_line(gear: SteeringGear, force: float) -> np.ndarray:
     """Stations along the bar and its displacement along Y there from rest, shape (2, n) [m]."""
     place, bar = RackBar.of(gear).x_min, RackBeam.of(gear)
     steps = np.stack([np.linspace(0, force, 11), np.zeros(11)], axis=1)
-    loads = OutsideLoads.of_end_force(steps)
+    loads = OutsideLoads(np.zeros(len(steps)), steps)
     outside = loads.generalised(place, moved_by_modes(gear, MODEL, place))
     balance = gear_forces(gear, MODEL).statics.with_(outside=outside)
     path = equilibrium_path(balance, GearPair.of(gear), Steady("pinion", 0.0, 0.0), loads.time)

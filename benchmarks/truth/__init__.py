@@ -1,0 +1,1 @@
+"""Problems of contact with friction whose answers are known, for any program."""
