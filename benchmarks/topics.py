@@ -26,7 +26,7 @@ MODULES = {
     "many_gears": "many_gears",                        "start_up": "start_up",
     "peer_scene": "peers.scene_files",                 "peers": "peers.side_by_side",
     "reduced_gear": "reduced_gear",                    "triangles": "triangles",
-    "truth": "truth.entries",
+    "truth": "truth.entries",                          "yoke_adjustment": "yoke_adjustment",
 }  # fmt: skip
 PARTS = {
     "spheres_on_gears": "law_on_gears:SPHERES_ALONE",

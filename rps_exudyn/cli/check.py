@@ -35,7 +35,7 @@ def check(
     Args:
         limits: TOML file of limits that replace the default ones; a line of it is
             `free_torque = { least = "0.8 N*m", most = "1.8 N*m" }`. Default limits and their sources are in
-            `rps_exudyn/assessment/requirements/limits.toml`. It may limit any metric of a free pinion
+            `rps_exudyn/results/limits.toml`. It may limit any metric of a free pinion
             torque, a load test or a rack lift: `torque_peak_to_peak = { most = "0.3 N*m" }`.
         only: Judge the rows of `--limits` alone, and state by how much they are missed.
         rated_torque: Pinion torque for the strength of the teeth and the lift of the rack.
@@ -43,10 +43,10 @@ def check(
     """
     shown.check()
     from rps_exudyn.assessment.requirements.judging import judge
-    from rps_exudyn.assessment.requirements.limits import read_limits, read_only
     from rps_exudyn.assessment.requirements.requirement_page import requirement_page
     from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
     from rps_exudyn.pages.report.sheet_file import write_sheet
+    from rps_exudyn.results.requirements import read_limits, read_only
     from rps_exudyn.simulate.cases.run_cases import checked_jobs
 
     if only and limits is None:

@@ -42,6 +42,7 @@ def fit(
     report: Path | None = None,
     series: Path | None = None,
     like: Path | None = None,
+    limits: Path | None = None,
     jobs: Jobs = None,
     time_limit: str | None = None,
     shown: Printing = HEAD_ALONE,
@@ -59,6 +60,7 @@ def fit(
             (.json), from which `report` makes the page.
         series: File (.json) for the next gear of the series, to be given by --like.
         like: File that --series wrote for another gear with the same tests; the fit starts from it.
+        limits: TOML file of limits, as of `check`, for the adjustment of the yoke: free_torque, rated_lift.
         time_limit: Elapsed time of each simulation, for instance "20 s"; one that takes longer is left out.
     """
     shown.check()
@@ -83,6 +85,7 @@ def fit(
             columns=chosen_columns(column),
             other_law=not single_law,
             like=read_series(like) if like else None,
+            limits=limits,
             jobs=checked_jobs(jobs),
             time_limit=TimeLimit.of(time_limit).seconds if time_limit is not None else float("inf"),
         )

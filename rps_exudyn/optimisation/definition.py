@@ -33,7 +33,6 @@ from typing import Any, TypeVar
 import numpy as np
 
 from rps_exudyn.assessment.requirements.judging import ASSURED, BY_GEOMETRY, BY_RUNS
-from rps_exudyn.assessment.requirements.limits import REQUIRED, read_limits
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import shown, to_si
 from rps_exudyn.gears.geometry_report import check_gear
@@ -52,6 +51,7 @@ from rps_exudyn.parameters.gear import Setup, SteeringGear
 from rps_exudyn.parameters.wrong_values import nearest_names
 from rps_exudyn.results.limit import Limit, limit_of
 from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.results.requirements import REQUIRED, read_limits
 from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.study.definition import FIDELITY, Axis, Study, Value, settings_of
 from rps_exudyn.study.study_file import study_of

@@ -14,7 +14,6 @@ from rps_exudyn.assessment.requirements.judging import (
     borne_under,
     settings_of_test,
 )
-from rps_exudyn.assessment.requirements.limits import REQUIRED
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.tooth_strength import (
     ToothForm,
@@ -27,6 +26,7 @@ from rps_exudyn.gears.tooth_strength import (
 from rps_exudyn.parameters.gear import BY_SCENE, SteeringGear
 from rps_exudyn.results.limit import Limit
 from rps_exudyn.results.quantities import SUMMARY, Quantity
+from rps_exudyn.results.requirements import REQUIRED
 
 
 def _root(form_of: Callable[[GearPair], ToothForm]) -> Callable[[SteeringGear, float], float]:

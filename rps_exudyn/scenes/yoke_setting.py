@@ -63,20 +63,40 @@ def thread_lever(gear: SteeringGear) -> float:
     return float(diameter / 2 * np.tan(lead + np.arctan(yoke.thread_friction / np.cos(FLANK_ANGLE))))
 
 
+def spring_at(gear: SteeringGear, clearance: float) -> float:
+    """Return the spring's force where the cap leaves a clearance [N], by the line on which the gear lies."""
+    yoke = gear.yoke
+    return float(yoke.preload + yoke.spring_rate * (max(0.0, yoke.clearance) - max(0.0, clearance)))
+
+
+def travel_of_turn(gear: SteeringGear, angle: float) -> float:
+    """Return how far the thread moves the cap in a turn by an angle [m]."""
+    return float(gear.yoke.thread_pitch * angle / (2 * np.pi))
+
+
+def turned_back(gear: SteeringGear, angle: float) -> SteeringGear:
+    """Return the gear after its cap is turned back by an angle [rad], below 0 in.
+
+    Raises:
+        InputError: its spring is loose then, or the clearance is beyond its limits.
+    """
+    clearance = gear.yoke.clearance + travel_of_turn(gear, angle)
+    return gear.replace({"yoke.clearance": clearance, "yoke.preload": spring_at(gear, clearance)})
+
+
 def yoke_setting(gear: SteeringGear) -> YokeSetting:
     """Return what `test.cap_torque` and `test.back_off` make of the gear's yoke."""
     yoke, test = gear.yoke, gear.test
     force = test.cap_torque / thread_lever(gear)
-    touching = yoke.preload + yoke.spring_rate * yoke.clearance
+    touching = spring_at(gear, 0.0)
     if force > touching or not yoke.spring_rate:
         pressed = max(0.0, force - touching)
         compression = pressed / stop_stiffness(gear, touching + pressed / 2)
         tightened = -compression
     else:  # the spring alone holds the cap
         compression, tightened = 0.0, yoke.clearance - (force - yoke.preload) / yoke.spring_rate
-    clearance = tightened + yoke.thread_pitch * test.back_off / (2 * np.pi)
-    preload = touching - yoke.spring_rate * max(0.0, clearance)
-    return YokeSetting(force, compression, clearance, preload)
+    clearance = tightened + travel_of_turn(gear, test.back_off)
+    return YokeSetting(force, compression, clearance, spring_at(gear, clearance))
 
 
 def yoke_set(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:

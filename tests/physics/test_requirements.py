@@ -18,7 +18,6 @@ from rps_exudyn.assessment.requirements.judging import (
     requirement_row,
     weight_for_ratio,
 )
-from rps_exudyn.assessment.requirements.limits import REQUIRED, read_limits
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.check import check
 from rps_exudyn.gears.gear_pair import GearPair
@@ -29,6 +28,7 @@ from rps_exudyn.parameters.declaration import DEG
 from rps_exudyn.parameters.fidelity import FOR_MEANS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.limit import Limit
+from rps_exudyn.results.requirements import REQUIRED, read_limits
 from rps_exudyn.solvers.closed_form import load_test, mean_state
 from shell import Command
 

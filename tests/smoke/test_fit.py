@@ -48,7 +48,9 @@ def test_fit_prints_its_sheet_and_report_makes_the_page_of_its_data(
 ) -> None:
     answer = command(["fit", *files, "--single-law", "--report", "fit.json"])
     lines = answer.out.splitlines()
-    assert len(lines) <= 8
+    assert len(lines) <= 11
+    places = ["plug", "once", "per"]
+    assert [line.split()[0] for line in lines[-4:-1]] == places
     assert lines[0].startswith("Fit to measured curves: made_up_free, made_up_yoke_out")
     assert lines[1].strip().endswith("mean free torque (±: 95 % of the gear)")
     assert lines[1].split()[0].startswith("0.67")

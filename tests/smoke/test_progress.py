@@ -7,11 +7,11 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.assessment.requirements.judging import judge
-from rps_exudyn.assessment.requirements.limits import read_limits
 from rps_exudyn.base import progress
 from rps_exudyn.base.progress import Progress, begin_part, following, passed_on, reached
 from rps_exudyn.base.screen import with_time_left
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
+from rps_exudyn.results.requirements import read_limits
 from rps_exudyn.study.cases import describe
 from rps_exudyn.study.study_file import read_study
 from study_files import write_grid

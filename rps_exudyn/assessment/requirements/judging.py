@@ -13,7 +13,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from rps_exudyn.assessment.requirements.limits import REQUIRED, quantity_of
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.flank_grid import measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
@@ -40,6 +39,7 @@ from rps_exudyn.results.judged_row import JudgedRow, Verdict
 from rps_exudyn.results.limit import Limit
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.results.requirements import REQUIRED, quantity_of
 from rps_exudyn.scenes.contact_law import LAW_OF_SERIES, resolve_contact_law
 from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
 from rps_exudyn.scenes.rack_lift import SCENE as RACK_LIFT

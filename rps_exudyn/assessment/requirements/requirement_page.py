@@ -5,13 +5,13 @@ from math import isnan
 from typing import Any
 
 from rps_exudyn.assessment.requirements.judging import ASSURED, RequirementRow, law_of_sheet
-from rps_exudyn.assessment.requirements.limits import label_of, quantity_of
 from rps_exudyn.pages.report.html import make_again, parameter_grid
 from rps_exudyn.pages.report.judged import ORDER, judgement, mark_of
 from rps_exudyn.pages.report.result_sheet import gear_shown, listed
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.page_blocks import Fold, Judged, Judgement, Mark
 from rps_exudyn.results.provenance import provenance
+from rps_exudyn.results.requirements import label_of, quantity_of
 from rps_exudyn.results.rounding import rounded, rounded_range, shown_with_bar
 from rps_exudyn.results.sheet import Block, Grid, Row, Section, Sheet, Text
 

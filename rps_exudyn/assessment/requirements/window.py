@@ -25,7 +25,6 @@ from rps_exudyn.assessment.requirements.judging import (
     numbers_without_runs,
     sources_of,
 )
-from rps_exudyn.assessment.requirements.limits import limits_in, read_only
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import shown, to_si
 from rps_exudyn.inference.uncertainty.band import FEWEST, OnProgress
@@ -38,6 +37,7 @@ from rps_exudyn.parameters.fidelity import FOR_MEANS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.wrong_values import nearest_names
 from rps_exudyn.results.limit import Limit
+from rps_exudyn.results.requirements import limits_in, read_only
 from rps_exudyn.scenes.contact_law import LAW_OF_SERIES, resolve_contact_law
 from rps_exudyn.simulate.batch import batch
 

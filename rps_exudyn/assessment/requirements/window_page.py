@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from rps_exudyn.assessment.requirements.limits import label_of, quantity_of
 from rps_exudyn.assessment.requirements.window import End, Window
 from rps_exudyn.pages.charts import style
 from rps_exudyn.pages.report.html import make_again
@@ -18,6 +17,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.page_blocks import Fold, Pictures
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.results.quantities import Quantity
+from rps_exudyn.results.requirements import label_of, quantity_of
 from rps_exudyn.results.rounding import half_width, rounded, rounded_range
 from rps_exudyn.results.sheet import Block, Grid, Row, Section, Sheet, Text
 

@@ -137,7 +137,10 @@ def _rig(level: LevelEstimate, gear: SteeringGear) -> Iterator[str]:
             f"half the sum of both directions drifts: {100 * level.drift_sd / value:.2g} % of the level, "
             "by a bow, by warming or by the sensor"
         )
-    for order, name in ((1, "a coupling or a wheel out of true"), (2, "a cardan joint or a bent coupling")):
+    for order, name in (
+        (1, "yoke plug, coupling or a wheel out of true"),
+        (2, "a cardan joint or a bent coupling"),
+    ):
         wave = level.friction_waves.get(order)
         if wave is None:
             continue

@@ -8,14 +8,18 @@ import numpy as np
 
 from rps_exudyn.base import units
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.inference.fitting.adjustment import Adjustment
 from rps_exudyn.inference.fitting.bench_tests import BenchTest
 from rps_exudyn.inference.fitting.fitted import Fit
 from rps_exudyn.inference.fitting.identifiability import MOST_RUNS, NARROWED, SEPARATING, WANTED
 from rps_exudyn.inference.fitting.level import LevelEstimate
+from rps_exudyn.inference.fitting.noise import NORMAL, waves
 from rps_exudyn.inference.fitting.unknowns import LEVEL
 from rps_exudyn.inference.uncertainty.joint import posterior_table
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.judged_row import Verdict
+from rps_exudyn.results.limit import Limit
+from rps_exudyn.results.requirements import REQUIRED
 from rps_exudyn.scenes.rack_on_rollers import SCENE as RACK_ON_ROLLERS
 from rps_exudyn.solvers.closed_form import mesh_torque_per_force, torque_per_preload
 
@@ -162,6 +166,77 @@ def test_words(test: BenchTest) -> str:
     return TESTS.get(test.kind, test.title)
 
 
+# --- In the words of a workshop: what to turn, and what no screw changes
+
+
+def adjustment_rows(fit: Fit) -> Iterator[tuple[str, str]]:
+    """What to do to plug or spring, and the causes of the ripple: place and words."""
+    if fit.level is None:
+        return
+    if fit.adjustment is None:
+        one_way = "the free torque has one direction" if fit.converged else "the fit did not converge"
+        yield "plug", f"not identifiable: {one_way}"
+    else:
+        yield _plug_or_spring(fit.adjustment, fit.limits["free_torque"])
+    if once := _once_per_turn(fit):
+        yield "once per turn", once
+    teeth = [_amplitude(fit, values, fit.gear.pinion.teeth) for values in ("value", "model")]
+    words = "\u00b1{:.2g} N m, of the given gear's teeth \u00b1{:.2g} N m: no screw changes it"
+    by_angle = [each for each in fit.estimates if each.path == "installation.angle_error"]
+    if not by_angle:
+        words += "; --free installation.angle_error fits the shaft angle"
+    elif by_angle[0].verdict is Verdict.NOT_ZERO:
+        words += f"; shaft angle error {shown(by_angle[0].path, by_angle[0].value)}"
+    yield "per tooth", words.format(*teeth)
+
+
+def _plug_or_spring(adjustment: Adjustment, limit: Limit) -> tuple[str, str]:
+    low, high = np.degrees(adjustment.interval)
+    turn, room = np.degrees(adjustment.turn), np.degrees(adjustment.room)
+    within, after = limit.show(REQUIRED["free_torque"]), f"mean {adjustment.mean:.3g} N m"
+    change, half = 100 * adjustment.spring_change, 100 * NORMAL * adjustment.spring_sd
+    spring = f"change its force by {change:+.0f} % \u00b1 {half:.0f} % for {after} ({within})"
+    if adjustment.contact:
+        words = f"turn back by {turn:.0f}\u00b0 ({low:.2g} to {high:.2g}\u00b0 end its contact, 95 %)"
+        return "plug", f"{words}, then the spring: {spring}" if change else f"{words}: {after}"
+    if change:
+        reach = f"{-room[0]:.0f}\u00b0 in and {room[1]:.0f}\u00b0 back"
+        return "spring", f"{spring}; the plug has {reach}, which is too little"
+    if turn:
+        way, half_turn = "back" if turn > 0 else "in", (high - low) / 2
+        return "plug", f"turn {way} by {abs(turn):.0f}\u00b0 \u00b1 {half_turn:.0f}\u00b0: {after} ({within})"
+    return "plug", f"no turn: free torque {within}, no contact once per turn"
+
+
+def _once_per_turn(fit: Fit) -> str:
+    """What makes the torque's wave once per turn; empty where no turn was covered."""
+    if fit.adjustment and (contact := fit.adjustment.contact):
+        runout, clearance = contact.depth + contact.clearance, contact.clearance
+        where = np.degrees(contact.angle) % 360
+        return (
+            f"plunger touches the plug, friction +{contact.rise:.2g} N m at {where:.0f}\u00b0: runout "
+            f"{1e6 * runout:.0f} \u00b5m, clearance {1e6 * clearance:.0f} \u00b5m"
+        )
+    if fit.runout is None:
+        return ""
+    low, high = (1e6 * end for end in fit.runout.interval)
+    if not fit.runout.is_found:
+        return f"runout at most {high:.0f} \u00b5m (95 %): not different from zero"
+    wave, size = f"\u00b1{1e3 * fit.runout.stored:.2g} N mm", 1e6 * fit.runout.size
+    return f"{wave} by a runout of {size:.0f} \u00b5m ({low:.0f} to {high:.0f} \u00b5m, 95 %)"
+
+
+def _amplitude(fit: Fit, values: str, order: int) -> float:
+    """Mean amplitude of an order of the turn in the passes of the free torque [N m]."""
+    sizes = []
+    for each in (each for each in fit.passes if fit.level and each.test == fit.level.test.title):
+        of_order = waves(each.angle, 2 * np.pi, (order,))
+        columns = np.column_stack([np.ones_like(each.angle), waves(each.angle, 2 * np.pi, (1, 2)), of_order])
+        found = np.linalg.lstsq(columns, getattr(each, values), rcond=None)[0]
+        sizes.append(np.hypot(*found[-2:]) if of_order.size else np.nan)
+    return float(np.mean(sizes))
+
+
 KNOWN = (Verdict.FOUND, Verdict.NOT_ZERO, Verdict.BY_PRIOR, Verdict.BY_RATIO)
 
 
@@ -228,6 +303,7 @@ def fit_as_dict(fit: Fit) -> dict[str, Any]:
         "further_tests": fit.advice
         and {"tests": [test.title for test in fit.advice.tests], "reached": fit.advice.reached},
         "more_runs": fit.repeats and {"half_interval": fit.repeats.now, "runs": fit.repeats.runs},
+        "adjustment": fit.adjustment and asdict(fit.adjustment),
         "angle_offset": {"value": fit.offset, "sd": fit.offset_sd},
         "warnings": list(fit.warnings),
         "assumed": list(fit.assumed),

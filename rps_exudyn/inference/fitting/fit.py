@@ -39,6 +39,7 @@ from rps_exudyn.inference.fitting.unknowns import (
 )
 from rps_exudyn.parameters.fidelity import MEAN_STEP
 from rps_exudyn.parameters.gear import SteeringGear, check_constant_ratio, check_gear
+from rps_exudyn.results.requirements import read_limits
 from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.scenes.checks.before_run import largest_angle
 from rps_exudyn.simulate.cases.run_cases import CaseRunner, cpu_time
@@ -57,6 +58,7 @@ def fit(
     columns: Mapping[str, str] | None = None,
     other_law: bool = True,
     like: Fit | Series | None = None,
+    limits: str | Path | None = None,
     jobs: int = 1,
     time_limit: float = float("inf"),
 ) -> Fit:
@@ -72,6 +74,7 @@ def fit(
         other_law: fit by another contact law as well, whose difference is added to the intervals.
         like: the fit of another gear of the series, or what it left: with the same tests and free
             parameters, its end and its slopes are where this fit begins.
+        limits: file of limits that replace the shipped ones, for the yoke's adjustment.
         jobs: number of processes that share the simulations, as soon as that is quicker.
         time_limit: of each simulation [s]; one that takes longer counts as a gear without equilibrium.
 
@@ -100,6 +103,8 @@ def fit(
     for path, prior in (priors or {}).items():
         if np.shape(prior) != (2,) or np.asarray(prior).dtype.kind not in "if":
             raise InputError(f"the prior of {path} is {shown(prior)}; it must be (value, deviation), in SI.")
+    check_kind("limits", limits, str | Path | None, "a file")
+    allowed = read_limits(Path(limits) if limits is not None else None)
     check_kind("like", like, Fit | Series | None, "the fit of another gear")
     read = bench_tests.read_measurement
     measurement = files if isinstance(files, Measurement) else read(files, columns, gear)
@@ -132,7 +137,7 @@ def fit(
             found = replace(found, by_law=by_law)
             warnings += said
     simulations, spent = problem.prediction.simulations, cpu_time() - began
-    return replace(found, remarks=tuple(warnings), simulations=simulations, cpu_s=spent)
+    return replace(found, limits=allowed, remarks=tuple(warnings), simulations=simulations, cpu_s=spent)
 
 
 def identifiable_parameters(
@@ -228,7 +233,7 @@ def _searched(problem: Problem, gear: SteeringGear, before: Series | None, use_p
         begin[: len(of_level)] = shape.u[of_level]
     fitted_to = _fit_levels(problem, model, gear, begin, shape, use_prior, corrected=before is not None)
     (model, state, gear, offset), by_law = fitted_to, np.zeros(len(unknowns))
-    return Fit(problem, given, gear, model, state, shape, others, use_prior, *offset, by_law)
+    return Fit(problem, given, gear, model, state, shape, others, use_prior, *offset, by_law, {})
 
 
 def _fit_levels(

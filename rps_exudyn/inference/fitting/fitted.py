@@ -1,6 +1,6 @@
 """The outcome of a fit: estimates, what they rest on, and what is to be said about them."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.inference.fitting import identifiability
+from rps_exudyn.inference.fitting.adjustment import Adjustment, adjustment_of
 from rps_exudyn.inference.fitting.diagnosis import Refusal, notes, refusals
 from rps_exudyn.inference.fitting.level import LevelEstimate, Runout, Wave, runout_of
 from rps_exudyn.inference.fitting.level_fit import LevelModel, stepped
@@ -30,6 +31,7 @@ from rps_exudyn.inference.fitting.unknowns import (
 )
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.judged_row import JudgedRow, Verdict
+from rps_exudyn.results.limit import Limit
 
 Ends = tuple[float, float]
 UNMOVED = 0.97  # of the prior's deviation: what is left of it where the data determine nothing
@@ -98,6 +100,7 @@ class Fit:
         offset: of the measured pinion angle [rad].
         offset_sd: its standard deviation [rad].
         by_law: what another contact law moves, shape (unknowns,).
+        limits: within which the yoke's adjustment is to bring the gear.
         remarks: what was to be said before the search ended.
         simulations: how many gears were simulated.
         cpu_s: CPU time, of all processes [s].
@@ -124,6 +127,7 @@ class Fit:
     offset: float
     offset_sd: float
     by_law: np.ndarray
+    limits: Mapping[str, Limit]
     remarks: tuple[str, ...] = ()
     simulations: int = 0
     cpu_s: float = 0.0
@@ -145,10 +149,22 @@ class Fit:
     @cached_property
     def runout(self) -> Runout | None:
         """Size and direction of the pinion's runout; None where no curve shows a turn."""
-        sds = np.sqrt(np.diag(self.ended.covariance))
-        sd = dict(zip([each.path for each in self.model.unknowns], sds.tolist(), strict=True))
-        preload, preload_sd = self.gear.yoke.preload, sd.get("yoke.preload", 0.0)
-        return runout_in(self.problem, preload, preload_sd, self.use_runout_prior, self.shape_state)
+        preload = self.gear.yoke.preload
+        return runout_in(self.problem, preload, self.preload_sd, self.use_runout_prior, self.shape_state)
+
+    @property
+    def preload_sd(self) -> float:
+        """Standard deviation of the preload's logarithm; 0 where it is not fitted."""
+        sds = np.sqrt(np.diag(self.ended.covariance)).tolist()
+        return dict(zip([each.path for each in self.model.unknowns], sds, strict=True)).get(
+            "yoke.preload", 0.0
+        )
+
+    @cached_property
+    def adjustment(self) -> Adjustment | None:
+        """What brings the free torque within `limits`: a turn of the yoke's plug, or another spring; None
+        without curves in both directions, or without convergence."""
+        return adjustment_of(self, self.limits)
 
     @cached_property
     def refusals(self) -> tuple[Refusal, ...]:

@@ -79,6 +79,7 @@ def _text(fit: Fit, tests: str) -> Iterable[Block]:
     yield Grid(findings.BUDGET, findings.budget_rows(fit))
     if sentence := findings.offset_sentence(fit):
         yield Text(sentence)
+    yield from (Text(f"{place}: {words}") for place, words in findings.adjustment_rows(fit))
     yield from (Text(f"assumed: {each}") for each in fit.assumed if each not in fit.left_out)
     yield from (Text(f"note: {each}") for each in (*fit.left_out, *fit.warnings))
     yield Text(f"{fit.simulations} simulations, {fit.cpu_s:.2g} s of CPU time")
@@ -102,6 +103,7 @@ def _rows(fit: Fit) -> Iterable[Row]:
         doubts += encoder_doubts(level, fit.given.pinion.teeth)
     if doubts:
         yield Row("check", doubts[0] + (f"; and {len(doubts) - 1} more" if len(doubts) > 1 else ""))
+    yield from (Row(place, words) for place, words in findings.adjustment_rows(fit))
 
 
 def _verdicts(fit: Fit) -> Iterable[Row]:
