@@ -131,9 +131,7 @@ def shares_table(folder: Path) -> str:
         for key, words in STATES.items():
             cells = [name, words]
             for group in groups:
-                states = [
-                    each["before"] if key == "before" else each["adjusted"][name][key] for each in group
-                ]
+                states = [states_of(each, name)[key] for each in group]
                 kept = sum(not missed(state, limits) for state in states)
                 cells.append(f"{digits(100 * kept / max(len(group), 1), 3)} % ({kept} of {len(group)})")
             rows.append(cells)
