@@ -1,7 +1,7 @@
 """Answers of Exudyn's general contact, MuJoCo and Drake to problems of friction whose answers are known.
 
-Each program runs by the settings listed here, all of which are shown; some were added after first trials. They
-run alternately, twice, and the least CPU time of the loop counts.
+Each program runs by the settings listed here, all of which are shown; some were added after first trials.
+They run alternately, twice, and the least CPU time of the loop counts.
 """
 
 from collections.abc import Mapping, Sequence
