@@ -35,15 +35,20 @@ class Exudyn:
             ArithmeticError: the motion is not finite.
         """
         import exudyn as exu
+        from exudyn.itemInterface import SensorNode
 
         mbs = exu.SystemContainer().AddSystem()
-        nodes = self._build(exu, mbs, scene)
+        nodes = self._build(mbs, scene)
         freedoms = {freedom.name: (body, freedom) for body in scene.bodies for freedom in body.freedoms}
         body, freedom = freedoms[scene.observed]
         node, coordinate = nodes[body.name], COORDINATES[freedom.kind, freedom.axis]
         if scene.drive:
             _drive(mbs, scene, node, coordinate)
-        sensors = [_sensor(mbs, node, kind) for kind in _recorded(exu)]
+        kinds = exu.OutputVariableType.Coordinates, exu.OutputVariableType.Coordinates_t
+        sensors = [
+            mbs.AddSensor(SensorNode(nodeNumber=node, storeInternal=True, outputVariableType=kind))
+            for kind in kinds
+        ]
         mbs.Assemble()
         settings = exu.SimulationSettings()
         settings.solution.file.write = False
@@ -77,7 +82,7 @@ class Exudyn:
             fastest = max(fastest, np.sqrt(on_feet / body.mass) + sticking / body.mass)
         return self.share / fastest
 
-    def _build(self, exu: Any, mbs: Any, scene: Scene) -> dict[str, int]:
+    def _build(self, mbs: Any, scene: Scene) -> dict[str, int]:
         """Add bodies and contact; return the bodies' nodes."""
         from exudyn.itemInterface import MarkerBodyRigid, ObjectGround
 
@@ -105,16 +110,6 @@ class Exudyn:
             add_plates(body.boxes, mbs.AddMarker(MarkerBodyRigid(bodyNumber=number)))
         add_plates(scene.ground, ground)
         return nodes
-
-
-def _recorded(exu: Any) -> tuple[Any, Any]:
-    return exu.OutputVariableType.Coordinates, exu.OutputVariableType.Coordinates_t
-
-
-def _sensor(mbs: Any, node: int, kind: Any) -> Any:
-    from exudyn.itemInterface import SensorNode
-
-    return mbs.AddSensor(SensorNode(nodeNumber=node, storeInternal=True, outputVariableType=kind))
 
 
 def _still(mbs: Any) -> int:

@@ -6,11 +6,10 @@ They run alternately, twice, and the least CPU time of the loop counts.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from benchmarks.peers.rounds import versions
+from benchmarks.peers.rounds import installed, versions
 from benchmarks.topic import Topic, begun, digits, load_data, markdown, save_data
 from benchmarks.truth.by_drake import Drake
 from benchmarks.truth.by_exudyn import Exudyn
@@ -19,7 +18,6 @@ from benchmarks.truth.problems import PROBLEMS
 from benchmarks.truth.score import errors
 
 DATA = "entries.json"
-MODULES = {Exudyn: "exudyn", MuJoCo: "mujoco", Drake: "pydrake"}
 SETTINGS: Mapping[str, Any] = {
     "Exudyn, zone 10 mm/s": Exudyn(zone=1e-2),
     "Exudyn, zone 1 mm/s": Exudyn(),
@@ -45,7 +43,7 @@ def run(
     kept = {(entry["problem"], entry["settings"]): entry for entry in begun(folder / DATA).get("entries", [])}
     for number in range(rounds):
         for name in settings:
-            if find_spec(MODULES[type(SETTINGS[name])]):
+            if installed(name):
                 for problem in problems:
                     before = kept.get((problem, name)) if number else None
                     kept[problem, name] = made(problem, name, before)

@@ -223,9 +223,29 @@ class ProblemKeys(Keys):
             return 0, 0
         return given[0], given[1]
 
+    def check_keys(self, given: Collection[str], known: Sequence[str], file: str) -> None:
+        """Report keys that such a file does not have."""
+        for key in {*given} - {*known}:
+            self.wrong(key, f"is no key of {file}; there are {', '.join(known)}.")
+
+    def study(
+        self, content: Mapping[str, Any], axes: Sequence[Mapping[str, Any]], samples: int
+    ) -> tuple[Study, Mapping[str, Distribution]]:
+        """Return the study whose random samples vary the axes, and what scatters in its gear.
+
+        Raises:
+            InputError: it, or its gear, is wrong.
+        """
+        tables = {key: content[key] for key in OF_STUDIES if key in content}
+        kept = {"signals": "none", "blocks": False}
+        tables |= {"axis": axes, "design": "random", "samples": samples, "keep": kept}
+        study = study_of(self.file, tables)
+        own = carried(study.tables, study.settings)
+        check_gear(study.base.steering_gear)
+        return study, own
+
     def problem(self, content: Mapping[str, Any]) -> Problem:
-        for key in content.keys() - {*KEYS}:
-            self.wrong(key, f"is no key of an optimisation; there are {', '.join(KEYS)}.")
+        self.check_keys(content.keys(), KEYS, "an optimisation")
         designs = self.whole(content, "designs", 1000, 4, 10**5)
         population = self.whole(content, "population", min(36, designs), 4, designs)
         samples = self.whole(content, "samples", 96, 8, 10**5)
@@ -235,13 +255,8 @@ class ProblemKeys(Keys):
         if not axes:
             self.wrong("variables", "must have at least one parameter with its bounds, [least, most].")
         self.stop()
-        tables = {key: content[key] for key in OF_STUDIES if key in content}
-        kept = {"signals": "none", "blocks": False}
-        study = study_of(
-            self.file, tables | {"axis": axes, "design": "random", "samples": designs, "keep": kept}
-        )
-        own, gear = carried(study.tables, study.settings), study.base.steering_gear
-        check_gear(gear)
+        study, own = self.study(content, axes, designs)
+        gear = study.base.steering_gear
         keep = self.table(content, "keep")
         for name, path in keep.items():
             declared = self.declared.get(path) if isinstance(path, str) else None

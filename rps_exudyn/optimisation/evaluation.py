@@ -86,6 +86,11 @@ def table_of(
 ) -> dict[str, np.ndarray]:
     """Return path -> values (n + 1,) of gears with errors; the last gear has none. Without inputs n is 0."""
     drawn = Samples.drawn(inputs, samples, seed).values if inputs else {"test.turns": np.empty(0)}
+    return with_given(gear, drawn)
+
+
+def with_given(gear: SteeringGear, drawn: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return the table (n + 1,) of drawn values (n,) and, last, those of the gear itself."""
     own = {path: float(gear.value_at(path)) for path in drawn}
     if not own.get("mesh.line_stiffness", 1.0):  # 0: from the gear
         own["mesh.line_stiffness"] = line_stiffness(gear)

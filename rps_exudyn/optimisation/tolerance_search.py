@@ -19,10 +19,9 @@ import numpy as np
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of, replacing
 from rps_exudyn.base.screen import open_screen
-from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.inference.uncertainty.samples import TOGETHER, Samples
 from rps_exudyn.optimisation.confirmation import FLANK, MODELS, TEETH
-from rps_exudyn.optimisation.evaluation import run_series
+from rps_exudyn.optimisation.evaluation import run_series, with_given
 from rps_exudyn.optimisation.search import computed_results, hash_of, store_of
 from rps_exudyn.optimisation.tolerances import ToleranceProblem
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -167,10 +166,7 @@ def gears_of(problem: ToleranceProblem, chosen: Chosen, count: int, seed: int, m
         u = quantile[:, list(drawn.inputs).index(path)]
         at = np.full(count, chosen[k]) if chosen else rng.permutation(np.arange(count) % len(own))
         table[path] = np.array([each.scatter.quantile(u) for each in own])[at, np.arange(count)]
-    own_values = {path: float(gear.value_at(path)) for path in table}
-    if not own_values.get("mesh.line_stiffness", 1.0):  # 0: from the gear
-        own_values["mesh.line_stiffness"] = line_stiffness(gear)
-    table = {path: np.append(values, own_values[path]) for path, values in table.items()}
+    table = with_given(gear, table)
     fidelity = Fidelity.preset("flank") if model == FLANK else made.fidelity
     runs, numbers = dict[tuple[Any, ...], Any](), []
     for limit in problem.problem.constraints:
@@ -202,13 +198,13 @@ def search_tolerances(problem: ToleranceProblem, folder: Path, runner: CaseRunne
             partial_file.write_bytes(content)
         pool = Pool(problem)
         _add(pool, store, runner, (), problem.problem.samples)
+        choice = _choice(pool)
         for _ in range(ROUNDS):
-            choice = _choice(pool)
             chosen = tuple(pool.sets[choice].tolist())
             if chosen in [before for before, _ in pool.blocks]:
                 break
             _add(pool, store, runner, chosen, min(ADDED, problem.problem.samples))
-        choice = _choice(pool)
+            choice = _choice(pool)
         return _found(pool, choice, folder, _fresh(pool, choice, store, runner))
 
 

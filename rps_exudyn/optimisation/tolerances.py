@@ -24,16 +24,14 @@ import numpy as np
 
 from rps_exudyn.assessment.requirements.judging import ASSURED
 from rps_exudyn.base.units import shown, to_si
-from rps_exudyn.gears.geometry_report import check_gear
-from rps_exudyn.inference.uncertainty.input_sets import SETS, carried, outside, uncertain_inputs
+from rps_exudyn.inference.uncertainty.input_sets import SETS, outside, uncertain_inputs
 from rps_exudyn.inference.uncertainty.joint import JointInputs
 from rps_exudyn.optimisation.definition import NONE, OF_STUDIES, Problem, ProblemKeys
 from rps_exudyn.parameters.declaration import read_toml
 from rps_exudyn.parameters.distribution import Distribution
-from rps_exudyn.study.study_file import study_of
 
 KEYS = (*OF_STUDIES, "errors", "samples", "confirm", "share", "limits", "requirements", "constraints")
-MOST_SETS = 20_000  # of classes, each of them compared with all others
+MOST_SETS = 20_000  # of classes: each has a weight for every gear
 
 
 class ToleranceClass(NamedTuple):
@@ -104,8 +102,7 @@ class _ToleranceKeys(ProblemKeys):
     """Reads the keys of a file of tolerances."""
 
     def tolerances(self, content: Mapping[str, Any]) -> ToleranceProblem:
-        for key in content.keys() - {*KEYS, "tolerances"}:
-            self.wrong(key, f"is no key of a file of tolerances; there are {', '.join(KEYS)}.")
+        self.check_keys(content.keys() - {"tolerances"}, KEYS, "a file of tolerances")
         share = self.wanted_share(content.get("share", ASSURED))
         errors = self.choice(content, "errors", (*SETS, NONE), "series")
         samples = self.whole(content, "samples", 2048, 64, 10**5)
@@ -121,13 +118,7 @@ class _ToleranceKeys(ProblemKeys):
             {"path": path, "uniform": [float(each.min()), float(each.max())]}
             for path, each in zip(classes, ends, strict=True)
         ]
-        tables = {key: content[key] for key in OF_STUDIES if key in content}
-        kept = {"signals": "none", "blocks": False}
-        study = study_of(
-            self.file, tables | {"axis": axes, "design": "random", "samples": samples, "keep": kept}
-        )
-        own, gear = carried(study.tables, study.settings), study.base.steering_gear
-        check_gear(gear)
+        study, own = self.study(content, axes, samples)
         problem = Problem(study, {}, (), (), errors, own, samples, 0, confirm)
         for name, table in self.table(content, "constraints").items():
             if isinstance(table, Mapping) and "share" in table:
@@ -135,9 +126,10 @@ class _ToleranceKeys(ProblemKeys):
                     f"constraints: {name}", "has share; that of all limits is the key share of the file."
                 )
         asked = [*self.asked(self.table(content, "constraints"), problem)]
-        required = [*self.requirements(content, replace(problem, errors=NONE))]
+        required = [*self.requirements(content, problem)]
         self.stop()
-        limits = (*self.constraints(problem, asked), *required)
+        each_gear = [replace(each, number=replace(each.number, quantile=None)) for each in required]
+        limits = (*self.constraints(problem, asked), *each_gear)
         self.stop()
         for each in limits:
             if not each.number.scene:

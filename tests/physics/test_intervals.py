@@ -98,7 +98,7 @@ def test_spikes_are_left_out_and_edges_of_teeth_are_not() -> None:
 @pytest.mark.parametrize(
     ("noise", "turns", "words"),
     [
-        (BenchNoise(0.01, coupling=0.05), 1.0, "once per turn: yoke plug, coupling"),
+        (BenchNoise(0.01, coupling=0.05), 1.0, "once per turn: a coupling"),
         (BenchNoise(0.01, cardan=0.05), 1.0, "twice per turn: a cardan joint"),
         (BenchNoise(0.01, bow=0.1), 1.0, "at the ends of the travel"),
         (BenchNoise(0.01, zero=0.3), 1.0, "the zero of the sensor"),

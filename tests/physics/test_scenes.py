@@ -119,7 +119,7 @@ def test_a_heavy_weight_lifts_one_flank() -> None:
 
 def test_a_weight_that_lifts_the_rack_out_of_mesh_is_said_to() -> None:
     """At 1.3 times the unloading force the spring still holds the rack on one flank; at 1.6 times the rack
-    rises by 2 mm, where teeth of 2.25 modules end."""
+    is 2 mm out of its place, twice what counts as mesh."""
     limit = unloading_force(GEAR) / GRAVITY
     gear = GEAR.replace({"test.turns": PITCH, "test.load_mass": 1.6 * limit, "yoke.clearance": "5 mm"})
     result = rps.run("load-test", gear, fidelity="quasi-static")

@@ -138,7 +138,7 @@ def _rig(level: LevelEstimate, gear: SteeringGear) -> Iterator[str]:
             "by a bow, by warming or by the sensor"
         )
     for order, name in (
-        (1, "yoke plug, coupling or a wheel out of true"),
+        (1, "a coupling, a wheel out of true or the yoke's plug"),
         (2, "a cardan joint or a bent coupling"),
     ):
         wave = level.friction_waves.get(order)
