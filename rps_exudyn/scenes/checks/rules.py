@@ -37,7 +37,8 @@ STEPS_PER_PITCH = 2  # fewer cannot show the tooth frequency
 REPAIRED_STEPS_PER_PITCH = 20
 DEEPEST = 1.5  # deepest contact over the mean one, measured on the paper's gear
 LEAST_STATIONS = {"area": 2, "line": 2, "teeth": 3}  # 3.5 % of the hysteresis by two teeth that bend
-LEAST_ROWS = 8  # of spheres along the profile and along the face width: error bars cover the rest
+LEAST_ROWS = 8  # of spheres along the face width
+SPACING = 2.5  # of spheres along the profile, over the width of the strip that touches: 1 % of the torque
 LEAST_TOUCHING = 15  # spheres of general contact, on an edge twice as many: fewer miss 8 % of the torque
 OUT_OF_PLACE = 0.06  # of the path of contact: spheres end where the rack's tips are under the preload
 AT_YOKENUT = 0.08  # of the force on the seat that the nut carries; means by spheres are up to 2 % off then
@@ -229,6 +230,16 @@ def _is_chain(given: RuleInput) -> bool:
     return given.model.bush == "chain" and given.motion != "at rest"
 
 
+def _least_profile_samples(gear: SteeringGear) -> int:
+    """Return the spheres along the path of contact such that `SPACING` strips of contact lie between two of
+    them."""
+    pair = GearPair.of(gear)
+    curvature_radius = float(pair.reference_radius * np.sin(pair.alpha_t) / np.cos(pair.beta_p) ** 2)
+    strip = 2 * np.sqrt(2 * curvature_radius * max(mean_depth(gear), 1e-9))
+    path = abs(pair.active_path[1] - pair.active_path[0])
+    return int(np.ceil(path / (SPACING * strip)))
+
+
 def _bowed(breach: Breach) -> str:
     model = breach.given.model
     contact = model.mesh == "general-contact"
@@ -275,7 +286,9 @@ OF_PLAN = (
     _of_perfect_rack("deviation", _rack_deviations, "whose rack has plane flanks"),
     _at_least("strip_points", lambda gear: 2, "flank"),
     _at_least("strip_stations", lambda gear: LEAST_STATIONS[gear.mesh.contact_law], "flank"),
-    _at_least("profile_samples", lambda gear: LEAST_ROWS, "general-contact"),
+    _at_least(
+        "profile_samples", lambda gear: max(LEAST_ROWS, _least_profile_samples(gear)), "general-contact"
+    ),
     _at_least("axial_samples", lambda gear: LEAST_ROWS, "general-contact"),
     _plan(
         lambda given: DEEPEST * mean_depth(given.gear),
