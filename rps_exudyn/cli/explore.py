@@ -20,6 +20,7 @@ def explore(
         port: Port of the server; 0: any free port.
         browser: Open the page in the browser.
     """
+    from rps_exudyn.assessment.requirements.window_page import window_sheet
     from rps_exudyn.pages.explore.server import Explorer
 
     chosen = gear.load()
@@ -27,7 +28,7 @@ def explore(
         raise InputError("--host is empty; give an address, for instance 127.0.0.1 for this machine alone.")
     if not 0 <= port <= 65535:
         raise InputError(f"--port is {port}; it must be from 0 to 65535, 0 for a free one.")
-    with Explorer(chosen, host, port) as server:
+    with Explorer(chosen, host, port, find_window=window_sheet) as server:
         if not server.local:
             say(f"anyone who reaches {host} can compute on this machine; there is no password.")
         with shown_progress():

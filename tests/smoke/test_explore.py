@@ -22,10 +22,11 @@ import rps_exudyn as rps
 from measured_binary_files import READABLE as BINARY
 from measured_files import READABLE
 from page_faults import page_faults
+from rps_exudyn.assessment.requirements.window_page import window_page, window_sheet
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.pages.explore import sliders as answers
 from rps_exudyn.pages.explore.answering import CANCELLED, LONGEST, TOO_LONG, Answering
-from rps_exudyn.pages.explore.on_request import on_request
+from rps_exudyn.pages.explore.on_request import KINDS, NO_LIMIT, on_request
 from rps_exudyn.pages.explore.server import Explorer
 from rps_exudyn.pages.explore.sliders import (
     MOST_POINTS,
@@ -62,7 +63,7 @@ class Slow(Answering):
 @pytest.fixture(scope="module")
 def server() -> Iterator[Explorer]:
     with Explorer(GEAR) as started:
-        started.answering = Slow(GEAR)
+        started.answering = Slow(GEAR, window_sheet)
         started.answering.warm_up()
         Thread(target=started.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True).start()
         yield started
@@ -226,7 +227,7 @@ def test_request_that_does_not_end_is_dropped(sent: bytes) -> None:
 def test_typed_limits_are_read_as_those_of_a_file_in_the_units_of_the_page(server: Explorer) -> None:
     typed = {
         "torque_mean": {"least": "0,8", "most": "1800 N mm"},
-        "rack_gain": {"most": "36"},
+        "rack_gain": {"most": 36},
         "efficiency_forward": {"least": " 46"},
         "torque_peak_to_peak": {"most": "300 N"},
         "torque_on_centre": {"least": "2", "most": "1 N m"},
@@ -254,6 +255,34 @@ def test_typed_limits_are_read_as_those_of_a_file_in_the_units_of_the_page(serve
 def test_other_limits_are_refused(typed: Any, sentence: str) -> None:
     with pytest.raises(rps.InputError, match=sentence):
         limits_of(typed)
+
+
+@pytest.mark.cpu_limit(300)
+def test_window_is_that_of_the_state_and_the_typed_limits(server: Explorer) -> None:
+    """Its ends, their errors and what limits them are those of the function, with limits in SI."""
+
+    def found(typed: Answer) -> Answer:
+        request = {"state": {"yoke.preload": 400, "mesh.friction": 0.12}, "limits": typed}
+        return dict(json.loads(asked(server, "POST", "/window", request)[1]))
+
+    answered = found({"torque_mean": {"most": "1200 N mm"}, "torque_peak_to_peak": {"most": "0.3"}})
+    gear = GEAR.replace({"yoke.preload": 400, "mesh.friction": 0.12})
+    limits = {"torque_mean": {"most": 1.2}, "torque_peak_to_peak": {"most": 0.3}}
+    sheet = window_page(rps.window(gear, "yoke.preload", limits, inputs="series"), gear, "series", "")
+    assert answered["rows"] == [[row.value, row.words, row.is_vague] for row in sheet.rows]
+    assert "preload 400 N" in answered["lead"]
+    assert all(image["src"].startswith("data:image/svg+xml;base64,") for image in answered["images"].values())
+    assert found({})["problems"] == [NO_LIMIT]
+    (why,) = found({"torque_mean": {"most": "1 kg"}})["problems"]
+    assert why.startswith("mean torque, most is '1 kg'")
+
+
+def test_without_a_function_there_are_no_windows() -> None:
+    with Explorer(GEAR) as plain:
+        Thread(target=plain.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True).start()
+        assert json.loads(asked(plain, "POST", "/sliders", {"state": {}})[1])["window"] == ""
+        assert asked(plain, "POST", "/window", {"state": {}})[0] == 404
+        plain.shutdown()
 
 
 def test_only_this_machine_is_listened_to(server: Explorer) -> None:
@@ -303,7 +332,7 @@ def test_scene_of_dynamics_is_simulated_on_request() -> None:
     assert shown["on_request"]
     assert "curves" not in shown
     assert "8 teeth" in shown["gear"]
-    found = on_request(GEAR, Wish({"yoke.preload": 400}, "stick-slip"), "simulation")
+    found = on_request(GEAR, Wish({"yoke.preload": 400}, "stick-slip"), KINDS["simulation"])
     assert found["fidelity"] == "flank"
     result = rps.run("stick-slip", GEAR.replace({"yoke.preload": 400}))
     largest = (
@@ -362,7 +391,7 @@ def test_measured_file_is_read_with_the_signs_of_a_fit_or_refused() -> None:
 
 def dropped(content: bytes, kind: str = "measured") -> Answer:
     """The answer to a dropped file."""
-    return on_request(GEAR, Wish({}, measured=base64.b64encode(content).decode()), kind)
+    return on_request(GEAR, Wish({}, measured=base64.b64encode(content).decode()), KINDS[kind])
 
 
 @pytest.mark.parametrize("kind", ["Windows-1252", "UTF-16", "MAT, units in the names"])
@@ -533,10 +562,14 @@ def test_typed_limits_have_verdicts_in_words(browser: sync_api.Browser, server: 
     page.get_by_label("mean torque, at least").fill("0.8")
     page.get_by_label("yoke preload").fill("450")
     shown("#verdict", "Limits kept: mean torque; ripple, peak to peak.")
+    page.get_by_role("button", name="Window of the preload").click()
+    shown("#window-found", "95 % of the gears keep the limits")
+    page.locator("#window-found img").wait_for()
     page.evaluate("scrollTo(0, 0)")  # on a phone the chart stays in view, over what is scrolled
     assert page.evaluate("document.documentElement.scrollWidth") <= width
     assert page_faults(page) == []
     page.get_by_label("pinion profile shift").fill("0.2")  # undercut: there is no curve to judge
+    sync_api.expect(page.locator("#window-found")).to_be_empty()
     shown("#verdict", "Limits not computed: mean torque; ripple, peak to peak.")
     page.wait_for_url(lambda url: "limits" in url and "0.2" in url)
     page.reload()

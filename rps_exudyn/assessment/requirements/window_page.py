@@ -1,13 +1,14 @@
 """The sheet of a window: its ends, what limits them, the shares over the parameter."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from rps_exudyn.assessment.requirements.window import End, Window
+from rps_exudyn.assessment.requirements.window import End, Window, window
+from rps_exudyn.inference.uncertainty.band import OnProgress
 from rps_exudyn.pages.charts import style
 from rps_exudyn.pages.report.html import make_again
 from rps_exudyn.pages.report.pictures import at_widths
@@ -139,3 +140,13 @@ def window_figure(found: Window, width: float = 8.0) -> Figure:
     axes.set_ylim(0, 105)
     style.name_curves(axes)
     return figure
+
+
+def window_sheet(gear: SteeringGear, path: str, limits: Mapping[str, Any], on_progress: OnProgress) -> Sheet:
+    """Find the window of a parameter for a series about the gear, and return its sheet.
+
+    Raises:
+        InputError: as `window` does.
+    """
+    found = window(gear, path, limits, inputs="series", on_progress=on_progress)
+    return window_page(found, gear, "series", "rps-exudyn explore")

@@ -17,7 +17,7 @@ from typing import Any
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import Making, Progress, following, listening
 from rps_exudyn.base.units import pretty
-from rps_exudyn.pages.explore.on_request import KINDS, SIMULATION, on_request
+from rps_exudyn.pages.explore.on_request import KINDS, SIMULATION, WINDOW, FindWindow, on_request, window_of
 from rps_exudyn.pages.explore.sliders import SLIDERS, SLOW, Answer, Wish, answer, scenes
 from rps_exudyn.pages.explore.typed_limits import limits_of
 from rps_exudyn.parameters.gear import SteeringGear, gear_file
@@ -35,18 +35,17 @@ TOO_LONG = f"These settings take {_LATER.format(f'{LONGEST:.0f} s', 'its')} run 
 TOO_LONG_REQUESTED = f"This takes {_LATER.format(f'{LONGEST_REQUESTED / 60:.0f} min', 'the')}."
 CANCELLED = {"cancelled": True}
 CURVE = "curve"
-PATHS = ("sliders", CURVE, "gear", "limits", "progress", "cancel", *KINDS)
+PATHS = ("sliders", CURVE, "gear", "limits", "progress", "cancel")  # beside those of clicks
 
 
 @dataclass(frozen=True)
 class Request:
-    """What a page asks for, in which tab, as its which curve, of which click, and within which limits."""
+    """What a page asks for, in which tab, as its which curve, and of which click."""
 
     wish: Wish
     tab: str
     number: int
     of: str
-    limits: Any = None
 
     @classmethod
     def from_page(cls, asked: Any) -> "Request":
@@ -58,9 +57,9 @@ class Request:
         try:
             scene, both_ways = str(asked.get("scene", SCENE.name)), bool(asked.get("both_ways"))
             measured, is_draft = str(asked.get("measured", "")), bool(asked.get("draft"))
-            wish = Wish(asked["state"], scene, both_ways, measured, is_draft)
+            wish = Wish(asked["state"], scene, both_ways, measured, is_draft, asked.get("limits"))
             tab, number = str(asked.get("tab", ""))[:40], int(asked.get("number", 0))
-            return cls(wish, tab, number, str(asked.get("of", "")), asked.get("limits"))
+            return cls(wish, tab, number, str(asked.get("of", "")))
         except (ValueError, KeyError, TypeError, AttributeError, OverflowError):
             raise InputError("a request must be JSON with a state.") from None
 
@@ -91,16 +90,21 @@ class _Work:
 
 
 class Answering:
-    """Answers about one gear; use it in a `with` block, which ends its processes."""
+    """Answers about one gear, with windows where a function finds them; use it in a `with` block, which ends
+    its processes."""
 
-    def __init__(self, gear: SteeringGear) -> None:
+    def __init__(self, gear: SteeringGear, find_window: FindWindow | None = None) -> None:
         self.gear = gear
+        self.kinds = dict(KINDS)
+        if find_window:
+            self.kinds[WINDOW] = partial(window_of, find_window)
+        self.paths = (*PATHS, *self.kinds)
         self._newest: dict[str, int] = {}
         self._works: dict[tuple[str, str], _Work] = {}
         self._prepared: defaultdict[Processes, set[str]] = defaultdict(set)  # scenes
         self._begun: list[Processes] = []
         count = max(2, available_processors())
-        counts = dict.fromkeys(KINDS, 1) | {SIMULATION: count, CURVE: count}
+        counts = dict.fromkeys(self.kinds, 1) | {SIMULATION: count, CURVE: count}
         self._free: dict[str, LifoQueue[Processes]]  # those that have begun come first
         self._free = {kind: LifoQueue() for kind in counts}
         for kind in Counter(counts).elements():
@@ -130,21 +134,21 @@ class Answering:
         return Task(partial(answer, self.gear, wish), warm_up=partial(answer, self.gear, usual))
 
     def reply(self, path: str, asked: Request) -> Answer:
-        """Answer a request of the page, one of `PATHS`."""
+        """Answer a request of the page, one of `paths`."""
         if path == "sliders":
-            return _controls(self.gear)
+            return _controls(self.gear) | {"window": SCENE.name * (WINDOW in self.kinds)}
         if path in ("progress", "cancel"):
             work = self._works.get((asked.tab, asked.of))
-            if work is not None and path == "cancel" and asked.of in KINDS:
+            if work is not None and path == "cancel" and asked.of in self.kinds:
                 work.cancel()
             return {} if work is None else {"text": work.text, "fraction": work.fraction}
         if path == CURVE:
             return self.computed(asked.wish, asked.tab, asked.number)
-        if path in KINDS:
+        if path in self.kinds:
             return self.requested(asked.wish, path, asked.tab)
         try:
             if path == "limits":
-                return limits_of(asked.limits)
+                return limits_of(asked.wish.limits)
             return {"file": gear_file(asked.wish.gear(self.gear))}
         except InputError as error:
             return {"problems": list(error.problems)}
@@ -177,9 +181,10 @@ class Answering:
         """The answer to a click; a tab's second click of a kind cancels its first one."""
         if (earlier := self._works.get((tab, kind))) is not None:
             earlier.cancel()
-        usual = replace(wish, state={})  # what is compiled for it has no time limit
-        warm_up = partial(on_request, self.gear, usual, kind) if kind != SIMULATION else None
-        task = Task(partial(on_request, self.gear, wish, kind), warm_up=warm_up)
+        answered, warm_up = self.kinds[kind], None
+        if kind not in (SIMULATION, WINDOW):  # what is compiled for the others has no time limit
+            warm_up = partial(on_request, self.gear, replace(wish, state={}), answered)
+        task = Task(partial(on_request, self.gear, wish, answered), warm_up=warm_up)
         with self._followed(tab, kind) as click:
             processes = self._free[kind].get()
             click.begin(processes)

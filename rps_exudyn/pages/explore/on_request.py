@@ -1,10 +1,12 @@
-"""What the page asks for by a click: simulation, band, sheet, picture, pattern, measured curve, fit."""
+"""Answers to clicks: simulation, band, window, sheet, picture, pattern, measured curve, fit."""
 
 import base64
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import monotonic
+from typing import Any
 
 import numpy as np
 
@@ -16,45 +18,61 @@ from rps_exudyn.inference.fitting import findings
 from rps_exudyn.inference.fitting.bench_tests import with_signs
 from rps_exudyn.inference.fitting.fit import doubts, fit
 from rps_exudyn.inference.measured.reading import read_measured_torque
-from rps_exudyn.inference.uncertainty.band import band_of_runs
+from rps_exudyn.inference.uncertainty.band import OnProgress, band_of_runs
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.inference.uncertainty.statistics import LEVELS
 from rps_exudyn.pages.explore import sliders
 from rps_exudyn.pages.explore.sliders import BY_PATH, Answer, Wish, fidelity_of
+from rps_exudyn.pages.explore.typed_limits import limits_of
 from rps_exudyn.pages.report.gear_picture import gear_picture
 from rps_exudyn.pages.report.html import page
 from rps_exudyn.pages.report.result_page import result_page, touching_picture
 from rps_exudyn.parameters.fidelity import FOR_MEANS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.page_blocks import Picture, Pictures
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import MeasuredTorque
+from rps_exudyn.results.sheet import Sheet
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.free_pinion_torque import SCENE
 from rps_exudyn.simulate.run import simulate
 
 SAMPLES = 24  # gears of a band
+WINDOW_PATH = "yoke.preload"  # the parameter that the plug adjusts when a gear is assembled
+NO_LIMIT = "No limit is typed for the window: open Limits and type one, for instance 1.8 N m at most."
+Click = Callable[[SteeringGear, Wish], Answer]
+FindWindow = Callable[[SteeringGear, str, Mapping[str, Any], OnProgress], Sheet]
+"""Gear, path, limits by metric -> sheet of the window of that parameter. Windows stand above the pages: who
+starts the page hands the function over, one of a module, because it goes to other processes."""
 
 
-def on_request(gear: SteeringGear, wish: Wish, kind: str) -> Answer:
-    """Answer one of `KINDS`; "problems" are sentences why there is no answer."""
+def on_request(gear: SteeringGear, wish: Wish, answered: Click) -> Answer:
+    """Answer a click, by one of `KINDS`; "problems" are sentences why there is no answer."""
     try:
-        return KINDS[kind](gear, wish)
+        return answered(gear, wish)
     except InputError as error:
         return {"problems": list(error.problems)}
+
+
+def _reported(part: str) -> OnProgress:
+    """What reports how many parts of a whole are done."""
+    began = monotonic()
+
+    def report(done: int, of: int) -> None:
+        if done:
+            elapsed = monotonic() - began
+            passed_on(Progress(f"{part} {done} of {of}", done / of, elapsed, elapsed * (of / done - 1)))
+
+    return report
 
 
 def _band(gear: SteeringGear, wish: Wish) -> Answer:
     """Quantiles of the scene's curve over gears of a series."""
     chosen = wish.gear(gear)
-    dynamic, began = scene_named(wish.scene).needs_inertia, monotonic()
-
-    def report(done: int, of: int) -> None:
-        elapsed = monotonic() - began
-        passed_on(Progress(f"gear {done} of {of}", done / of, elapsed, elapsed * (of / done - 1)))
-
+    dynamic = scene_named(wish.scene).needs_inertia
     model = Fidelity.preset(fidelity_of(wish.scene)) if dynamic else FOR_MEANS
     inputs = uncertain_inputs(chosen, None, {})
-    band = band_of_runs(wish.scene, chosen, model, inputs, SAMPLES, on_progress=report)
+    band = band_of_runs(wish.scene, chosen, model, inputs, SAMPLES, on_progress=_reported("gear"))
     if band.curves is None:
         return {"problems": ["The runs share no curve, so there is no band."]}
     signal = scene_named(wish.scene).signal
@@ -71,6 +89,26 @@ def _band(gear: SteeringGear, wish: Wish) -> Answer:
     return {"band": found, "levels": [round(inner), round(outer)], "gears": len(band.drawn.samples)}
 
 
+def window_of(find: FindWindow, gear: SteeringGear, wish: Wish) -> Answer:
+    """Where a share of a series keeps the typed limits, over `WINDOW_PATH`.
+
+    Raises:
+        InputError: no limits, or some that cannot be.
+    """
+    typed = limits_of(wish.limits or {})["limits"]
+    if problems := [text for each in typed.values() for text in each.get("problems", ())]:
+        raise InputError(problems)
+    if not typed:
+        raise InputError(NO_LIMIT)
+    ends = {name: {key: each[key] for key in ("least", "most")} for name, each in typed.items()}
+    tables = {name: {key: end for key, end in each.items() if end is not None} for name, each in ends.items()}
+    sheet = find(Wish(wish.state).gear(gear), WINDOW_PATH, tables, _reported("part"))
+    drawn = [block for each in sheet.sections for block in each.blocks if isinstance(block, Pictures)]
+    images = {each.place: {"src": _image(each), "alt": each.caption} for each in drawn[0].pictures}
+    rows = [[row.value, row.words, row.is_vague] for row in sheet.rows]
+    return {"rows": rows, "lead": sheet.lead, "images": images}
+
+
 def _sheet(gear: SteeringGear, wish: Wish) -> Answer:
     result = simulate(wish.scene, wish.gear(gear), fidelity_of(wish.scene))
     return {"page": page([result_page(result, Path(f"{wish.scene}.h5"))])}
@@ -83,8 +121,11 @@ def _picture(gear: SteeringGear, wish: Wish) -> Answer:
 
 def _pattern(gear: SteeringGear, wish: Wish) -> Answer:
     result = simulate(SCENE.name, Wish(wish.state).gear(gear), fidelity_of(SCENE.name))
-    drawn = touching_picture(result).svg.encode()
-    return {"image": f"data:image/svg+xml;base64,{base64.b64encode(drawn).decode('ascii')}"}
+    return {"image": _image(touching_picture(result))}
+
+
+def _image(picture: Picture) -> str:
+    return f"data:image/svg+xml;base64,{base64.b64encode(picture.svg.encode()).decode('ascii')}"
 
 
 def _read(wish: Wish, folder: str, gear: SteeringGear) -> tuple[Path, MeasuredTorque]:
@@ -127,7 +168,8 @@ def _fit(gear: SteeringGear, wish: Wish) -> Answer:
 
 
 SIMULATION = "simulation"  # of a scene of dynamics, several at a time
-KINDS = {
+WINDOW = "window"  # by `window_of`, where a function finds it
+KINDS: Mapping[str, Click] = {
     SIMULATION: sliders.simulated,
     "band": _band,
     "sheet": _sheet,

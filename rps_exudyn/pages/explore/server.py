@@ -18,7 +18,8 @@ from typing import Any
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.pages.animation.animation_page import admitted
-from rps_exudyn.pages.explore.answering import PATHS, Answering, Request
+from rps_exudyn.pages.explore.answering import Answering, Request
+from rps_exudyn.pages.explore.on_request import FindWindow
 from rps_exudyn.pages.explore.widget import page_file
 from rps_exudyn.parameters.gear import SteeringGear
 
@@ -51,7 +52,12 @@ class Explorer(ThreadingHTTPServer):
     request_queue_size = MOST_WAITING
 
     def __init__(
-        self, gear: SteeringGear, host: str = "127.0.0.1", port: int = 0, request_limit: float = REQUEST_LIMIT
+        self,
+        gear: SteeringGear,
+        host: str = "127.0.0.1",
+        port: int = 0,
+        request_limit: float = REQUEST_LIMIT,
+        find_window: FindWindow | None = None,
     ) -> None:
         """Bind the address.
 
@@ -60,12 +66,13 @@ class Explorer(ThreadingHTTPServer):
             host: name or number of the address.
             port: 0 takes a free one.
             request_limit: time within which a request must come as a whole, and its answer be taken [s].
+            find_window: by which the page has a button for windows.
 
         Raises:
             InputError: the address cannot be bound.
         """
         self.request_limit = request_limit
-        self.answering = Answering(gear)
+        self.answering = Answering(gear, find_window)
         self.local = host in LOOPBACK
         if ":" in host:
             self.address_family = socket.AF_INET6
@@ -139,7 +146,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._refuse(HTTPStatus.MISDIRECTED_REQUEST, "this server answers its own address only")
         elif self.headers.get_content_type() != "application/json":
             self._refuse(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "a request must be JSON")
-        elif self.path.removeprefix("/") not in PATHS:
+        elif self.path.removeprefix("/") not in self.server.answering.paths:
             self._refuse(HTTPStatus.NOT_FOUND, "there is no such page")
         else:
             self._answer()

@@ -132,6 +132,7 @@ class Wish:
         is_both_ways: whether the rig turns there and back.
         measured: bytes of a measured file, as base64.
         is_draft: whether a slider moves, and an answer that nothing confirms will do until it rests.
+        limits: metric -> table of what is typed for it.
     """
 
     state: Any
@@ -139,6 +140,7 @@ class Wish:
     is_both_ways: bool = False
     measured: str = ""
     is_draft: bool = False
+    limits: Any = None
 
     def gear(self, gear: SteeringGear) -> SteeringGear:
         """The gear with the state of the sliders.

@@ -52,7 +52,7 @@ def limits_of(typed: Any) -> dict[str, Any]:
 
 def _with_unit(text: Any, quantity: Quantity) -> Any:
     """What was typed, a bare number with the unit that the page shows beside it."""
-    with suppress(ValueError, TypeError):
-        float(respelled(text))
+    with suppress(ValueError):
+        float(respelled(str(text)))
         return f"{text} {quantity.display}"
     return text

@@ -1,8 +1,9 @@
 """The explorer as a widget of a notebook (anywidget): the page in a frame, its requests through the kernel.
 
+from rps_exudyn.assessment.requirements.window_page import window_sheet
 from rps_exudyn.pages.explore.widget import explorer
 
-explorer(rps.SteeringGear())  # the last line of a cell shows it
+explorer(rps.SteeringGear(), window_sheet)  # the last line of a cell shows it, with the button for windows
 """
 
 import json
@@ -12,7 +13,8 @@ from typing import Any
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.pages.charts.style import theme
-from rps_exudyn.pages.explore.answering import PATHS, Answering, Request
+from rps_exudyn.pages.explore.answering import Answering, Request
+from rps_exudyn.pages.explore.on_request import FindWindow
 from rps_exudyn.parameters.gear import SteeringGear
 
 _FOLDER = Path(__file__).parent / "web"
@@ -58,8 +60,8 @@ def page() -> str:
     return text
 
 
-def explorer(gear: SteeringGear | None = None) -> Any:
-    """Return the widget of a gear; the default gear without one.
+def explorer(gear: SteeringGear | None = None, find_window: FindWindow | None = None) -> Any:
+    """Return the widget of a gear, the default one without; with a button for windows by the function.
 
     Raises:
         InputError: anywidget is not installed.
@@ -76,7 +78,7 @@ def explorer(gear: SteeringGear | None = None) -> Any:
 
         def __init__(self, gear: SteeringGear) -> None:
             super().__init__()
-            self.answering = Answering(gear)
+            self.answering = Answering(gear, find_window)
             self.on_msg(lambda _, content, buffers: self.take(content))
 
         def take(self, asked: Any) -> None:
@@ -85,7 +87,7 @@ def explorer(gear: SteeringGear | None = None) -> Any:
 
         def _answer(self, asked: Any) -> None:
             try:
-                if asked["path"] not in PATHS:
+                if asked["path"] not in self.answering.paths:
                     raise InputError("there is no such request.")
                 found = self.answering.reply(asked["path"], Request.from_page(asked["content"]))
             except InputError as error:

@@ -4,11 +4,13 @@
 const SVG = "http://www.w3.org/2000/svg";
 const by = (id) => document.getElementById(id);
 const SILENT = "The server does not answer any more; start rps-exudyn explore again.";
+const MOVED = "Sliders or limits have changed since the window was asked for; press the button again.";
 const TAB = String(Math.random()).slice(2);
 let sliders = [], scenes = {}, number = 0, busy = false, wanted = false, first = null, axis = null, sent = 0;
 let slow = Infinity, drafts = false, drafted = false; // time of an answer from which on its scene is drafted while a slider moves [ms]
 let latest = null, band = null, measured = null, file = null, resting = 0, turned = null;
 let limits = {}, read = {}, readings = 0; // metric -> least and most as typed, and as the server reads them
+let windowed = ""; // scene of whose metrics windows keep the limits; "" without windows
 const fields = new Map(); // metric of the scene -> its row of limits
 const POLL = 500; // between questions how far a request is [ms]
 const LATE = 1500; // after which a curve's progress is shown [ms]
@@ -92,15 +94,17 @@ function fresh() {
   first = axis = latest = null;
   drafts = false;
   by("simulate").hidden = !dynamic();
+  by("window").hidden = by("scene").value !== windowed;
   for (const { row } of fields.values()) row.remove();
   fields.clear();
   for (const id of ["chart", "rows", "losses", "caption", "remarks", "accuracy"]) by(id).replaceChildren();
   changed();
 }
 
-// A band belongs to the state for which it was computed
+// A band and a window belong to the state for which they were computed
 function changed() {
   band = null;
+  by("window-found").replaceChildren();
   ask();
 }
 
@@ -320,11 +324,27 @@ function field({ name, words, unit }) {
 
 async function readLimits() {
   const mine = ++readings;
+  by("window-found").replaceChildren();
   const found = await post("limits", { state: {}, limits }).catch(() => ({ problems: [SILENT] }));
   if (mine !== readings) return;
   read = found.limits ?? {};
   if (found.problems) said(found.problems);
   judge();
+}
+
+// The window of a parameter within the typed limits
+function findWindow({ target }) {
+  const present = () => key() + JSON.stringify(limits), of = present();
+  said([]);
+  click("window", target, ({ rows, lead, images }) => {
+    if (of !== present()) {
+      said([MOVED]);
+      return;
+    }
+    const list = make("dl", { class: "rows" }), place = by("chart").clientWidth < 500 ? "narrow" : "wide-only";
+    terms(list, rows);
+    by("window-found").replaceChildren(list, make("img", images[place]), make("p", { class: "faint" }, lead));
+  }, { limits });
 }
 
 // Whether the gear of the present curve keeps each limit, in words
@@ -519,6 +539,7 @@ async function begin() {
   by("sliders").replaceChildren(...sliders.map(({ row }) => row));
   scenes = found.scenes;
   slow = found.slow;
+  windowed = found.window;
   by("scene").replaceChildren(...Object.entries(scenes).map(([value, { title }]) => make("option", { value }, title)));
   for (const id of ["scene", "both-ways"]) by(id).addEventListener("change", fresh);
   by("simulate").addEventListener("click", ({ target }) => {
@@ -536,6 +557,7 @@ async function begin() {
   by("python").addEventListener("click", python);
   by("sheet").addEventListener("click", ({ target }) => click("sheet", target, ({ page }) => keep("sheet.html", page, "text/html")));
   by("band").addEventListener("click", ({ target }) => click("band", target, (answer) => { band = answer; chart(); }));
+  by("window").addEventListener("click", findWindow);
   by("pattern").addEventListener("click", ({ target }) => click("pattern", target, ({ image }) => {
     by("pattern-picture").replaceChildren(make("img", { src: image, alt: "contact pattern of the flanks" }));
   }));
