@@ -27,6 +27,7 @@ MODULES = {
     "peer_scene": "peers.scene_files",                 "peers": "peers.side_by_side",
     "reduced_gear": "reduced_gear",                    "triangles": "triangles",
     "truth": "truth.entries",                          "yoke_adjustment": "yoke_adjustment",
+    "releases": "releases",
 }  # fmt: skip
 PARTS = {
     "spheres_on_gears": "law_on_gears:SPHERES_ALONE",
