@@ -118,11 +118,11 @@ def correlated(unit: np.ndarray, names: Sequence[str], pairs: Mapping[Pair, floa
     Raises:
         InputError: correlations that cannot be together.
     """
-    from scipy.special import ndtr, ndtri  # for those who draw
-
     found, used = unit.copy(), [name for name in names if any(name in pair for pair, r in pairs.items() if r)]
     if not used:
         return found
+    from scipy.special import ndtr, ndtri  # for those who draw
+
     at = [names.index(name) for name in used]
     matrix = np.array([[1.0 if a == b else pairs.get(frozenset((a, b)), 0.0) for a in used] for b in used])
     if np.linalg.eigvalsh(matrix)[0] < -1e-9:
