@@ -233,6 +233,37 @@ def test_both_versions_and_the_c_code_agree(exported: dict[int, Path]) -> None:
         assert np.array_equal(three[name], two[name])
 
 
+def test_another_importer_agrees(exported: dict[int, Path]) -> None:
+    """libcosim of the Open Simulation Platform, which reads files with FMI Library."""
+    pytest.importorskip("libcosimpy", reason="libcosimpy of the extra [test] imports FMUs a second time")
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
+    from libcosimpy.CosimManipulator import CosimManipulator
+    from libcosimpy.CosimObserver import CosimObserver
+    from libcosimpy.CosimSlave import CosimLocalSlave
+
+    log_output_level(CosimLogLevel.WARNING)
+    step, inputs = 1e-3, swing(1.0, 1e-3)
+    run = CosimExecution.from_step_size(step_size=round(step * 1e9))  # [ns]
+    gear = run.add_local_slave(CosimLocalSlave(fmu_path=str(exported[2]), instance_name="gear"))
+    seen, given = CosimObserver.create_last_value(), CosimManipulator.create_override()
+    assert run.add_observer(seen)
+    assert run.add_manipulator(given)
+    numbers = {each.name.decode(): each.reference for each in run.slave_variables(slave_index=gear)}
+    assert run.integer_initial_value(gear, numbers["pinion_input"], 2)
+    names = [name for name in inputs.dtype.names or () if name != "time"]
+    assert all(run.real_initial_value(gear, numbers[name], inputs[name][0]) for name in names)
+    outputs, found = ("pinion_angle", "pinion_torque", "rack_travel"), []
+    for now in inputs[:-1]:
+        assert given.slave_real_values(gear, [numbers[name] for name in names], [now[name] for name in names])
+        assert run.step()
+        found.append(seen.last_real_values(gear, [numbers[name] for name in outputs]))
+    first = simulated(exported[2], "CoSimulation", step, pinion_input=2)
+    for name, values in zip(outputs, np.array(found).T, strict=True):
+        expected = np.asarray(first[name])[1:]
+        assert values == pytest.approx(expected, abs=1e-9 * np.ptp(expected))
+
+
 def test_model_exchange_agrees_with_co_simulation(exported: dict[int, Path]) -> None:
     """At a given pinion angle, where an importer's delay of inputs counts least; model exchange rounds the
     corner at which elements begin to slide."""
