@@ -32,14 +32,13 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from rps_exudyn.assessment.requirements.judging import ASSURED, BY_GEOMETRY, BY_RUNS
+from rps_exudyn.assessment.requirements.judging import ASSURED, BY_GEOMETRY, BY_RUNS, STRESSES
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import shown, to_si
 from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.inference.uncertainty.input_sets import SETS, carried, uncertain_inputs
 from rps_exudyn.optimisation.evaluation import numbers_of
 from rps_exudyn.optimisation.goals import (
-    STRESSES,
     Constraint,
     Number,
     Objective,
