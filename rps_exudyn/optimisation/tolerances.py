@@ -30,7 +30,11 @@ from rps_exudyn.optimisation.definition import NONE, OF_STUDIES, Problem, Proble
 from rps_exudyn.parameters.declaration import read_toml
 from rps_exudyn.parameters.distribution import Distribution
 
-KEYS = (*OF_STUDIES, "errors", "samples", "confirm", "share", "limits", "requirements", "constraints")
+KEYS = (
+    *OF_STUDIES,
+    *("errors", "samples", "confirm", "share", "limits", "requirements", "tolerances", "constraints"),
+)
+SIZES = {"samples": (2048, 64, 10**5)}  # default, least and most
 MOST_SETS = 20_000  # of classes: each has a weight for every gear
 
 
@@ -94,7 +98,16 @@ def read_tolerances(path: str | Path) -> ToleranceProblem:
     Raises:
         InputError: everything that is wrong with it: file, key, and what is allowed.
     """
-    reader, content = _ToleranceKeys(Path(path)), read_toml(path)
+    return tolerances_of(Path(path), read_toml(path))
+
+
+def tolerances_of(file: Path, content: Mapping[str, Any]) -> ToleranceProblem:
+    """Return the tolerances in the tables of a TOML file.
+
+    Raises:
+        InputError: as `read_tolerances`.
+    """
+    reader = _ToleranceKeys(file)
     return reader.read(lambda: reader.tolerances(content))
 
 
@@ -102,10 +115,10 @@ class _ToleranceKeys(ProblemKeys):
     """Reads the keys of a file of tolerances."""
 
     def tolerances(self, content: Mapping[str, Any]) -> ToleranceProblem:
-        self.check_keys(content.keys() - {"tolerances"}, KEYS, "a file of tolerances")
+        self.check_keys(content.keys(), KEYS, "a file of tolerances")
         share = self.wanted_share(content.get("share", ASSURED))
         errors = self.choice(content, "errors", (*SETS, NONE), "series")
-        samples = self.whole(content, "samples", 2048, 64, 10**5)
+        samples = self.whole(content, "samples", *SIZES["samples"])
         confirm = self.confirmed(content)
         classes = dict(self.classes(self.table(content, "tolerances")))
         self.stop()
