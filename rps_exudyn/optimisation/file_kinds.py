@@ -37,7 +37,7 @@ def optimisation_schema() -> Schema:
     number: dict[str, Schema] = {
         "metric": metric,
         "scene": {"enum": list(SCENE_NAMES)},
-        "set": closed(gear, "its test"),
+        "set": {"$ref": "#/properties/set"},
     }
     goal: dict[str, Schema] = {"goal": {"enum": ["least", "most"], "default": "least"}, "quantile": share}
     ends: dict[str, Schema] = {"least": VALUE, "most": VALUE, "share": share}
@@ -45,8 +45,11 @@ def optimisation_schema() -> Schema:
     gears = whole_number(0, definition.MOST_CONFIRMED, "fresh gears")
     names: Schema = {"enum": list(REQUIRED)}
 
-    def varied(leaf: Schema, meaning: str) -> Schema:
-        return closed({name: with_leaves(each, leaf) for name, each in gear.items()}, meaning)
+    leaves = {"ends": list_of(VALUE, 2, 2, "[least, most]"), "classes": classes}
+
+    def varied(leaf: str, meaning: str) -> Schema:
+        same: Schema = {"$ref": f"#/definitions/{leaf}"}
+        return closed({name: with_leaves(each, same) for name, each in gear.items()}, meaning)
 
     keys: dict[str, Schema] = {
         **{name: study[name] for name in definition.OF_STUDIES},
@@ -57,15 +60,16 @@ def optimisation_schema() -> Schema:
         "confirm": list_of(gears, 2, 2, "fresh gears by the search's model, and by each of the others"),
         "limits": {"type": "string", "description": "file of limits, as of check"},
         "requirements": {"anyOf": [{"enum": ["all"]}, names, {"type": "array", "items": names}]},
-        "variables": varied(list_of(VALUE, 2, 2, "[least, most]"), "what is varied between its bounds"),
+        "variables": varied("ends", "what is varied between its bounds"),
         "keep": closed(dict.fromkeys(BY_GEOMETRY, numbers)),
         "objectives": {"type": "object", "additionalProperties": closed(number | goal)},
         "constraints": {"type": "object", "additionalProperties": closed(number | ends)},
-        "tolerances": varied(classes, "classes of each parameter's scatter"),
+        "tolerances": varied("classes", "classes of each parameter's scatter"),
         "share": share,
     }
     kinds = {"variables": definition.KEYS, "tolerances": tolerances.KEYS}
     return headed("Optimisation or tolerances of rps-exudyn", keys) | {
+        "definitions": leaves,
         "oneOf": [{"required": ["variables", "objectives"]}, {"required": ["tolerances"]}],
         "dependencies": {key: {"propertyNames": {"enum": [*allowed]}} for key, allowed in kinds.items()},
     }

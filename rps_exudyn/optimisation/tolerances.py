@@ -9,6 +9,7 @@ samples = 2048                              # gears that serve all sets of class
 
 [constraints.torque_peak_to_peak]           # or `requirements`, as of an optimisation
 most = "0.25 N*m"
+share = "99 %"                              # of the gears must keep this one
 
 All keys that both files have mean the same; `errors` are those of all other parameters.
 """
@@ -60,11 +61,13 @@ class ToleranceProblem:
         problem: the gear, its limits and its errors; without variables and objectives.
         classes: path -> classes, from wide to narrow.
         share: of the gears that must keep all limits.
+        shares: of the gears that must keep each limit, (limits,); 0 of those without a share of their own.
     """
 
     problem: Problem
     classes: Mapping[str, tuple[ToleranceClass, ...]]
     share: float
+    shares: np.ndarray
 
     @property
     def sets(self) -> np.ndarray:
@@ -116,7 +119,7 @@ class _ToleranceKeys(ProblemKeys):
 
     def tolerances(self, content: Mapping[str, Any]) -> ToleranceProblem:
         self.check_keys(content.keys(), KEYS, "a file of tolerances")
-        share = self.wanted_share(content.get("share", ASSURED))
+        share = self.wanted_share("share", content.get("share", ASSURED))
         errors = self.choice(content, "errors", (*SETS, NONE), "series")
         samples = self.whole(content, "samples", *SIZES["samples"])
         confirm = self.confirmed(content)
@@ -133,12 +136,14 @@ class _ToleranceKeys(ProblemKeys):
         ]
         study, own = self.study(content, axes, samples)
         problem = Problem(study, {}, (), (), errors, own, samples, 0, confirm)
-        for name, table in self.table(content, "constraints").items():
+        tables, own_shares = dict(self.table(content, "constraints")), dict[str, float]()
+        for name, table in tables.items():
             if isinstance(table, Mapping) and "share" in table:
-                self.wrong(
-                    f"constraints: {name}", "has share; that of all limits is the key share of the file."
-                )
-        asked = [*self.asked(self.table(content, "constraints"), problem)]
+                where, tables[name] = f"constraints: {name}: share", {**table}
+                own_shares[name] = self.wanted_share(where, tables[name].pop("share"))
+                if own_shares[name] <= share:
+                    self.wrong(where, f"must be more than that of all limits, {100 * share:g} %.")
+        asked = [*self.asked(tables, problem)]
         required = [*self.requirements(content, problem)]
         self.stop()
         each_gear = [replace(each, number=replace(each.number, quantile=None)) for each in required]
@@ -151,7 +156,8 @@ class _ToleranceKeys(ProblemKeys):
                 )
         if not limits:
             self.wrong("constraints", "must have at least one table, or requirements a name.")
-        made = ToleranceProblem(replace(problem, constraints=limits), classes, share)
+        shares = np.array([own_shares.get(each.number.name, 0.0) for each in limits])
+        made = ToleranceProblem(replace(problem, constraints=limits), classes, share, shares)
         self.stop()
         for path in {path for pair in made.inputs.pairs for path in pair} & {*classes}:
             self.wrong(
@@ -159,14 +165,14 @@ class _ToleranceKeys(ProblemKeys):
             )
         return made
 
-    def wanted_share(self, given: Any) -> float:
-        """Return the share of the gears that must keep all limits."""
+    def wanted_share(self, where: str, given: Any) -> float:
+        """Return a share of the gears that must keep limits."""
         try:
             share = to_si(given, "")
         except ValueError:
             share = np.nan
         if not 0 < share < 1:
-            self.wrong("share", f"is {shown(given)}; it must be more than 0 % and less than 100 %.")
+            self.wrong(where, f"is {shown(given)}; it must be more than 0 % and less than 100 %.")
         return share
 
     def classes(
