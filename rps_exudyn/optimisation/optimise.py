@@ -12,9 +12,10 @@ from rps_exudyn.optimisation.optimisation_page import Optimisation, gear_sheets,
 from rps_exudyn.optimisation.search import search
 from rps_exudyn.optimisation.tolerance_page import tolerance_sheet
 from rps_exudyn.optimisation.tolerance_search import Tolerancing, search_tolerances
-from rps_exudyn.optimisation.tolerances import ToleranceProblem, read_tolerances
+from rps_exudyn.optimisation.tolerances import ToleranceProblem, tolerances_of
 from rps_exudyn.pages.report.html import write_page
 from rps_exudyn.pages.report.sheet_file import FOLDER_SHEET, write_sheet
+from rps_exudyn.parameters.declaration import read_toml
 from rps_exudyn.parameters.gear import gear_file
 from rps_exudyn.results.sheet import Sheet
 from rps_exudyn.simulate.cases.run_cases import CaseRunner, checked_jobs
@@ -71,7 +72,7 @@ def tolerances(
         >>> rps.tolerances("costs.toml").classes
         {'yoke.preload': 'fine'}
     """
-    return toleranced(read_tolerances(file), out, jobs, toy)
+    return toleranced(tolerances_of(Path(file), read_toml(file)), out, jobs, toy)
 
 
 def optimised(problem: Problem, out: str | Path | None, jobs: int | None, toy: bool) -> Optimisation:

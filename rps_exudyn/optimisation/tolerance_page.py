@@ -71,11 +71,8 @@ def _rows(found: Tolerancing) -> Iterator[Row]:
     for model, scrap in found.fresh.items():
         kept = Share(1 - scrap.value, scrap.error, scrap.numerical)
         yield Row(_percent(kept), f"of {_fresh(found, model)} fresh gears keep the limits, {model}")
-        if (
-            model == SEARCHED
-            and found.keeps
-            and kept.value + kept.error + kept.numerical < found.problem.share
-        ):
+        most = kept.value + kept.error + kept.numerical
+        if model == SEARCHED and found.keeps and most < found.problem.share:
             yield Row("not kept", f"on fresh gears; in the search {_percent(found.kept)}")
 
 
@@ -121,7 +118,7 @@ def _data(found: Tolerancing) -> dict[str, Any]:
         "keeps": found.keeps,
         "classes": found.classes,
         "cost": float(found.costs[chosen]),
-        "kept": asdict(found.kept),
+        "scrap": asdict(Share(float(found.scrap[chosen]), float(found.errors[chosen]))),
         "fresh": {model: asdict(each) for model, each in found.fresh.items()},
         "limits": [
             {"name": each.number.name, "missed": m, "share": share} for each, m, share in found.limits

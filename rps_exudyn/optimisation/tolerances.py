@@ -28,7 +28,6 @@ from rps_exudyn.base.units import shown, to_si
 from rps_exudyn.inference.uncertainty.input_sets import SETS, outside, uncertain_inputs
 from rps_exudyn.inference.uncertainty.joint import JointInputs
 from rps_exudyn.optimisation.definition import NONE, OF_STUDIES, Problem, ProblemKeys
-from rps_exudyn.parameters.declaration import read_toml
 from rps_exudyn.parameters.distribution import Distribution
 
 KEYS = (
@@ -95,20 +94,11 @@ class ToleranceProblem:
         return replace(self, problem=replace(self.problem, samples=64, confirm=(64, 0)))
 
 
-def read_tolerances(path: str | Path) -> ToleranceProblem:
-    """Return the tolerances in a TOML file.
-
-    Raises:
-        InputError: everything that is wrong with it: file, key, and what is allowed.
-    """
-    return tolerances_of(Path(path), read_toml(path))
-
-
 def tolerances_of(file: Path, content: Mapping[str, Any]) -> ToleranceProblem:
     """Return the tolerances in the tables of a TOML file.
 
     Raises:
-        InputError: as `read_tolerances`.
+        InputError: everything that is wrong with it: file, key, and what is allowed.
     """
     reader = _ToleranceKeys(file)
     return reader.read(lambda: reader.tolerances(content))
