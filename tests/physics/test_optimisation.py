@@ -22,6 +22,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.simulate.gear_table import table_of_metrics
 from rps_exudyn.solvers.closed_form import mean_state
+from study_files import TOLERANCES
 
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 
@@ -36,6 +37,7 @@ PRELOAD = """
 [variables]
 yoke.preload = ["100 N", "600 N"]
 """
+MANY = TOLERANCES.replace("samples = 64", "samples = 4096").replace("[64, 0]", "[1024, 0]")
 KILLED = (
     CLOSED
     + PRELOAD
@@ -47,17 +49,6 @@ metric = "pinion.teeth"
 goal = "most"
 """
 )
-TOLERANCES = """
-fidelity = "closed-form"
-errors = "none"
-samples = 4096
-confirm = [1024, 0]
-[tolerances.yoke.preload]
-coarse = ["300 N +- 60 N", 0]
-fine = ["300 N +- 15 N", 3]
-[constraints.torque_mean]
-most = "0.7 N*m"
-"""
 
 
 def written(folder: Path, text: str) -> Path:
@@ -190,7 +181,7 @@ def _command(folder: Path, out: str) -> list[str]:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("text", "kills"), [(KILLED, 5), (TOLERANCES, 3)], ids=["search", "tolerances"])
+@pytest.mark.parametrize(("text", "kills"), [(KILLED, 5), (MANY, 3)], ids=["search", "tolerances"])
 def test_killed_search_ends_as_one_that_was_not(tmp_path: Path, text: str, kills: int) -> None:
     """SIGKILL while gears are computed: cases in the folder stay, and the end is the same to the bit."""
     pytest.importorskip("pymoo")
