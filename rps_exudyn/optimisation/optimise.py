@@ -58,7 +58,13 @@ def tolerances(
 ) -> Tolerancing:
     """Choose the cheapest classes of tolerances with which a share of the gears keeps the limits.
 
-    Arguments, folder and interruptions as of `optimise`.
+    The folder serves as that of `optimise`, also after an interruption.
+
+    Args:
+        file: TOML file with the table `tolerances`, see docs/tutorial/9-optimisation.md.
+        out: folder, as of a study; by default the file's name, in the current folder.
+        jobs: number of processes; by default one per processor, where that is faster.
+        toy: tries the file with 64 gears, in a folder NAME-toy.
 
     Raises:
         InputError: everything that is wrong with the file, gears that fail, or a folder of something else.
