@@ -41,7 +41,7 @@ def evaluate(problem: "Problem", values: Mapping[str, Value]) -> Result:
     try:
         made = problem.with_variables(values)
         made = problem.setup(values)
-        numbers = _numbers_of_design(problem, made, summary, complete=not values)
+        numbers = _all_numbers(problem, made, summary, complete=not values)
     except InputError as error:
         gear, cause = made.steering_gear, " ".join(error.problems)
         result = failed(study.scene, gear, made.fidelity, Status.INVALID, cause)
@@ -54,9 +54,7 @@ def evaluate(problem: "Problem", values: Mapping[str, Value]) -> Result:
     return replace(result, cpu_s=process_time() - cpu, wall_s=perf_counter() - wall)
 
 
-def _numbers_of_design(
-    problem: "Problem", made: Setup, summary: dict[str, float], complete: bool
-) -> list[float]:
+def _all_numbers(problem: "Problem", made: Setup, summary: dict[str, float], complete: bool) -> list[float]:
     """Return all numbers of a design; nan of objectives of its series where the gear without errors misses a
     limit and nothing else is asked for: the search compares such designs by what they miss alone."""
     of_series, nominal = (

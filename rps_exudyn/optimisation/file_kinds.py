@@ -32,10 +32,9 @@ def optimisation_schema() -> Schema:
     classes: Schema = {"type": "object", "additionalProperties": one_class, "description": "class -> scatter"}
     paths = {each.path: each.unit for each in SteeringGear.declared()}
     numbers: Schema = {"enum": [path for path, unit in paths.items() if unit]}
-    metric = {"enum": [*SUMMARY, *REQUIRED, *paths], "description": "metric, requirement or parameter"}
     share: Schema = VALUE | {"description": 'such as "90 %"'}
     number: dict[str, Schema] = {
-        "metric": metric,
+        "metric": {"enum": [*SUMMARY, *REQUIRED, *paths], "description": "metric, requirement or parameter"},
         "scene": {"enum": list(SCENE_NAMES)},
         "set": {"$ref": "#/properties/set"},
     }
@@ -44,7 +43,6 @@ def optimisation_schema() -> Schema:
     sizes = {**tolerances.SIZES, **definition.SIZES}
     gears = whole_number(0, definition.MOST_CONFIRMED, "fresh gears")
     names: Schema = {"enum": list(REQUIRED)}
-
     leaves = {"ends": list_of(VALUE, 2, 2, "[least, most]"), "classes": classes}
 
     def varied(leaf: str, meaning: str) -> Schema:

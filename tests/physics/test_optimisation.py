@@ -104,8 +104,8 @@ def test_search_needs_no_series_of_designs_that_miss_nominal_limits(
     text += '[objectives.torque_mean]\nquantile = "90 %"\n'
     text += '[constraints.nominal]\nmetric = "torque_mean"\nleast = "0.5 N*m"\n'
     quick = found_in(tmp_path, text).search
-    needed = partial(evaluation._numbers_of_design, complete=True)
-    monkeypatch.setattr(evaluation, "_numbers_of_design", lambda *given, complete: needed(*given))
+    needed = partial(evaluation._all_numbers, complete=True)
+    monkeypatch.setattr(evaluation, "_all_numbers", lambda *given, complete: needed(*given))
     whole = rps.optimise(tmp_path / "wanted.toml", tmp_path / "whole", jobs=1).search
     assert [each.case for each in quick.designs] == [each.case for each in whole.designs]
     assert [each.numbers for each in quick.front] == [each.numbers for each in whole.front]
