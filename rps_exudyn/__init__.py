@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rps_exudyn.inference.measured.reading import read_measured_torque
     from rps_exudyn.inference.uncertainty.sensitivities import sensitivities
     from rps_exudyn.multibody.model import build_model
-    from rps_exudyn.optimisation.optimise import optimise
+    from rps_exudyn.optimisation.optimise import optimise, tolerances
     from rps_exudyn.parameters.fidelity import Fidelity
     from rps_exudyn.parameters.gear import SteeringGear
     from rps_exudyn.results.outcome import Status
@@ -59,6 +59,7 @@ __all__ = [
     "run",
     "sensitivities",
     "study_frame",
+    "tolerances",
     "window",
 ]
 
@@ -84,6 +85,7 @@ _HOME = {
     "sensitivities": "inference.uncertainty.sensitivities",
     "open_study": "study.dataset",
     "study_frame": "study.dataset",
+    "tolerances": "optimisation.optimise",
     "window": "assessment.requirements.window",
 }
 

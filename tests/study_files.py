@@ -32,6 +32,19 @@ goal = "most"
 """
 """An optimisation of two objectives and two variables, in a second."""
 
+TOLERANCES = """
+fidelity = "closed-form"
+errors = "none"
+samples = 64
+confirm = [64, 0]
+[tolerances.yoke.preload]
+coarse = ["300 N +- 60 N", 0]
+fine = ["300 N +- 15 N", 3]
+[constraints.torque_mean]
+most = "0.7 N*m"
+"""
+"""A choice of tolerances, in a second."""
+
 STAND_IN = '''
 import os, signal, time
 import numpy as np

@@ -2,6 +2,7 @@
 
 import json
 import os
+import tomllib
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,7 +26,7 @@ def init(folder: Path = Path(), /) -> int:
     Args:
         folder: Folder to fill; default: the current folder.
     """
-    from rps_exudyn.study.schema import SCHEMAS
+    from rps_exudyn.optimisation.file_kinds import SCHEMAS
 
     made = {
         Path(f"{kind}.schema.json"): json.dumps(make(), indent=1).encode() for kind, make in SCHEMAS.items()
@@ -56,11 +57,13 @@ def init(folder: Path = Path(), /) -> int:
 
 def _content(source: "Traversable", name: Path) -> bytes:
     """A template's content; TOML begins with the place of its schema."""
-    if name.suffix != ".toml" or name.name.startswith(("optimise", "tolerance_cost")):  # without a schema
+    from rps_exudyn.optimisation.file_kinds import kind_of
+
+    if name.suffix != ".toml":
         return source.read_bytes()
     text = source.read_text(encoding="utf-8")
-    kind = "gear" if name.parent.name == "gears" else "study"
-    return f"#:schema {Path(os.path.relpath(f'{kind}.schema.json', name.parent)).as_posix()}\n{text}".encode()
+    schema = os.path.relpath(f"{kind_of(tomllib.loads(text))}.schema.json", name.parent)
+    return f"#:schema {Path(schema).as_posix()}\n{text}".encode()
 
 
 def _templates(folder: "Traversable", below: Path = Path()) -> "list[tuple[Traversable, Path]]":

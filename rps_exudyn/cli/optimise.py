@@ -1,4 +1,4 @@
-"""The command `optimise`: the best gears of a file's variables, for a series of each."""
+"""The command `optimise`: the best gears of a file's variables, or the cheapest of its tolerances."""
 
 from pathlib import Path
 
@@ -27,23 +27,27 @@ def optimise(
         toy: Try the file with eight designs of eight gears, in a folder NAME-toy.
     """
     shown.check()
+    from rps_exudyn.optimisation.definition import problem_of
     from rps_exudyn.optimisation.optimisation_page import optimisation_sheet
-    from rps_exudyn.optimisation.optimise import PAGE
-    from rps_exudyn.optimisation.optimise import optimise as run
+    from rps_exudyn.optimisation.optimise import PAGE, optimised, toleranced
     from rps_exudyn.optimisation.tolerance_page import tolerance_sheet
-    from rps_exudyn.optimisation.tolerance_search import Tolerancing
+    from rps_exudyn.optimisation.tolerances import tolerances_of
+    from rps_exudyn.parameters.declaration import read_toml
 
     with printing(shown.quiet):
         try:
             with shown_progress():
-                found = run(file, out, jobs, toy)
+                content = read_toml(file)
+                if "tolerances" in content:
+                    chosen = toleranced(tolerances_of(file, content), out, jobs, toy)
+                    sheet, files = tolerance_sheet(chosen, command_line()), [chosen.folder / PAGE]
+                    is_found = chosen.keeps
+                else:
+                    found = optimised(problem_of(file, content), out, jobs, toy)
+                    sheet = optimisation_sheet(found, command_line())
+                    files, is_found = [*found.files, found.search.store.path / PAGE], bool(found.front)
         except KeyboardInterrupt:
             kept = "the designs that are done are kept; the same command continues"
             raise KeyboardInterrupt(f"interrupted; {kept}.") from None
-        if isinstance(found, Tolerancing):
-            sheet, files = tolerance_sheet(found, command_line()), [found.folder / PAGE]
-        else:
-            sheet = optimisation_sheet(found, command_line())
-            files = [*found.files, found.search.store.path / PAGE]
         present(sheet, files, every=shown.every, json=shown.json)
-    return DONE if found.front else FAILED
+    return DONE if is_found else FAILED

@@ -13,8 +13,8 @@ def report(*paths: Path, out: Path | None = None, contact: Flag = False) -> int:
     """Write one HTML page about results, bands, studies, checks, fits and gears.
 
     Args:
-        paths: Folders that `study` wrote (also unfinished ones), HDF5 files that `run` wrote, JSON files of
-            `run --band`, `check`, `fit` and `validate`, and gear files.
+        paths: Folders that `study` wrote (also unfinished ones) or `optimise`, HDF5 files that `run` wrote,
+            JSON files of `run --band`, `check`, `fit` and `validate`, and gear files.
         out: Page (.html); default: report.html in the study's folder, or a page beside a single file.
         contact: Add to each result the loads on the lines of contact, load sharing and contact pattern.
     """

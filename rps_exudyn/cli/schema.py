@@ -1,4 +1,4 @@
-"""The command `schema`: the JSON schema by which an editor completes and checks gear and study files."""
+"""The command `schema`: the JSON schema by which an editor completes and checks files."""
 
 from pathlib import Path
 from typing import Literal
@@ -7,14 +7,14 @@ from rps_exudyn.base.files import check_writable, write_json
 from rps_exudyn.cli.output import DONE, print_json
 
 
-def schema(kind: Literal["gear", "study"] = "gear", /, *, out: Path | None = None) -> int:
-    """Print the JSON schema of gear or study files, with which editors complete and check them.
+def schema(kind: Literal["gear", "study", "optimise"] = "gear", /, *, out: Path | None = None) -> int:
+    """Print the JSON schema of gear, study or optimisation files, with which editors complete and check them.
 
     Args:
         kind: Kind of file.
         out: File (.json) to write; name it in the first line of a TOML file: #:schema FILE.
     """
-    from rps_exudyn.study.schema import SCHEMAS
+    from rps_exudyn.optimisation.file_kinds import SCHEMAS
 
     if out is None:
         print_json(SCHEMAS[kind]())

@@ -32,14 +32,13 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from rps_exudyn.assessment.requirements.judging import ASSURED, BY_GEOMETRY, BY_RUNS
+from rps_exudyn.assessment.requirements.judging import ASSURED, BY_GEOMETRY, BY_RUNS, STRESSES
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import shown, to_si
 from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.inference.uncertainty.input_sets import SETS, carried, uncertain_inputs
 from rps_exudyn.optimisation.evaluation import numbers_of
 from rps_exudyn.optimisation.goals import (
-    STRESSES,
     Constraint,
     Number,
     Objective,
@@ -64,6 +63,10 @@ KEYS = (
     *("variables", "keep", "objectives", "constraints"),
 )
 NUMBER_KEYS = {"metric", "scene", "set"}
+SIZES = {"samples": (96, 8, 10**5), "designs": (1000, 4, 10**5), "population": (36, 4, 10**5)}
+"""Key -> default, least and most."""
+
+MOST_CONFIRMED = 10**6  # fresh gears
 GIVEN, NONE = "given", "none"  # limit of a constraint; no errors
 Read = TypeVar("Read")
 MOST_WHOLE = 1000  # whole numbers between the bounds of a variable
@@ -185,7 +188,16 @@ def read_problem(path: str | Path) -> Problem:
     Raises:
         InputError: everything that is wrong with it: file, key, and what is allowed.
     """
-    reader, content = ProblemKeys(Path(path)), read_toml(path)
+    return problem_of(Path(path), read_toml(path))
+
+
+def problem_of(file: Path, content: Mapping[str, Any]) -> Problem:
+    """Return the optimisation in the tables of a TOML file.
+
+    Raises:
+        InputError: as `read_problem`.
+    """
+    reader = ProblemKeys(file)
     return reader.read(lambda: reader.problem(content))
 
 
@@ -218,7 +230,7 @@ class ProblemKeys(Keys):
         """Return the fresh gears by the search's model, and by each of the others."""
         given = content.get("confirm", [512, 40])
         listed = isinstance(given, list) and len(given) == 2
-        if not listed or any(type(n) is not int or not 0 <= n <= 10**6 for n in given):
+        if not listed or any(type(n) is not int or not 0 <= n <= MOST_CONFIRMED for n in given):
             self.wrong("confirm", f"is {shown(given)}; it must be two numbers of gears, such as [512, 40].")
             return 0, 0
         return given[0], given[1]
@@ -245,10 +257,10 @@ class ProblemKeys(Keys):
         return study, own
 
     def problem(self, content: Mapping[str, Any]) -> Problem:
-        self.check_keys(content.keys(), KEYS, "an optimisation")
-        designs = self.whole(content, "designs", 1000, 4, 10**5)
-        population = self.whole(content, "population", min(36, designs), 4, designs)
-        samples = self.whole(content, "samples", 96, 8, 10**5)
+        if "tolerances" in content:
+            self.wrong("tolerances", "is a table for rps.tolerances, not for rps.optimise.")
+        self.check_keys(content.keys() - {"tolerances"}, KEYS, "an optimisation")
+        samples, designs, population = (self.whole(content, key, *size) for key, size in SIZES.items())
         errors = self.choice(content, "errors", (*SETS, NONE), "series")
         confirm = self.confirmed(content)
         axes = [*self._axes(self.table(content, "variables"))]
@@ -268,7 +280,9 @@ class ProblemKeys(Keys):
                 self.wrong("variables", f"has {axis.name}, which is given by a distribution or by keep, too.")
         self.stop()
         numbers = {name: float(BY_GEOMETRY[name](gear)) for name in keep}
-        problem = Problem(study, keep, (), (), errors, own, samples, population, confirm, numbers)
+        problem = Problem(
+            study, keep, (), (), errors, own, samples, min(population, designs), confirm, numbers
+        )
         _check_bounds(problem)
         objectives = [*self._objectives(self.table(content, "objectives"), problem)]
         asked = [*self.asked(self.table(content, "constraints"), problem)]

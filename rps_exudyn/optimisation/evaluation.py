@@ -41,7 +41,7 @@ def evaluate(problem: "Problem", values: Mapping[str, Value]) -> Result:
     try:
         made = problem.with_variables(values)
         made = problem.setup(values)
-        numbers = numbers_of(problem, made, problem.numbers, summary)
+        numbers = _all_numbers(problem, made, summary, complete=not values)
     except InputError as error:
         gear, cause = made.steering_gear, " ".join(error.problems)
         result = failed(study.scene, gear, made.fidelity, Status.INVALID, cause)
@@ -54,10 +54,25 @@ def evaluate(problem: "Problem", values: Mapping[str, Value]) -> Result:
     return replace(result, cpu_s=process_time() - cpu, wall_s=perf_counter() - wall)
 
 
+def _all_numbers(problem: "Problem", made: Setup, summary: dict[str, float], complete: bool) -> list[float]:
+    """Return all numbers of a design; nan of objectives of its series where the gear without errors misses a
+    limit and nothing else is asked for: the search compares such designs by what they miss alone."""
+    of_series, nominal = (
+        [each for each in problem.numbers if (each.quantile is None) == is_nominal]
+        for is_nominal in (False, True)
+    )
+    found = dict(zip(nominal, numbers_of(problem, made, nominal, summary), strict=True))
+    limits = problem.constraints
+    complete |= any(each.number.quantile is not None for each in limits)
+    if complete or all(each.excess(found[each.number]) <= 0 for each in limits):
+        found |= zip(of_series, numbers_of(problem, made, of_series, summary), strict=True)
+    return [found.get(each, np.nan) for each in problem.numbers]
+
+
 def numbers_of(
     problem: "Problem", made: Setup, numbers: Sequence[Number], summary: dict[str, float] | None = None
 ) -> list[float]:
-    """Return numbers of a gear and its series; its own metrics are added to `summary`.
+    """Return numbers of a gear, by a single run, and of its series; its metrics are added to `summary`.
 
     Raises:
         InputError: the gear, or too many of its series, have none.
@@ -68,11 +83,11 @@ def numbers_of(
         if (value := each.by_formula(gear, problem.face_load_factor)) is not None:
             found[each] = value
         else:
-            runs.setdefault((each.scene, *each.settings_of(gear).items()), []).append(each)
-    for (scene, *settings), asked in runs.items():
+            nominal = each.quantile is None
+            runs.setdefault((nominal, each.scene, *each.settings_of(gear).items()), []).append(each)
+    for (nominal, scene, *settings), asked in runs.items():
         tested = gear.replace(dict(settings))
-        spread = any(each.quantile is not None for each in asked)
-        inputs = problem.inputs_of(gear) if spread else {}
+        inputs = {} if nominal else problem.inputs_of(gear)
         table = table_of(tested, inputs, problem.samples, problem.study.seed)
         series = run_series(scene, tested, made.fidelity, table)
         found |= {each: number_in(series, each) for each in asked}

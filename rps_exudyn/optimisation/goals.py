@@ -1,51 +1,21 @@
 """Numbers of a design that goals and constraints are about: metrics of scenes, requirements, parameters."""
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
-
-import numpy as np
 
 from rps_exudyn.assessment.requirements.judging import (
     BY_GEOMETRY,
     BY_RUNS,
     RATED_TORQUE,
+    STRESSES,
     borne_under,
     settings_of_test,
-)
-from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.tooth_strength import (
-    ToothForm,
-    flank_stress,
-    pinion_form,
-    rack_form,
-    root_load_factor,
-    root_stress,
 )
 from rps_exudyn.parameters.gear import BY_SCENE, SteeringGear
 from rps_exudyn.results.limit import Limit
 from rps_exudyn.results.quantities import SUMMARY, Quantity
 from rps_exudyn.results.requirements import REQUIRED
-
-
-def _root(form_of: Callable[[GearPair], ToothForm]) -> Callable[[SteeringGear, float], float]:
-    """Return the root's stress over gear and face load factor, as the requirement sheet has it."""
-
-    def stress(gear: SteeringGear, factor: float) -> float:
-        pair = GearPair.of(gear)
-        form = form_of(pair)
-        return root_load_factor(pair, form, factor) * root_stress(gear, form, RATED_TORQUE)
-
-    return stress
-
-
-STRESSES: Mapping[str, Callable[[SteeringGear, float], float]] = {
-    "rated_root_pinion": _root(pinion_form),
-    "rated_root_rack": _root(rack_form),
-    "rated_flank": lambda gear, factor: float(np.sqrt(factor)) * flank_stress(gear, RATED_TORQUE),
-}
-"""Requirement -> its number at the rated torque, from the gear and its face load factor."""
 
 
 @dataclass(frozen=True)
@@ -107,7 +77,7 @@ class Number:
             InputError: the gear does not let it compute.
         """
         if self.of in STRESSES:
-            return STRESSES[self.of](gear, face_load_factor)
+            return STRESSES[self.of](gear, RATED_TORQUE, face_load_factor)
         if self.of in BY_GEOMETRY:
             return float(BY_GEOMETRY[self.of](gear))
         return None if self.scene else float(gear.value_at(self.of))

@@ -45,7 +45,7 @@ class Design:
     Attributes:
         case: its hash and its variables.
         gear: with these, and with the parameters that follow.
-        numbers: by the order of `Problem.numbers`, SI; () of one that is refused.
+        numbers: by the order of `Problem.numbers`, SI, nan where not needed; () of one that is refused.
         excess: of each constraint, see `Constraint.excess`.
     """
 
@@ -68,9 +68,10 @@ class Design:
         return cls(case, result.gear, numbers, tuple(limit.excess(value) for limit, value in pairs))
 
     def costs(self, problem: Problem) -> list[float]:
-        """Return its objectives, less is better."""
+        """Return its objectives, less is better; one that was not needed is far from all others."""
         pairs = zip(problem.objectives, self.numbers, strict=False)
-        return [each.sense * value for each, value in pairs] or [FAR] * len(problem.objectives)
+        known = [FAR if np.isnan(value) else each.sense * value for each, value in pairs]
+        return known or [FAR] * len(problem.objectives)
 
 
 @dataclass(frozen=True)

@@ -16,15 +16,20 @@ from rps_exudyn.parameters.display_names import named
 from rps_exudyn.results.page_blocks import Pictures
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.results.quantities import Quantity
-from rps_exudyn.results.sheet import Grid, Row, Section, Sheet
+from rps_exudyn.results.sheet import Block, Grid, Row, Section, Sheet, Text
 
 COST, SCRAP = Quantity("", "", "cost of all classes"), Quantity("", "%", "gears that miss a limit")
+ERRORS = (
+    "± is the standard error; on fresh gears, plus how far the share moves if all gears are wrong by their "
+    "error bars to the same side."
+)
 MOST_DRAWN = 1000  # sets of the picture
 
 
 def tolerance_sheet(found: Tolerancing, command: str) -> Sheet:
     """Return the sheet of a choice of tolerances; `command` makes it again."""
-    problem, blocks = found.problem, [_classes(found), _steps(found)]
+    problem, tables = found.problem, [_classes(found), _limits(found), _steps(found)]
+    blocks: list[Block] = [*tables, Text(ERRORS)]
     labels = [("cost", COST), ("scrap", SCRAP)]
     points = np.array([found.costs, found.scrap]).T
     names = "sets of classes", "the chosen set"
@@ -36,7 +41,7 @@ def tolerance_sheet(found: Tolerancing, command: str) -> Sheet:
         lead=f"{len(found.costs)} sets of classes, {found.gears} gears for all of them · {found.folder}",
         rows=list(_rows(found)),
         text=blocks,
-        more="classes, steps from the chosen set",
+        more="classes, limits, steps from the chosen set",
         data=lambda: _data(found),
         sections=[
             Section("Cost against scrap", [pictures]),
@@ -48,25 +53,27 @@ def tolerance_sheet(found: Tolerancing, command: str) -> Sheet:
 
 
 def _percent(share: Share) -> str:
-    return f"{100 * share.value:.1f} ± {100 * share.error:.1f} %"
+    return f"{100 * share.value:.1f} ± {100 * (share.error + share.numerical):.1f} %"
 
 
 def _rows(found: Tolerancing) -> Iterator[Row]:
     chosen, wanted = found.chosen, f"{100 * found.problem.share:g} %"
-    estimate = Share(float(1 - found.scrap[chosen]), float(found.errors[chosen]))
-    worst = max(found.misses, key=lambda name: found.misses[name])
+    missed, worst = max((missed, each.number.name) for each, missed, _ in found.limits)
     if found.keeps:
         yield Row(f"{found.costs[chosen]:g}", f"least cost with which {wanted} of the gears keep the limits")
     else:
-        yield Row("none", f"of the sets keeps {wanted}; the nearest is kept by {_percent(estimate)}")
-        yield Row("forbidden", f"by {worst}, which {100 * found.misses[worst]:.1f} % of its gears miss")
+        yield Row("none", f"of the sets keeps {wanted}; the nearest is kept by {_percent(found.kept)}")
+        yield Row("forbidden", f"by {worst}, which {100 * missed:.1f} % of its gears miss")
+        if found.not_kept:
+            yield Row("not kept", f"the own share of {', '.join(found.not_kept)}")
     for path, name in found.classes.items():
         yield Row(name, named(path))
     for model, scrap in found.fresh.items():
-        kept = Share(1 - scrap.value, scrap.error)
+        kept = Share(1 - scrap.value, scrap.error, scrap.numerical)
         yield Row(_percent(kept), f"of {_fresh(found, model)} fresh gears keep the limits, {model}")
-        if model == SEARCHED and found.keeps and kept.value + kept.error < found.problem.share:
-            yield Row("not kept", f"on fresh gears; in the search {_percent(estimate)}")
+        most = kept.value + kept.error + kept.numerical
+        if model == SEARCHED and found.keeps and most < found.problem.share:
+            yield Row("not kept", f"on fresh gears; in the search {_percent(found.kept)}")
 
 
 def _fresh(found: Tolerancing, model: str) -> int:
@@ -82,6 +89,14 @@ def _classes(found: Tolerancing) -> Grid:
         ends = declared[path].show
         rows.append([path, own[k].name, own[k].scatter.kind, ends(low), ends(high), f"{own[k].cost:g}"])
     return Grid(("tolerance", "class", "distribution", "least", "most", "cost"), rows, "The chosen classes")
+
+
+def _limits(found: Tolerancing) -> Grid:
+    rows = [["all", "", _percent(found.kept), f"{100 * found.problem.share:g} %"]]
+    for each, missed, share in found.limits:
+        limit, own = each.limit.show(each.number.quantity), f"{100 * share:g} %" if share else ""
+        rows.append([each.number.name, limit, f"{100 * (1 - missed):.1f} %", own])
+    return Grid(("metric", "limit", "gears that keep it", "at least"), rows, "The limits, in the search")
 
 
 def _steps(found: Tolerancing) -> Grid:
@@ -105,7 +120,9 @@ def _data(found: Tolerancing) -> dict[str, Any]:
         "cost": float(found.costs[chosen]),
         "scrap": asdict(Share(float(found.scrap[chosen]), float(found.errors[chosen]))),
         "fresh": {model: asdict(each) for model, each in found.fresh.items()},
-        "misses": dict(found.misses),
+        "limits": [
+            {"name": each.number.name, "missed": m, "share": share} for each, m, share in found.limits
+        ],
         "steps": [asdict(each) for each in found.steps],
         "front": [[float(found.costs[i]), float(found.scrap[i])] for i in found.front],
         "gears": found.gears,

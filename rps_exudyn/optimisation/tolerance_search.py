@@ -9,10 +9,10 @@ chosen set meets fresh gears, which had no part in the choice.
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,11 +22,13 @@ from rps_exudyn.base.screen import open_screen
 from rps_exudyn.inference.uncertainty.samples import TOGETHER, Samples
 from rps_exudyn.optimisation.confirmation import FLANK, MODELS, TEETH
 from rps_exudyn.optimisation.evaluation import run_series, with_given
+from rps_exudyn.optimisation.goals import Constraint
 from rps_exudyn.optimisation.search import computed_results, hash_of, store_of
 from rps_exudyn.optimisation.tolerances import ToleranceProblem
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
+from rps_exudyn.simulate.batch import Batch, batch
 from rps_exudyn.simulate.cases.run_cases import CaseRunner
 from rps_exudyn.study.case_progress import CasesRow
 from rps_exudyn.study.definition import Case
@@ -34,16 +36,19 @@ from rps_exudyn.study.store import Store
 
 ADDED = 512  # gears of a chosen set
 ROUNDS = 8  # sets that are chosen one after the other, at most
+WEIGHTS_AT_ONCE = 2**22  # of gears in sets: 32 MB
 Chosen = tuple[int, ...]
 """Number of the class of each tolerance; () mixes all classes."""
 
 
 @dataclass(frozen=True)
 class Share:
-    """A share of gears, and its standard error."""
+    """A share of gears, its standard error, and its numerical one: how far it moves if all gears are wrong by
+    their error bars to the same side. An unknown bar counts as infinite."""
 
     value: float
     error: float
+    numerical: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -63,50 +68,91 @@ class Step:
         return -self.cost / (100 * self.scrap.value) if clear else np.nan
 
 
-@dataclass(eq=False)
+class SetShares(NamedTuple):
+    """Shares of the gears of each set that miss a limit, and their standard errors, (sets,); of those that
+    miss each limit, (sets, limits)."""
+
+    scrap: np.ndarray
+    errors: np.ndarray
+    misses: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
 class Pool:
     """Gears that were run, and how they were drawn."""
 
     problem: ToleranceProblem
-    blocks: list[tuple[Chosen, Result]] = field(default_factory=list)
+    blocks: Sequence[tuple[Chosen, Result]]
 
     @cached_property
     def sets(self) -> np.ndarray:
         """All sets, as `ToleranceProblem.sets`."""
         return self.problem.sets
 
-    @property
-    def values(self) -> dict[str, np.ndarray]:
-        """Path -> values of all gears (n,)."""
-        found = [result.findings["values"] for _, result in self.blocks]
-        return {path: np.concatenate([each[path] for each in found]) for path in self.problem.classes}
-
-    @property
+    @cached_property
     def missed(self) -> np.ndarray:
         """Which limits each gear misses, (limits, n); one that failed misses all."""
         return np.concatenate([_missed(self.problem, result) for _, result in self.blocks], axis=1)
 
-    @property
-    def weights(self) -> np.ndarray:
-        """Weights of the gears in each set, (sets, n), of the mean 1."""
-        values, classes = self.values, self.problem.classes
-        densities = [
-            np.array([one.scatter.density(values[path]) for one in own]) for path, own in classes.items()
-        ]
+    @cached_property
+    def densities(self) -> list[np.ndarray]:
+        """Densities of the gears' values by the classes of each tolerance, (classes, n)."""
+        found = [result.findings["values"] for _, result in self.blocks]
+        values = {path: np.concatenate([each[path] for each in found]) for path in self.problem.classes}
+        classes = self.problem.classes.items()
+        return [np.array([one.scatter.density(values[path]) for one in own]) for path, own in classes]
+
+    @cached_property
+    def mixture(self) -> np.ndarray:
+        """Density by which each gear was drawn, (n,)."""
         sizes = [len(result.findings["numbers"][0]) for _, result in self.blocks]
         mixture = np.zeros(sum(sizes))
         for (chosen, _), size in zip(self.blocks, sizes, strict=True):
-            each = [own[chosen[k]] if chosen else own.mean(axis=0) for k, own in enumerate(densities)]
+            each = [own[chosen[k]] if chosen else own.mean(axis=0) for k, own in enumerate(self.densities)]
             mixture += size / sum(sizes) * np.prod(each, axis=0)
-        found = np.ones((len(self.sets), sum(sizes))) / mixture
-        for own, at in zip(densities, self.sets.T, strict=True):
+        return mixture
+
+    def weights(self, sets: np.ndarray) -> np.ndarray:
+        """Weights of the gears in sets (m, tolerances), (m, n), of the mean 1."""
+        found = np.ones((len(sets), len(self.mixture))) / self.mixture
+        for own, at in zip(self.densities, sets.T, strict=True):
             found *= own[at]
         return np.asarray(found / found.mean(axis=1, keepdims=True))
 
+    @cached_property
+    def shares(self) -> SetShares:
+        """Shares of all sets; so many weights are held at once as `WEIGHTS_AT_ONCE` allows."""
+        bad, (limits, count) = self.missed.any(axis=0), self.missed.shape
+        found = np.empty((len(self.sets), 2 + limits))
+        at_once = max(1, WEIGHTS_AT_ONCE // count)
+        for begin in range(0, len(found), at_once):
+            rows = slice(begin, begin + at_once)
+            weights = self.weights(self.sets[rows])
+            found[rows, 0], found[rows, 2:] = weights @ bad / count, weights @ self.missed.T / count
+            found[rows, 1] = np.sqrt(((weights * (bad - found[rows, :1])) ** 2).sum(axis=1)) / count
+        return SetShares(found[:, 0], found[:, 1], found[:, 2:])
 
-def _missed(problem: ToleranceProblem, result: Result) -> np.ndarray:
+    @cached_property
+    def choice(self) -> int:
+        """The cheapest set that keeps all shares; where none does, that which lacks the least of them."""
+        scrap, costs, problem = self.shares.scrap, self.problem.costs, self.problem
+        lack = np.maximum(
+            problem.share - (1 - scrap), (problem.shares - (1 - self.shares.misses)).max(axis=1)
+        )
+        keeping = np.flatnonzero(lack <= 0)
+        if not keeping.size:
+            return int(np.lexsort((costs, lack))[0])
+        return int(keeping[np.lexsort((scrap[keeping], costs[keeping]))[0]])
+
+
+def _missed(problem: ToleranceProblem, result: Result, moved: int = 0) -> np.ndarray:
+    """Which limits each gear misses, (limits, n); with `moved` = -1 or 1 if all numbers are wrong by their
+    error bars to that side."""
     limits = [each.limit for each in problem.problem.constraints]
     numbers = np.array(result.findings["numbers"], dtype=float)
+    if moved:
+        bars = np.array(result.findings["bars"], dtype=float)
+        numbers = numbers + moved * np.where(np.isfinite(bars), bars, np.inf)
     return np.array([~limit.keeps(own) for limit, own in zip(limits, numbers, strict=True)])
 
 
@@ -123,7 +169,7 @@ class Tolerancing:
         chosen: number of the cheapest set that keeps the share; that of the least scrap where none does.
         steps: each step of one tolerance from that set.
         fresh: model -> scrap of the chosen set on fresh gears.
-        misses: name of a limit -> share of the gears of the chosen set that miss it.
+        misses: share of the gears of the chosen set that miss each limit, in the order of the problem's.
         gears: that were run for the choice.
     """
 
@@ -135,7 +181,7 @@ class Tolerancing:
     chosen: int
     steps: Sequence[Step]
     fresh: Mapping[str, Share]
-    misses: Mapping[str, float]
+    misses: Sequence[float]
     gears: int
 
     @property
@@ -147,8 +193,24 @@ class Tolerancing:
 
     @property
     def keeps(self) -> bool:
-        """Whether the chosen set keeps the share."""
-        return bool(1 - self.scrap[self.chosen] >= self.problem.share)
+        """Whether the chosen set keeps the share of all limits, and those of single ones."""
+        return bool(1 - self.scrap[self.chosen] >= self.problem.share) and not self.not_kept
+
+    @property
+    def not_kept(self) -> list[str]:
+        """Limits whose own share the chosen set does not keep."""
+        return [each.number.name for each, missed, share in self.limits if 1 - missed < share]
+
+    @property
+    def limits(self) -> list[tuple[Constraint, float, float]]:
+        """Each limit, the share of the gears of the chosen set that miss it, and its own share."""
+        wanted = self.problem.shares.tolist()
+        return list(zip(self.problem.problem.constraints, self.misses, wanted, strict=True))
+
+    @property
+    def kept(self) -> Share:
+        """Share of the gears of the chosen set that keep all limits."""
+        return Share(float(1 - self.scrap[self.chosen]), float(self.errors[self.chosen]))
 
     @property
     def classes(self) -> dict[str, str]:
@@ -158,7 +220,10 @@ class Tolerancing:
 
 
 def gears_of(problem: ToleranceProblem, chosen: Chosen, count: int, seed: int, model: str) -> Result:
-    """Run gears of a set, or of all classes mixed: their values and numbers, as findings of a result."""
+    """Run gears of a set, or of all classes mixed: values, numbers and error bars, as findings of a result.
+
+    Without a model they are those of the choice: the search's model without error bars.
+    """
     made, rng = problem.problem.study.base, np.random.default_rng([seed, 1])
     gear, drawn = made.steering_gear, Samples.drawn(problem.inputs, count, seed)
     quantile, table = drawn.quantile, drawn.values
@@ -168,15 +233,22 @@ def gears_of(problem: ToleranceProblem, chosen: Chosen, count: int, seed: int, m
         table[path] = np.array([each.scatter.quantile(u) for each in own])[at, np.arange(count)]
     table = with_given(gear, table)
     fidelity = Fidelity.preset("flank") if model == FLANK else made.fidelity
-    runs, numbers = dict[tuple[Any, ...], Any](), []
+    runs, numbers, bars = dict[tuple[Any, ...], Batch](), [], []
     for limit in problem.problem.constraints:
         asked = limit.number
         settings = asked.settings_of(gear) | ({"mesh.law": "teeth"} if model == TEETH else {})
         if (key := (asked.scene, *settings.items())) not in runs:
-            runs[key] = run_series(asked.scene, gear.replace(settings), fidelity, table)
+            tested = asked.scene, gear.replace(settings)
+            runs[key] = (
+                batch(*tested, table, fidelity=fidelity, keep="torque")
+                if model
+                else run_series(*tested, fidelity, table)
+            )
         series = runs[key]
         numbers.append(np.where(series.ok, series.summary[asked.metric], np.nan)[:-1].tolist())
-    found = {"values": {path: table[path][:-1].tolist() for path in problem.classes}, "numbers": numbers}
+        bars.append(np.where(series.ok, series.errors[asked.metric], np.nan)[:-1].tolist())
+    values = {path: table[path][:-1].tolist() for path in problem.classes}
+    found = {"values": values, "numbers": numbers, "bars": bars}
     kept: dict[str, Any] = {"fidelity": fidelity.model_dump(), "solver": {}, "findings": found, "summary": {}}
     scene = problem.problem.study.scene
     return Result(scene=scene, gear=gear, status=Status.OK, cpu_s=0.0, wall_s=0.0, **kept)
@@ -196,23 +268,14 @@ def search_tolerances(problem: ToleranceProblem, folder: Path, runner: CaseRunne
         content = content_of(problem.problem.study.file)
         with replacing(store.path / "study.toml") as partial_file:
             partial_file.write_bytes(content)
-        pool = Pool(problem)
-        _add(pool, store, runner, (), problem.problem.samples)
-        choice = _choice(pool)
-        for _ in range(ROUNDS):
-            chosen = tuple(pool.sets[choice].tolist())
+        pool, chosen, count = Pool(problem, ()), (), problem.problem.samples
+        for _ in range(ROUNDS + 1):
+            ran = _run(problem, store, runner, chosen, count, problem.problem.study.seed, "")
+            pool = Pool(problem, (*pool.blocks, *((chosen, each) for each in ran)))
+            chosen, count = tuple(pool.sets[pool.choice].tolist()), min(ADDED, problem.problem.samples)
             if chosen in [before for before, _ in pool.blocks]:
                 break
-            _add(pool, store, runner, chosen, min(ADDED, problem.problem.samples))
-            choice = _choice(pool)
-        return _found(pool, choice, folder, _fresh(pool, choice, store, runner))
-
-
-def _add(pool: Pool, store: Store, runner: CaseRunner, chosen: Chosen, count: int) -> None:
-    seed = pool.problem.problem.study.seed
-    pool.blocks += [
-        (chosen, each) for each in _run(pool.problem, store, runner, chosen, count, seed, MODELS[0])
-    ]
+        return _found(pool, folder, _fresh(pool, store, runner))
 
 
 def _run(
@@ -242,46 +305,40 @@ def _run(
     return [results[case.hash] for case, _ in calls]
 
 
-def _fresh(pool: Pool, choice: int, store: Store, runner: CaseRunner) -> dict[str, Share]:
+def _fresh(pool: Pool, store: Store, runner: CaseRunner) -> dict[str, Share]:
     found, problem = {}, pool.problem
-    chosen, (count, others) = tuple(pool.sets[choice].tolist()), problem.problem.confirm
+    chosen, (count, others) = tuple(pool.sets[pool.choice].tolist()), problem.problem.confirm
     for model, size in zip(MODELS, (count, others, others), strict=True):
         if size:
             ran = _run(problem, store, runner, chosen, size, problem.problem.study.seed + 1, model)
-            bad = np.concatenate([_missed(problem, each).any(axis=0) for each in ran])
-            scrap = float(bad.mean())
+            scrap, *moved = (
+                float(np.concatenate([_missed(problem, each, side).any(axis=0) for each in ran]).mean())
+                for side in (0, -1, 1)
+            )
             # of a share without a miss: that of half a miss
             kept = max(scrap, 0.5 / size)
-            found[model] = Share(scrap, float(np.sqrt(kept * (1 - min(kept, 1 - 0.5 / size)) / size)))
+            error = float(np.sqrt(kept * (1 - min(kept, 1 - 0.5 / size)) / size))
+            found[model] = Share(scrap, error, max(abs(each - scrap) for each in moved))
     return found
 
 
-def _choice(pool: Pool) -> int:
-    """The cheapest set that keeps the share; that of the least scrap where none does."""
-    scrap = pool.weights @ pool.missed.any(axis=0) / pool.missed.shape[1]
-    costs = pool.problem.costs
-    keeping = np.flatnonzero(1 - scrap >= pool.problem.share)
-    if not keeping.size:
-        return int(np.lexsort((costs, scrap))[0])
-    return int(keeping[np.lexsort((scrap[keeping], costs[keeping]))[0]])
+def _found(pool: Pool, folder: Path, fresh: Mapping[str, Share]) -> Tolerancing:
+    problem, choice, sets, costs = pool.problem, pool.choice, pool.sets, pool.problem.costs
+    scrap, errors, misses = pool.shares
+    bad, count = pool.missed.any(axis=0), pool.missed.shape[1]
 
+    def parts(at: int) -> np.ndarray:
+        return np.asarray(pool.weights(sets[[at]])[0] * (bad - scrap[at]))
 
-def _found(pool: Pool, choice: int, folder: Path, fresh: Mapping[str, Share]) -> Tolerancing:
-    problem, weights, missed, sets = pool.problem, pool.weights, pool.missed, pool.sets
-    bad, costs, count = missed.any(axis=0), pool.problem.costs, missed.shape[1]
-    scrap = weights @ bad / count
-    parts = weights * (bad - scrap[:, None])
-    errors = np.sqrt((parts**2).sum(axis=1)) / count
-    steps = []
+    steps, here = [], parts(choice)
     for k, (path, own) in enumerate(problem.classes.items()):
         for sense in (-1, 1):
             other = sets[choice] + sense * (np.arange(sets.shape[1]) == k)
             if 0 <= other[k] < len(own):
                 at = int(np.flatnonzero((sets == other).all(axis=1))[0])
-                error = float(np.sqrt(((parts[at] - parts[choice]) ** 2).sum())) / count
+                error = float(np.sqrt(((parts(at) - here) ** 2).sum())) / count
                 change = Share(float(scrap[at] - scrap[choice]), error)
                 names = own[sets[choice, k]].name, own[other[k]].name
                 steps.append(Step(path, *names, float(costs[at] - costs[choice]), change))
-    of_limits = [each.number.name for each in problem.problem.constraints]
-    misses = dict(zip(of_limits, (missed @ weights[choice] / count).tolist(), strict=True))
-    return Tolerancing(problem, folder, costs, scrap, errors, choice, steps, fresh, misses, count)
+    missed = misses[choice].tolist()
+    return Tolerancing(problem, folder, costs, scrap, errors, choice, steps, fresh, missed, count)

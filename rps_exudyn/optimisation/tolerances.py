@@ -9,6 +9,7 @@ samples = 2048                              # gears that serve all sets of class
 
 [constraints.torque_peak_to_peak]           # or `requirements`, as of an optimisation
 most = "0.25 N*m"
+share = "99 %"                              # of the gears must keep this one
 
 All keys that both files have mean the same; `errors` are those of all other parameters.
 """
@@ -27,10 +28,13 @@ from rps_exudyn.base.units import shown, to_si
 from rps_exudyn.inference.uncertainty.input_sets import SETS, outside, uncertain_inputs
 from rps_exudyn.inference.uncertainty.joint import JointInputs
 from rps_exudyn.optimisation.definition import NONE, OF_STUDIES, Problem, ProblemKeys
-from rps_exudyn.parameters.declaration import read_toml
 from rps_exudyn.parameters.distribution import Distribution
 
-KEYS = (*OF_STUDIES, "errors", "samples", "confirm", "share", "limits", "requirements", "constraints")
+KEYS = (
+    *OF_STUDIES,
+    *("errors", "samples", "confirm", "share", "limits", "requirements", "tolerances", "constraints"),
+)
+SIZES = {"samples": (2048, 64, 10**5)}  # default, least and most
 MOST_SETS = 20_000  # of classes: each has a weight for every gear
 
 
@@ -56,11 +60,13 @@ class ToleranceProblem:
         problem: the gear, its limits and its errors; without variables and objectives.
         classes: path -> classes, from wide to narrow.
         share: of the gears that must keep all limits.
+        shares: of the gears that must keep each limit, (limits,); 0 of those without a share of their own.
     """
 
     problem: Problem
     classes: Mapping[str, tuple[ToleranceClass, ...]]
     share: float
+    shares: np.ndarray
 
     @property
     def sets(self) -> np.ndarray:
@@ -88,13 +94,13 @@ class ToleranceProblem:
         return replace(self, problem=replace(self.problem, samples=64, confirm=(64, 0)))
 
 
-def read_tolerances(path: str | Path) -> ToleranceProblem:
-    """Return the tolerances in a TOML file.
+def tolerances_of(file: Path, content: Mapping[str, Any]) -> ToleranceProblem:
+    """Return the tolerances in the tables of a TOML file.
 
     Raises:
         InputError: everything that is wrong with it: file, key, and what is allowed.
     """
-    reader, content = _ToleranceKeys(Path(path)), read_toml(path)
+    reader = _ToleranceKeys(file)
     return reader.read(lambda: reader.tolerances(content))
 
 
@@ -102,10 +108,10 @@ class _ToleranceKeys(ProblemKeys):
     """Reads the keys of a file of tolerances."""
 
     def tolerances(self, content: Mapping[str, Any]) -> ToleranceProblem:
-        self.check_keys(content.keys() - {"tolerances"}, KEYS, "a file of tolerances")
-        share = self.wanted_share(content.get("share", ASSURED))
+        self.check_keys(content.keys(), KEYS, "a file of tolerances")
+        share = self.wanted_share("share", content.get("share", ASSURED))
         errors = self.choice(content, "errors", (*SETS, NONE), "series")
-        samples = self.whole(content, "samples", 2048, 64, 10**5)
+        samples = self.whole(content, "samples", *SIZES["samples"])
         confirm = self.confirmed(content)
         classes = dict(self.classes(self.table(content, "tolerances")))
         self.stop()
@@ -120,12 +126,14 @@ class _ToleranceKeys(ProblemKeys):
         ]
         study, own = self.study(content, axes, samples)
         problem = Problem(study, {}, (), (), errors, own, samples, 0, confirm)
-        for name, table in self.table(content, "constraints").items():
+        tables, own_shares = dict(self.table(content, "constraints")), dict[str, float]()
+        for name, table in tables.items():
             if isinstance(table, Mapping) and "share" in table:
-                self.wrong(
-                    f"constraints: {name}", "has share; that of all limits is the key share of the file."
-                )
-        asked = [*self.asked(self.table(content, "constraints"), problem)]
+                where, tables[name] = f"constraints: {name}: share", {**table}
+                own_shares[name] = self.wanted_share(where, tables[name].pop("share"))
+                if own_shares[name] <= share:
+                    self.wrong(where, f"must be more than that of all limits, {100 * share:g} %.")
+        asked = [*self.asked(tables, problem)]
         required = [*self.requirements(content, problem)]
         self.stop()
         each_gear = [replace(each, number=replace(each.number, quantile=None)) for each in required]
@@ -138,7 +146,8 @@ class _ToleranceKeys(ProblemKeys):
                 )
         if not limits:
             self.wrong("constraints", "must have at least one table, or requirements a name.")
-        made = ToleranceProblem(replace(problem, constraints=limits), classes, share)
+        shares = np.array([own_shares.get(each.number.name, 0.0) for each in limits])
+        made = ToleranceProblem(replace(problem, constraints=limits), classes, share, shares)
         self.stop()
         for path in {path for pair in made.inputs.pairs for path in pair} & {*classes}:
             self.wrong(
@@ -146,14 +155,14 @@ class _ToleranceKeys(ProblemKeys):
             )
         return made
 
-    def wanted_share(self, given: Any) -> float:
-        """Return the share of the gears that must keep all limits."""
+    def wanted_share(self, where: str, given: Any) -> float:
+        """Return a share of the gears that must keep limits."""
         try:
             share = to_si(given, "")
         except ValueError:
             share = np.nan
         if not 0 < share < 1:
-            self.wrong("share", f"is {shown(given)}; it must be more than 0 % and less than 100 %.")
+            self.wrong(where, f"is {shown(given)}; it must be more than 0 % and less than 100 %.")
         return share
 
     def classes(

@@ -21,6 +21,7 @@ from rps_exudyn.study.study_file import MOST_SAMPLES
 
 Schema = dict[str, Any]
 BARRED = [name for name, each in SUMMARY.items() if each.simulated]
+VALUE: Schema = {"type": ["number", "string"]}
 CORRELATIONS: Schema = {
     "type": "object",
     "additionalProperties": {"anyOf": [{"type": "number", "minimum": -1, "maximum": 1}, {"enum": [AS_ONE]}]},
@@ -31,14 +32,14 @@ CORRELATIONS: Schema = {
 def gear_schema() -> Schema:
     """Schema of a gear file: every parameter with its meaning, default, limits in SI, and choices."""
     samples = {"type": "object", "description": "samples of a fit's posterior, of inputs that vary together"}
-    return _headed(
-        "Gear of rps-exudyn", _tables(SteeringGear) | {"correlation": CORRELATIONS, "posterior": samples}
+    return headed(
+        "Gear of rps-exudyn", tables_in(SteeringGear) | {"correlation": CORRELATIONS, "posterior": samples}
     )
 
 
 def study_schema() -> Schema:
     """Schema of a study file: its keys, and the parameters that it sets or varies."""
-    settings = _tables(Setup)
+    settings = tables_in(Setup)
     for name in ("name", "based_on"):  # which name what was chosen
         settings["fidelity"]["properties"].pop(name, None)
     paths = [item.path for item in Setup.declared() if item.path != "fidelity.based_on"]
@@ -49,43 +50,40 @@ def study_schema() -> Schema:
         "fidelity": {"enum": list(PRESETS), "description": "model preset", "default": "flank"},
         "accuracy": {"type": "string", "description": 'largest error, for instance "1 %": each case climbs'},
         "metrics": {"type": "array", "items": {"enum": BARRED}, "description": "whose error it is"},
-        "set": _closed(settings, "parameters of all cases"),
+        "set": closed(settings, "parameters of all cases"),
         "axis": {"type": "array", "items": _axis(paths, settings), "description": "what is varied"},
         "design": {"enum": list(DESIGNS), "default": "grid"},
         "correlation": CORRELATIONS,
-        "samples": _whole(1, MOST_SAMPLES, "points of a sampled design"),
-        "seed": _whole(0, 2**32 - 1, "seed of a sampled design"),
+        "samples": whole_number(1, MOST_SAMPLES, "points of a sampled design"),
+        "seed": whole_number(0, 2**32 - 1, "seed of a sampled design"),
         "inputs": {"enum": list(SETS), "description": "inputs of the design uncertain"},
         "time_limit": _quantity("elapsed time of one case", 0),
-        "keep": _closed(
+        "keep": closed(
             {
                 "signals": {
                     "anyOf": [{"enum": ["all", "none"]}, {"type": "array", "items": {"enum": list(SIGNALS)}}]
                 },
-                "samples": _whole(2, 10**9, "samples of each signal"),
+                "samples": whole_number(2, 10**9, "samples of each signal"),
                 "blocks": {"type": "boolean", "description": "many cases in one file"},
             },
             "what is stored of each case",
         ),
     }
-    return _headed("Study of rps-exudyn", keys)
+    return headed("Study of rps-exudyn", keys)
 
 
-SCHEMAS = {"gear": gear_schema, "study": study_schema}
-"""Kind of file -> its schema."""
+def headed(title: str, properties: Mapping[str, Schema]) -> Schema:
+    """A file of these keys and no others."""
+    return {"$schema": "http://json-schema.org/draft-07/schema#", "title": title, **closed(properties)}
 
 
-def _headed(title: str, properties: Mapping[str, Schema]) -> Schema:
-    return {"$schema": "http://json-schema.org/draft-07/schema#", "title": title, **_closed(properties)}
-
-
-def _closed(properties: Mapping[str, Schema], meaning: str = "") -> Schema:
+def closed(properties: Mapping[str, Schema], meaning: str = "") -> Schema:
     """A table of these keys and no others."""
     described = {"description": meaning} if meaning else {}
     return {"type": "object", **described, "properties": properties, "additionalProperties": False}
 
 
-def _tables(table: type[Table]) -> dict[str, Schema]:
+def tables_in(table: type[Table]) -> dict[str, Schema]:
     """Name -> schema of the tables within one, as pydantic makes them of the declarations."""
     made = table.model_json_schema()["$defs"]
 
@@ -97,48 +95,47 @@ def _tables(table: type[Table]) -> dict[str, Schema]:
                 shown[name] = schema_of(field)
             else:
                 shown[name] = {key: value for key, value in each.items() if key not in ("title", "source")}
-        return _closed(shown, (inner.__doc__ or "").partition("\n")[0])
+        return closed(shown, (inner.__doc__ or "").partition("\n")[0])
 
     tables = {name: field.annotation for name, field in table.model_fields.items()}
     return {name: schema_of(inner) for name, inner in tables.items() if isinstance(inner, type)}
 
 
 def _axis(paths: list[str], settings: Mapping[str, Schema]) -> Schema:
-    path, value = {"enum": paths}, {"type": ["number", "string"]}
-    ends = {
-        "type": "array",
-        "minItems": 3,
-        "maxItems": 3,
-        "items": value,
-        "description": "[first, last, number]",
-    }
-    many = {"type": "array", "minItems": 1, "maxItems": MOST_ON_AN_AXIS, "items": value}
+    path, value = {"enum": paths}, VALUE
+    ends = list_of(value, 3, 3, "[first, last, number]")
+    many = list_of(value, 1, MOST_ON_AN_AXIS)
     same = {"$ref": "#/properties/axis/items/properties/values"}
-    along = {name: _along(table, same) for name, table in settings.items()}
+    along = {name: with_leaves(table, same) for name, table in settings.items()}
     keys: dict[str, Schema] = {
         "name": {"type": "string", "description": "name of the axis; without it the path"},
         "path": path | {"description": "the parameter varied"},
         "paths": {"type": "array", "minItems": 1, "items": path, "description": "parameters of one value"},
         "unit": {"type": "string", "description": "unit of the plain numbers; without it SI"},
-        "along": _closed(along, "parameters that move along, with one value for each of the axis"),
+        "along": closed(along, "parameters that move along, with one value for each of the axis"),
         **{shape: many if shape == "values" else ends for shape in SHAPES},
-        **{
-            kind: {"type": "array", "minItems": 2, "maxItems": 2, "items": value, "description": each.numbers}
-            for kind, each in KINDS.items()
-        },
+        **{kind: list_of(value, 2, 2, each.numbers) for kind, each in KINDS.items()},
     }
     one_of = [{"required": [key]} for key in (*SHAPES, *DISTRIBUTIONS)]
-    return _closed(keys) | {
+    return closed(keys) | {
         "allOf": [{"oneOf": [{"required": ["path"]}, {"required": ["paths"]}]}, {"oneOf": one_of}]
     }
 
 
-def _along(table: Schema, values: Schema) -> Schema:
+def with_leaves(table: Schema, values: Schema) -> Schema:
+    """The same tables, with other values in them."""
     inner = table["properties"].items()
-    return _closed({key: _along(each, values) if "properties" in each else values for key, each in inner})
+    return closed({key: with_leaves(each, values) if "properties" in each else values for key, each in inner})
 
 
-def _whole(least: int, most: int, meaning: str) -> Schema:
+def list_of(items: Schema | list[Schema], least: int, most: int, meaning: str = "") -> Schema:
+    """A list of so many items."""
+    described = {"description": meaning} if meaning else {}
+    return {"type": "array", "minItems": least, "maxItems": most, "items": items, **described}
+
+
+def whole_number(least: int, most: int, meaning: str) -> Schema:
+    """A whole number between two ends."""
     return {"type": "integer", "minimum": least, "maximum": most, "description": meaning}
 
 

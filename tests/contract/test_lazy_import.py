@@ -68,6 +68,7 @@ def test_public_names_are_there_when_used() -> None:
             "run",
             "sensitivities",
             "study_frame",
+            "tolerances",
             "window",
         )
     }

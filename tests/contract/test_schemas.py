@@ -8,17 +8,17 @@ from typing import Any
 
 import pytest
 
+from rps_exudyn.optimisation import definition, tolerances
+from rps_exudyn.optimisation.file_kinds import SCHEMAS, kind_of
 from rps_exudyn.parameters.gear import Setup, SteeringGear
 from rps_exudyn.study.axis_tables import AXIS_KEYS
-from rps_exudyn.study.schema import SCHEMAS, study_schema
+from rps_exudyn.study.schema import study_schema
 from rps_exudyn.study.study_file import KEYS
 from shell import Command
 
 SHIPPED = sorted((Path(__file__).parents[2] / "studies").rglob("*.toml"))
-FILES = [
-    path for path in SHIPPED if not path.stem.startswith(("optimise", "tolerance_cost"))
-]  # which have no schema
 AXIS = {"path": "yoke.preload", "values": [100, "200 N"]}
+SEARCHED = {"variables": {"yoke": {"preload": ["200 N", 400]}}, "objectives": {"torque_mean": {}}}
 SHAPE_TWICE = AXIS | {"linspace": [1, 2, 3]}
 
 
@@ -35,10 +35,11 @@ def problems(kind: str, content: dict[str, Any]) -> list[str]:
     return [error.message for error in validator(kind).iter_errors(content)]
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.name)
 def test_shipped_file_fits_its_schema_and_a_wrong_key_does_not(path: Path) -> None:
-    kind = "gear" if path.parent.name == "gears" else "study"
     content = tomllib.loads(path.read_text(encoding="utf-8"))
+    kind = kind_of(content)
+    assert (kind == "gear") == (path.parent.name == "gears")
     assert problems(kind, content) == []
     assert problems(kind, content | {"tabel": {}})
 
@@ -83,6 +84,19 @@ def test_default_of_each_parameter_is_allowed(item: Any) -> None:
         ("study", {"axis": [{"path": "yoke.preload"}]}, False),
         ("study", {"axis": [SHAPE_TWICE]}, False),
         ("study", {"keep": {"signals": ["torque"]}}, False),
+        ("optimise", SEARCHED, True),
+        ("optimise", SEARCHED | {"keep": {"gain": "pinion.normal_module"}, "requirements": "all"}, True),
+        ("optimise", SEARCHED | {"objectives": {"torque_mean": {"goal": "many"}}}, False),
+        ("optimise", {"variables": {"yoke": {"preload": ["200 N"]}}, "objectives": {}}, False),
+        ("optimise", {"objectives": {"torque_mean": {}}}, False),
+        ("optimise", SEARCHED | {"share": "95 %"}, False),
+        (
+            "optimise",
+            {"tolerances": {"yoke": {"preload": {"fine": ["300 N +- 9 N", 1]}}}, "share": 0.9},
+            True,
+        ),
+        ("optimise", {"tolerances": {"yoke": {"preload": {"fine": ["300 N +- 9 N"]}}}}, False),
+        ("optimise", {"tolerances": {}, "designs": 8}, False),
     ],
 )
 def test_schema_allows_what_the_package_reads(kind: str, content: dict[str, Any], right: bool) -> None:
@@ -96,15 +110,17 @@ def test_schema_of_studies_has_every_key_and_path() -> None:
     assert set(axis) == set(AXIS_KEYS)
     declared = [item.path for item in Setup.declared() if item.path != "fidelity.based_on"]
     assert axis["path"]["enum"] == declared
+    assert set(SCHEMAS["optimise"]()["properties"]) == {*definition.KEYS, *tolerances.KEYS}
 
 
 def test_init_writes_files_that_name_their_schema(command: Command) -> None:
     assert command(["init", "mine"]).status == 0
     written = sorted(Path("mine").rglob("*.toml"))
     assert len(written) == len(SHIPPED)
-    for path in (path for path in written if not path.stem.startswith(("optimise", "tolerance_cost"))):
-        mark, place = path.read_text(encoding="utf-8").split("\n")[0].split()
-        kind = "gear" if path.parent.name == "gears" else "study"
+    for path in written:
+        text = path.read_text(encoding="utf-8")
+        mark, place = text.split("\n")[0].split()
+        kind = kind_of(tomllib.loads(text))
         named = json.loads((path.parent / place).read_text(encoding="utf-8"))
         assert (mark, named) == ("#:schema", SCHEMAS[kind]())
 

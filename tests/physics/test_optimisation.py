@@ -1,9 +1,11 @@
 """Optimisation: known optima are found, a design's numbers are those of a batch, no kill changes the end."""
 
+import json
 import subprocess
 import sys
 import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,7 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.optimisation import evaluation
 from rps_exudyn.optimisation.definition import Problem, read_problem
 from rps_exudyn.optimisation.evaluation import evaluate, number_in, table_of
 from rps_exudyn.optimisation.goals import Number
@@ -19,6 +22,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.simulate.gear_table import table_of_metrics
 from rps_exudyn.solvers.closed_form import mean_state
+from study_files import TOLERANCES
 
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 
@@ -33,6 +37,7 @@ PRELOAD = """
 [variables]
 yoke.preload = ["100 N", "600 N"]
 """
+MANY = TOLERANCES.replace("samples = 64", "samples = 4096").replace("[64, 0]", "[1024, 0]")
 KILLED = (
     CLOSED
     + PRELOAD
@@ -44,7 +49,6 @@ metric = "pinion.teeth"
 goal = "most"
 """
 )
-KILLS = 5
 
 
 def written(folder: Path, text: str) -> Path:
@@ -89,6 +93,26 @@ def test_most_preload_that_nine_tenths_of_a_series_allow(tmp_path: Path) -> None
     drags = table_of(best.gear, problem.inputs_of(best.gear), 16, problem.study.seed)["bush.drag"][:-1]
     at = {"bush.drag": float(np.quantile(drags, 0.9, method="higher"))}
     assert best.gear.yoke.preload == pytest.approx(preload_of(0.7, at), rel=0.01)
+
+
+def test_search_needs_no_series_of_designs_that_miss_nominal_limits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With the series of all designs it asks for the same ones, and has the same front."""
+    series = CLOSED.replace("96", "48").replace('"none"', '"own"\nsamples = 8')
+    text = series + '[set]\nbush.drag = "20 N +- 5 N"\n' + PRELOAD
+    text += '[objectives.torque_mean]\nquantile = "90 %"\n'
+    text += '[constraints.nominal]\nmetric = "torque_mean"\nleast = "0.5 N*m"\n'
+    quick = found_in(tmp_path, text).search
+    needed = partial(evaluation._all_numbers, complete=True)
+    monkeypatch.setattr(evaluation, "_all_numbers", lambda *given, complete: needed(*given))
+    whole = rps.optimise(tmp_path / "wanted.toml", tmp_path / "whole", jobs=1).search
+    assert [each.case for each in quick.designs] == [each.case for each in whole.designs]
+    assert [each.numbers for each in quick.front] == [each.numbers for each in whole.front]
+    left_out = [each for each in quick.designs if np.isnan(each.numbers[0])]
+    assert left_out
+    assert not any(each.is_feasible for each in left_out)
+    assert np.isfinite([each.numbers for each in whole.designs]).all()
 
 
 def test_optimum_of_two_variables_by_brute_force(tmp_path: Path) -> None:
@@ -152,16 +176,18 @@ def test_refused_design_has_its_cause(tmp_path: Path) -> None:
 
 
 def _command(folder: Path, out: str) -> list[str]:
-    options = ["--out", out, "--jobs", "1"]
+    options = ["--out", out, "--jobs", "1", "--json"]
     return [sys.executable, "-m", "rps_exudyn", "optimise", str(folder / "wanted.toml"), *options]
 
 
 @pytest.mark.long
-def test_killed_search_ends_as_one_that_was_not(tmp_path: Path) -> None:
-    """SIGKILL while designs are computed: those in the folder stay, and the front is the same to the bit."""
-    whole = found_in(tmp_path, KILLED)
+@pytest.mark.parametrize(("text", "kills"), [(KILLED, 5), (MANY, 3)], ids=["search", "tolerances"])
+def test_killed_search_ends_as_one_that_was_not(tmp_path: Path, text: str, kills: int) -> None:
+    """SIGKILL while gears are computed: cases in the folder stay, and the end is the same to the bit."""
+    pytest.importorskip("pymoo")
+    written(tmp_path, text)
     cases, stored = tmp_path / "killed" / "cases", set[str]()
-    for number in range(KILLS):
+    for number in range(kills):
         process = subprocess.Popen(_command(tmp_path, "killed"), cwd=tmp_path, stderr=subprocess.DEVNULL)
         while len(found := {path.name for path in cases.glob("[!.]*.h5")}) <= len(stored) + 2 * number:
             assert process.poll() is None, "it ended before it was killed"
@@ -170,6 +196,9 @@ def test_killed_search_ends_as_one_that_was_not(tmp_path: Path) -> None:
         process.wait()
         assert stored <= found
         stored = found
-    again = rps.optimise(tmp_path / "wanted.toml", tmp_path / "killed", jobs=1)
-    assert [each.case for each in again.search.designs] == [each.case for each in whole.search.designs]
-    assert [each.numbers for each in again.front] == [each.numbers for each in whole.front]
+    whole, again = (
+        json.loads(subprocess.run(_command(tmp_path, out), cwd=tmp_path, capture_output=True).stdout)
+        for out in ("whole", "killed")
+    )
+    assert whole.keys() == again.keys()
+    assert {key for key in whole if whole[key] != again[key]} == {"folder", "files"}

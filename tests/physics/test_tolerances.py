@@ -33,9 +33,14 @@ COSTS = {(i, j): (0, 1, 3)[i] + (0, 1.5)[j] for i, j in product(range(3), range(
 
 def found_in(folder: Path, text: str = RIGHT) -> Tolerancing:
     (folder / "costs.toml").write_text(text)
-    found = rps.optimise(folder / "costs.toml", folder / "out", jobs=1)
-    assert isinstance(found, Tolerancing)
-    return found
+    return rps.tolerances(folder / "costs.toml", folder / "out", jobs=1)
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Tolerancing]:
+    """Folder and answer of the file above."""
+    folder = tmp_path_factory.mktemp("solved")
+    return folder, found_in(folder)
 
 
 def torque(preload: float, drag: float) -> float:
@@ -57,9 +62,9 @@ def scraps(most: float) -> dict[tuple[int, int], float]:
     return found
 
 
-def test_cheapest_set_by_brute_force(tmp_path: Path) -> None:
+def test_cheapest_set_by_brute_force(solved: tuple[Path, Tolerancing]) -> None:
     """Shares of all sets are within four standard errors of the integral, and the set is the same."""
-    found, exact = found_in(tmp_path), scraps(0.72)
+    found, exact = solved[1], scraps(0.72)
     problem = found.problem
     assert list(problem.classes) == ["yoke.preload", "bush.drag"]
     for own, scrap, error in zip(problem.sets.tolist(), found.scrap, found.errors, strict=True):
@@ -78,16 +83,48 @@ def test_cheapest_set_by_brute_force(tmp_path: Path) -> None:
         assert abs(step.scrap.value - exact[other] + exact[best]) < 4 * step.scrap.error + 2 / found.gears
 
 
-def test_gears_of_the_folder_are_not_run_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """After a kill that left one case half the work is there, and the end is the same to the bit."""
-    whole = found_in(tmp_path)
-    files = sorted((tmp_path / "out" / "cases").glob("*.h5"))
+def test_gears_of_the_folder_are_not_run_again(solved: tuple[Path, Tolerancing]) -> None:
+    """One lost case is computed again, and the end is the same to the bit."""
+    folder, whole = solved
+    files = sorted((folder / "out" / "cases").glob("*.h5"))
     files[0].unlink()
     kept = {path: path.stat().st_mtime_ns for path in files[1:]}
-    again = found_in(tmp_path)
+    again = found_in(folder)
     np.testing.assert_array_equal(again.scrap, whole.scrap)
     assert {path: path.stat().st_mtime_ns for path in files[1:]} == kept
     assert again.fresh == whole.fresh
+
+
+def test_limit_with_a_share_of_its_own(tmp_path: Path) -> None:
+    """The cheapest set is that whose integral keeps the larger share, not only that of all limits."""
+    found = found_in(tmp_path, RIGHT + 'share = "99.5 %"\n')
+    keeping = [own for own, scrap in scraps(0.72).items() if scrap <= 0.005]
+    loose = [own for own, scrap in scraps(0.72).items() if scrap <= 0.05]
+    best = min(keeping, key=lambda own: COSTS[own])
+    assert COSTS[best] > min(COSTS[own] for own in loose)
+    assert tuple(found.problem.sets[found.chosen]) == best
+    assert not found.not_kept
+
+
+def test_numerical_error_of_a_share_is_that_of_the_moved_limit(solved: tuple[Path, Tolerancing]) -> None:
+    """The closed form's bar is a part of its torque: gears wrong by it are those of a limit so much lower."""
+    fresh = (found := solved[1]).fresh["the search's model"]
+    run = rps.run("free-pinion-torque", fidelity="closed-form")
+    part = run.errors["torque_mean"] / run.summary["torque_mean"]
+    best = tuple(found.problem.sets[found.chosen].tolist())
+    moved = scraps(0.72 / (1 + part))[best] - scraps(0.72)[best]
+    assert moved > 3 * fresh.error
+    assert fresh.numerical == pytest.approx(moved, abs=4 * fresh.error)
+
+
+def test_weights_in_blocks_are_those_at_once(
+    solved: tuple[Path, Tolerancing], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder, whole = solved
+    monkeypatch.setattr("rps_exudyn.optimisation.tolerance_search.WEIGHTS_AT_ONCE", 1)
+    again = found_in(folder)
+    np.testing.assert_allclose(again.scrap, whole.scrap, rtol=1e-12)
+    np.testing.assert_allclose(again.errors, whole.errors, rtol=1e-12)
 
 
 def test_no_set_keeps_the_share(tmp_path: Path) -> None:
@@ -96,7 +133,7 @@ def test_no_set_keeps_the_share(tmp_path: Path) -> None:
     exact = scraps(0.62)
     assert not found.keeps
     assert exact[tuple(found.problem.sets[found.chosen].tolist())] < min(exact.values()) + 0.05
-    assert found.misses["torque_mean"] > 0.05
+    assert found.misses[0] > 0.05
 
 
 @pytest.mark.parametrize("text", ["2 +- 0.3", "uniform(1, 3)", "loguniform(1, 3)", "lognormal(2, 1.3)"])
@@ -119,12 +156,19 @@ def test_density_is_the_slope_of_the_quantile(text: str) -> None:
         ('["uniform(0 N, 40 N)", 0]', '["wide", 0]', "a distribution is written"),
         ('errors = "none"', 'errors = "none"\nshare = "120 %"', "share is '120 %'; it must be more"),
         ("[constraints", "[constraints.rated_flank]\nmost = 1\n[constraints", "follows from the drawing"),
+        ('0.72 N*m"', '0.72 N*m"\nshare = "90 %"', "share must be more than that of all limits, 95 %"),
         ("[constraints.torque_mean]\nmost = \"0.72 N*m\"", "", "constraints must have at least one table"),
         ("seed = 2", "seed = 2\ndesigns = 4", "designs is no key of a file of tolerances"),
-        ("tolerances.bush.drag", "tolerances.mesh.friction", "mesh.friction"),
     ],
 )  # fmt: skip
 def test_mistake_is_one_sentence(tmp_path: Path, old: str, new: str, said: str) -> None:
     assert old in RIGHT
     with pytest.raises(rps.InputError, match=said):
         found_in(tmp_path, RIGHT.replace(old, new, 1))
+
+
+def test_correlated_input_has_no_tolerance(tmp_path: Path) -> None:
+    """In a series the frictions of teeth and plunger vary together."""
+    text = RIGHT.replace('"none"', '"series"') + '[tolerances.mesh.friction]\none = ["0.1 +- 0.01", 1]\n'
+    with pytest.raises(rps.InputError, match=r"mesh.friction is correlated with another input; a tolerance"):
+        found_in(tmp_path, text)

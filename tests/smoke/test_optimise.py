@@ -9,7 +9,7 @@ import pytest
 import rps_exudyn as rps
 from rps_exudyn.optimisation.definition import read_problem
 from shell import Command
-from study_files import TWO
+from study_files import TOLERANCES, TWO
 
 
 def test_front_on_sheet_page_and_in_json(command: Command) -> None:
@@ -30,7 +30,8 @@ def test_front_on_sheet_page_and_in_json(command: Command) -> None:
     gear = rps.SteeringGear.from_toml("two/gear-1.toml")
     assert gear.yoke.preload == found["front"][0]["variables"]["yoke.preload"]
     assert "yoke.preload" in found["at_bounds"] or gear.yoke.preload > 202
-    assert command(["report", "two", "--out", "study.html"]).status == 0
+    assert command(["report", "two", "--out", "sheet.html"]).status == 0
+    assert "Fresh gears and other models" in Path("sheet.html").read_text()
 
 
 def test_no_design_keeps_the_limits(command: Command) -> None:
@@ -42,6 +43,18 @@ def test_no_design_keeps_the_limits(command: Command) -> None:
     assert "none" in answer.out
     assert "the nearest has torque_mean (nominal)" in answer.out
     assert Path("none/optimisation.html").exists()
+
+
+def test_tolerances_in_a_report_also_unfinished(command: Command) -> None:
+    """The sheet of the folder; of an interrupted choice, which has gears and no designs, what was asked."""
+    Path("costs.toml").write_text(TOLERANCES)
+    found = json.loads(command(["optimise", "costs.toml", "--jobs", "1", "--json"]).out)
+    assert [each["name"] for each in found["limits"]] == ["torque_mean"]
+    assert command(["report", "costs"]).status == 0
+    assert "The chosen classes" in Path("costs/report.html").read_text()
+    Path("costs/optimisation.json").unlink()
+    assert command(["report", "costs"]).status == 0
+    assert "What was varied" in Path("costs/report.html").read_text()
 
 
 def test_shipped_file_is_read() -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from edited import edited
+from rps_exudyn.optimisation.file_kinds import kind_of
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.study.designs import points
 from rps_exudyn.study.runner import StudyWork, run_study
@@ -18,7 +19,7 @@ from shell import Command
 from study_files import Here
 
 FILES = sorted((Path(__file__).parents[2] / "studies").glob("*.toml"))
-STUDIES = [file for file in FILES if not file.stem.startswith(("optimise", "tolerance_cost"))]
+STUDIES = [file for file in FILES if kind_of(tomllib.loads(file.read_text())) == "study"]
 SHIPPED = (
     "preload friction runout installation_angle preload_friction_runout yoke_clearance load_map tolerance "
     "bent_rack radial_play rattle_threshold steering_column uncertain_gear"

@@ -60,6 +60,7 @@ def test_right_file_is_read(tmp_path: Path) -> None:
         ("designs = 8", "designs = 8\nrequirements = ['rated_flonk']", "the nearest one is rated_flank"),
         ("designs = 8", "designs = 2", "designs is 2; it must be a whole number"),
         ("designs = 8", "designs = 8\nconfirm = [1]", "confirm is"),
+        ("[objectives", "[tolerances]\n[objectives", "tolerances is a table for rps.tolerances, not for"),
         ("designs = 8", "designs = 8\nbudget = 5", "budget is no key of an optimisation"),
         ("[objectives", "[keep]\ngain = 'pinion.helix_angle'\n[objectives", "by a distribution or by keep"),
         ("[objectives", "[keep]\nstrength = 'yoke.preload'\n[objectives", "keep has strength"),

@@ -67,6 +67,19 @@ BY_GEOMETRY: Mapping[str, Callable[[SteeringGear], float]] = {
     "gain": lambda gear: 2 * np.pi * float(GearPair.of(gear).gain),
 }
 """Requirement -> its number, from the gear's geometry."""
+
+
+def _root_stress(gear: SteeringGear, form: ToothForm, torque: float, face_load_factor: float) -> float:
+    return root_load_factor(GearPair.of(gear), form, face_load_factor) * root_stress(gear, form, torque)
+
+
+STRESSES: Mapping[str, Callable[[SteeringGear, float, float], float]] = {
+    "rated_root_pinion": lambda gear, *loads: _root_stress(gear, pinion_form(GearPair.of(gear)), *loads),
+    "rated_root_rack": lambda gear, *loads: _root_stress(gear, rack_form(GearPair.of(gear)), *loads),
+    "rated_flank": lambda gear, torque, factor: float(np.sqrt(factor)) * flank_stress(gear, torque),
+}
+"""Requirement -> its number, from gear, torque [N m] and face load factor: the standard's stress times
+K_F-beta at a root, times the square root of K_H-beta at the flank; all other K are 1."""
 BandOf = Callable[[str], Band]
 """Scene -> its band."""
 
@@ -356,25 +369,27 @@ class _Judged:
         found = f"it would take {enough:.3g} kg" if enough else f"no weight up to {HEAVIEST:g} kg is enough"
         return replace(judged, remark=f"{weight}: {found} at the medians, by the closed form")
 
+    def stressed(self, name: str, remark: str) -> RequirementRow:
+        """A stress with its error by that of the face load factor."""
+        bears, stress = self.bears, partial(STRESSES[name], self.gear, self.rated_torque)
+        value = stress(bears.factor)
+        row = self.exact(name, value, stress(bears.factor + bears.error) - value)
+        return replace(row, remark=f"{_face(self.pair)}, {remark}")
+
     def root(self, name: str, form: ToothForm) -> RequirementRow:
-        """The standard's stress times K_F-beta, and what was chosen for it."""
-        pair, bears, torque = self.pair, self.bears, self.rated_torque
-        factor = root_load_factor(pair, form, bears.factor)
-        stress = root_stress(self.gear, form, torque)
-        error = (root_load_factor(pair, form, bears.factor + bears.error) - factor) * stress
+        """The stress at a root, and what was chosen for it."""
+        factor = root_load_factor(self.pair, form, self.bears.factor)
         inclined = f"Y_beta of this part's {np.degrees(form.helix):.3g} deg, load at the tip of a tooth"
-        known = f"factor {factor:.2f} at the root of face load factor {bears.factor:.2f}, all other K = 1"
-        row = self.exact(name, factor * stress, error)
-        return replace(row, remark=f"{_face(pair)}, {inclined}, {known}")
+        known = (
+            f"factor {factor:.2f} at the root of face load factor {self.bears.factor:.2f}, all other K = 1"
+        )
+        return self.stressed(name, f"{inclined}, {known}")
 
     def flank(self) -> RequirementRow:
-        """The standard's stress times the root of K_H-beta, and what was chosen for it."""
-        pair, bears = self.pair, self.bears
-        stress = float(np.sqrt(bears.factor)) * flank_stress(self.gear, self.rated_torque)
-        ratio = transverse_contact_ratio(pair)
-        shared = f"Z_epsilon {flank_sharing(pair):.3g} for a contact ratio of {ratio:.2g}"
-        row = self.exact("rated_flank", stress, stress * bears.error / (2 * bears.factor))
-        return replace(row, remark=f"{_face(pair)}, {shared}, all other K = 1; {bears.words}")
+        """The contact stress, and what was chosen for it."""
+        ratio, shared = transverse_contact_ratio(self.pair), flank_sharing(self.pair)
+        sharing = f"Z_epsilon {shared:.3g} for a contact ratio of {ratio:.2g}"
+        return self.stressed("rated_flank", f"{sharing}, all other K = 1; {self.bears.words}")
 
 
 def _face(pair: GearPair) -> str:

@@ -8,7 +8,8 @@ allows it; the others run singly. The error of a slope has three parts:
 
     2 |D_1(h) - D_0(2 h)|              levels of the ladder, and curvature
     |2 S_1(h) - S_0(2 h) / 2| / 2 h    a kink, as of |x|; of a parabola it is 0
-    NOISE size / h                     equilibria are found to a hundred thousandth of their forces
+    NOISE size / h                     equilibria are found to a hundred thousandth of their forces, and a
+                                       ripple is a difference of torques
 
 D_k(h) is the central difference at level k of the ladder with the step h, S_k(h) the second difference.
 
@@ -41,7 +42,7 @@ from rps_exudyn.simulate.shared_maneuver import SINGLE_OUT, is_alike
 STEP = 0.01  # of a value: 1000 times the noise of equilibria
 STEPS = {"m": 2e-6, "rad": 5e-4, "N": 1.0, "N*m": 1e-3, "": 0.01, "N*s/m": 10.0, "m/s^2": 0.1, "s": 1e-5}
 """SI unit -> step from 0: what gears of a series scatter by."""
-NOISE = 1e-5  # of the size of a metric
+NOISE = 1e-5  # of the size of a metric, or of the run's torque, force or work
 FACTOR = 2.0  # as of the error bars of metrics
 SIZES = {1: 1, 0: 2}  # level -> steps up and down
 LINE_STIFFNESS = "mesh.line_stiffness"  # whose 0 stands for a value that follows from the gear
@@ -100,7 +101,12 @@ def sensitivities(
     differences, together = _differences(scene, gear, chosen, stencils, names, own, metrics is not None)
     fine, coarse = differences[1], differences[0]
     of_run = sizes(dict(nominal.signals), nominal.summary)
-    size = np.array([size_of(name, each, of_run) for name, each in zip(names, value, strict=True)])
+    size = np.array(  # small metrics are differences of the forces that balance
+        [
+            max(size_of(name, each, of_run), of_run.get(SUMMARY[name].unit, 0.0))
+            for name, each in zip(names, value, strict=True)
+        ]
+    )
     step = np.array([each.step for each in stencils])
     slope, kink = fine[0], np.abs(2 * fine[1] - coarse[1] / 2) / (2 * step)
     error = FACTOR * np.abs(slope - coarse[0]) + np.nan_to_num(kink) + NOISE * size[:, None] / step

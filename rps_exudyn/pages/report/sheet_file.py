@@ -23,6 +23,7 @@ from rps_exudyn.results.page_blocks import CodeText, Columns, Facts, Fold, Judge
 from rps_exudyn.results.sheet import Block, Grid, Row, Section, Sheet, Text
 
 KEY = "sheet"
+FOLDER_SHEET = "optimisation.json"  # of a folder that is more than a study
 DEEPEST = 4  # folds in folds
 _ADAPTERS: dict[str, TypeAdapter[Any]] = {
     each.__name__.lower(): TypeAdapter(each)
@@ -64,7 +65,7 @@ def read_sheet(path: Path) -> Sheet:
         )
     except (ValueError, KeyError, TypeError, RecursionError, ValidationError):
         raise InputError(
-            f"{path} holds no sheet; check --out, validate, fit --report and run --band write files that do."
+            f"{path} holds no sheet; check, validate, fit, optimise and run --band write files that do."
         ) from None
 
 

@@ -127,10 +127,11 @@ def _what(table: CaseTable) -> Iterable[Block]:
 
 def _values(table: CaseTable, axis: Axis) -> str:
     if axis.values is None:
-        found = table.axes[axis.name]
+        found, kind = table.axes[axis.name], str(axis.distribution.get("kind", ""))
+        if not found.size:
+            return kind
         low, high = (show_value(axis, found[at].item()) for at in (found.argmin(), found.argmax()))
-        kind = axis.distribution.get("kind", "")
-        return f"{low} to {high}{', ' if kind else ''}{kind}" if found.size else str(kind)
+        return f"{low} to {high}{', ' if kind else ''}{kind}"
     if len(axis.values) <= MOST_VALUES:
         return ", ".join(show_value(axis, value) for value in axis.values)
     ends = (show_value(axis, axis.values[at]) for at in (0, -1))

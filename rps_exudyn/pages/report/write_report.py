@@ -7,7 +7,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import PICTURES
 from rps_exudyn.pages.report.html import write_page
 from rps_exudyn.pages.report.result_page import contact_section, gear_page, result_page, side_by_side
-from rps_exudyn.pages.report.sheet_file import read_sheet
+from rps_exudyn.pages.report.sheet_file import FOLDER_SHEET, read_sheet
 from rps_exudyn.pages.report.study_page import study_page
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import Result
@@ -81,7 +81,9 @@ def _opened(path: Path) -> Store | Result | Sheet:
         InputError: nothing of which there is a page.
     """
     if path.is_dir() or path.name == "study.json":
-        return Store.open(path if path.is_dir() else path.parent)
+        folder = path if path.is_dir() else path.parent
+        sheet = folder / FOLDER_SHEET
+        return read_sheet(sheet) if sheet.exists() else Store.open(folder)
     match path.suffix.lower():
         case ".json":
             return read_sheet(path)
