@@ -156,6 +156,37 @@ def test_load_test_takes_the_mean_ratio() -> None:
     assert 0.97 < found["efficiency_forward_net"] < 1.0
 
 
+@pytest.mark.parametrize("scene", ["free-pinion-torque", "load-test"])
+def test_gears_computed_together_are_those_run_singly(scene: str) -> None:
+    """Of one course. Means agree within 1e-5, what varies within 1e-4 (see `batch`)."""
+    gear = GEAR.replace({**PITCH, "test.start_angle": "60 deg"})
+    table = {"yoke.preload": np.linspace(250, 350, 7).tolist(), "mesh.friction": np.linspace(0.06, 0.1, 7)}
+    table = {name: [*values, *values] for name, values in table.items()}
+    gears = rps.batch(scene, gear, table)
+    assert gears.in_loop.all()
+    settings = {name: values[1] for name, values in table.items()}
+    one = rps.run(scene, gear.replace(settings), fidelity="quasi-static")
+    names = [name for name in gears.summary if name != "energy_residual"]
+    for name in names:
+        rel = 1e-5 if "mean" in name else 1e-4
+        assert gears.summary[name][1] == pytest.approx(one.summary[name], rel=rel)
+    main = "torque_mean" if "torque_mean" in names else "torque_forward"
+    assert gears.errors[main][1] == pytest.approx(one.errors[main], rel=0.05)
+
+
+def test_gears_of_several_courses_are_run_singly() -> None:
+    """The course follows from the base radius, too; and a driven rack turns the pinion unevenly."""
+    gear = GEAR.replace({**PITCH, "test.start_angle": "60 deg"})
+    angles = np.radians(np.linspace(24.9, 25.1, 6))
+    for scene, table in (
+        ("free-pinion-torque", {"pinion.helix_angle": angles}),
+        ("rack-push", {"yoke.preload": 290 + angles}),
+    ):
+        gears = rps.batch(scene, gear, table)
+        assert not gears.in_loop.any()
+        assert gears.ok.all()
+
+
 def test_result_file_keeps_the_course(tmp_path: Any) -> None:
     result = rps.run("free-pinion-torque", GEAR.replace(PITCH), fidelity="quasi-static")
     result.save(tmp_path / "r.h5")
