@@ -9,12 +9,12 @@ import rps_exudyn as rps
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.generated_rack import GeneratedRack
+from rps_exudyn.gears.local_gear import local_gear
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.tooth_contact.flank_data import pack
 from rps_exudyn.tooth_contact.wrench import ELASTIC_ENERGY, NORMAL_COAST, NORMAL_DRIVE, PENETRATION
 from verification.contact_at import flank_contact
-from verification.local_gear import local_gear
 
 TURN = 2 * np.pi
 PLAIN = SteeringGear().replace({"mesh.law": "line"})

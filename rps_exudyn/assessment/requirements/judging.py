@@ -33,7 +33,7 @@ from rps_exudyn.inference.uncertainty.quick_band import SCENE as TURN_FREELY
 from rps_exudyn.inference.uncertainty.quick_band import quick_band
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import FOR_MEANS
-from rps_exudyn.parameters.gear import SteeringGear, check_constant_ratio
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.wrong_values import nearest_names
 from rps_exudyn.results.judged_row import JudgedRow, Verdict
 from rps_exudyn.results.limit import Limit
@@ -143,7 +143,6 @@ def judge(
     Raises:
         InputError: a rated torque that is none, or a metric that no scene of the sheet has.
     """
-    check_constant_ratio(gear, "a requirement sheet")
     if not rated_torque > 0:
         raise InputError(f"the rated torque is {rated_torque:g} N m; it must be more than 0 N m.")
     sources = sources_of(limits, gear, inputs, rated_torque)
