@@ -16,12 +16,13 @@ from rps_exudyn.assessment.requirements.judging import (
 )
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.tooth_strength import (
-    ToothForm,
+    RootTeeth,
     flank_stress,
-    pinion_form,
-    rack_form,
+    pinion_teeth,
+    rack_teeth,
     root_load_factor,
     root_stress,
+    weakest,
 )
 from rps_exudyn.parameters.gear import BY_SCENE, SteeringGear
 from rps_exudyn.results.limit import Limit
@@ -29,20 +30,19 @@ from rps_exudyn.results.quantities import SUMMARY, Quantity
 from rps_exudyn.results.requirements import REQUIRED
 
 
-def _root(form_of: Callable[[GearPair], ToothForm]) -> Callable[[SteeringGear, float], float]:
+def _root(teeth_of: Callable[[SteeringGear], RootTeeth]) -> Callable[[SteeringGear, float], float]:
     """Return the root's stress over gear and face load factor, as the requirement sheet has it."""
 
     def stress(gear: SteeringGear, factor: float) -> float:
-        pair = GearPair.of(gear)
-        form = form_of(pair)
-        return root_load_factor(pair, form, factor) * root_stress(gear, form, RATED_TORQUE)
+        local, form = weakest(teeth_of(gear), RATED_TORQUE)
+        return root_load_factor(GearPair.of(local), form, factor) * root_stress(local, form, RATED_TORQUE)
 
     return stress
 
 
 STRESSES: Mapping[str, Callable[[SteeringGear, float], float]] = {
-    "rated_root_pinion": _root(pinion_form),
-    "rated_root_rack": _root(rack_form),
+    "rated_root_pinion": _root(pinion_teeth),
+    "rated_root_rack": _root(rack_teeth),
     "rated_flank": lambda gear, factor: float(np.sqrt(factor)) * flank_stress(gear, RATED_TORQUE),
 }
 """Requirement -> its number at the rated torque, from the gear and its face load factor."""

@@ -32,7 +32,7 @@ def with_meshes(fidelity: Fidelity, gear: SteeringGear) -> Fidelity:
         InputError: a model that has no surfaces, or no variable ratio.
     """
     by_parameters = fidelity.solver in ("closed-form", "reduced") or fidelity.mesh == "general-contact"
-    if by_parameters and fidelity.solver != "closed-form":
+    if fidelity.mesh == "general-contact":
         check_constant_ratio(gear, f"the fidelity {fidelity.name.partition(' ')[0]}")
     if not (given := surfaces_of(gear)):
         return fidelity

@@ -19,14 +19,15 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_limits import transverse_contact_ratio
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.tooth_strength import (
-    ToothForm,
+    RootTeeth,
     bearing_face,
     flank_sharing,
     flank_stress,
-    pinion_form,
-    rack_form,
+    pinion_teeth,
+    rack_teeth,
     root_load_factor,
     root_stress,
+    weakest,
 )
 from rps_exudyn.inference.uncertainty.band import LEFT_OUT, Band, band_of_runs, nominal_result
 from rps_exudyn.inference.uncertainty.quick_band import SCENE as TURN_FREELY
@@ -44,7 +45,7 @@ from rps_exudyn.scenes.contact_law import LAW_OF_SERIES, resolve_contact_law
 from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
 from rps_exudyn.scenes.rack_lift import SCENE as RACK_LIFT
 from rps_exudyn.simulate.run import simulate
-from rps_exudyn.solvers.closed_form import GRAVITY, load_test
+from rps_exudyn.solvers.closed_form import GRAVITY, load_test, mean_gain
 
 ASSURED = 0.95  # of the gears
 FEWEST = 8  # samples of a band
@@ -64,7 +65,7 @@ STEPS = {TURN_FREELY: "free torque and its variation", LOAD_TEST.name: "efficien
 """Scene that the sheet runs -> what is computed by it."""
 BY_GEOMETRY: Mapping[str, Callable[[SteeringGear], float]] = {
     "travel": lambda gear: 2 * RackBar.of(gear).largest_displacement,
-    "gain": lambda gear: 2 * np.pi * float(GearPair.of(gear).gain),
+    "gain": lambda gear: 2 * np.pi * mean_gain(gear.with_unchecked({"test.path": "lock-to-lock"})),
 }
 """Requirement -> its number, from the gear's geometry."""
 BandOf = Callable[[str], Band]
@@ -220,7 +221,12 @@ def settings_of_test(gear: SteeringGear, scene: str, rated_torque: float) -> dic
         return {"test.path": "there-and-back", "test.turns": 2 / gear.pinion.teeth}
     if scene == RACK_LIFT.name:
         return {"test.lift_torque": rated_torque}
-    changing = gear.rack.bow or gear.rack.pitch_errors or measured_flanks(gear).change_along_travel
+    changing = (
+        not gear.rack.ratio.is_constant
+        or gear.rack.bow
+        or gear.rack.pitch_errors
+        or measured_flanks(gear).change_along_travel
+    )
     if changing or gear.installation.gravity:
         return {"test.path": "lock-to-lock"}
     start = -np.pi * gear.test.direction
@@ -278,8 +284,8 @@ class _Judged:
     def without_runs(self) -> dict[str, Callable[[], RequirementRow]]:
         """Requirements that have no band."""
         return {
-            "rated_root_pinion": lambda: self.root("rated_root_pinion", pinion_form(self.pair)),
-            "rated_root_rack": lambda: self.root("rated_root_rack", rack_form(self.pair)),
+            "rated_root_pinion": lambda: self.root("rated_root_pinion", pinion_teeth(self.gear)),
+            "rated_root_rack": lambda: self.root("rated_root_rack", rack_teeth(self.gear)),
             "rated_flank": self.flank,
             **{name: partial(self.of_geometry, name) for name in BY_GEOMETRY},
         }
@@ -355,11 +361,13 @@ class _Judged:
         found = f"it would take {enough:.3g} kg" if enough else f"no weight up to {HEAVIEST:g} kg is enough"
         return replace(judged, remark=f"{weight}: {found} at the medians, by the closed form")
 
-    def root(self, name: str, form: ToothForm) -> RequirementRow:
+    def root(self, name: str, teeth: RootTeeth) -> RequirementRow:
         """The standard's stress times K_F-beta, and what was chosen for it."""
-        pair, bears, torque = self.pair, self.bears, self.rated_torque
+        bears, torque = self.bears, self.rated_torque
+        local, form = weakest(teeth, torque)
+        pair = GearPair.of(local)
         factor = root_load_factor(pair, form, bears.factor)
-        stress = root_stress(self.gear, form, torque)
+        stress = root_stress(local, form, torque)
         error = (root_load_factor(pair, form, bears.factor + bears.error) - factor) * stress
         inclined = f"Y_beta of this part's {np.degrees(form.helix):.3g} deg, load at the tip of a tooth"
         known = f"factor {factor:.2f} at the root of face load factor {bears.factor:.2f}, all other K = 1"
