@@ -55,7 +55,7 @@ def local_gear(gear: SteeringGear, gain: float) -> SteeringGear:
     )
 
 
-def gear_at(gear: SteeringGear, angle: float) -> SteeringGear:
+def local_gear_at(gear: SteeringGear, angle: float) -> SteeringGear:
     """Return the gear of constant ratio that a gear is at a pinion angle [rad]."""
     pair = GearPair.of(gear)
     return gear if pair.course is None else local_gear(gear, float(pair.gain_at(angle)))

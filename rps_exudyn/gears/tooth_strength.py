@@ -22,7 +22,7 @@ from rps_exudyn.gears.basic_rack import involute
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.generated_rack import GeneratedRack
 from rps_exudyn.gears.geometry_limits import transverse_contact_ratio
-from rps_exudyn.gears.local_gear import gear_at, turn_of_test
+from rps_exudyn.gears.local_gear import local_gear_at, turn_of_test
 from rps_exudyn.gears.tooth_stiffness import POISSON_RATIO, YOUNGS_MODULUS, virtual_teeth
 from rps_exudyn.parameters.gear import SteeringGear
 
@@ -154,7 +154,10 @@ def places_along(gear: SteeringGear) -> list[tuple[SteeringGear, float]]:
     first, last = turn_of_test(gear.with_unchecked({"test.path": "lock-to-lock"}))
     angles = np.linspace(first, last, PLACES)
     bends = np.abs(pair.design_mesh.bend(pair.gain_at(angles), pair.course.slope(angles)))
-    return [(gear_at(gear, angle), bend) for angle, bend in zip(angles.tolist(), bends.tolist(), strict=True)]
+    return [
+        (local_gear_at(gear, angle), bend)
+        for angle, bend in zip(angles.tolist(), bends.tolist(), strict=True)
+    ]
 
 
 def weakest(teeth: RootTeeth, torque: float) -> tuple[SteeringGear, ToothForm]:

@@ -28,7 +28,7 @@ from rps_exudyn.forces.bush import bush_chain, housing_station
 from rps_exudyn.forces.yoke import seat_under
 from rps_exudyn.gears.bar_section import mass_and_moments
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.local_gear import ALONG, LocalGears, gear_at, mean_over_travel, turn_of_test
+from rps_exudyn.gears.local_gear import ALONG, LocalGears, local_gear_at, mean_over_travel, turn_of_test
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS, FrictionLaw
 from rps_exudyn.parameters.gear import SteeringGear
@@ -247,7 +247,7 @@ def unloading_force(gear: SteeringGear, direction: int = +1) -> float:
 
 def sliding_parts(gear: SteeringGear) -> list[tuple[FrictionLaw, float, float]]:
     """Return law, torque [N m] and lever [m] of what rubs, free of load towards the test's direction."""
-    gear = gear_at(gear, gear.test.start_angle)
+    gear = local_gear_at(gear, gear.test.start_angle)
     pair = GearPair.of(gear)
     mean, gain = mean_state(gear, gear.test.direction, 0.0), float(pair.gain)
     node, weight = leggauss(LEVERS)

@@ -72,7 +72,8 @@ def test_lifted_rack_departs_from_its_course_on_one_flank() -> None:
 
 
 def test_force_is_the_gradient_of_the_energy() -> None:
-    """Virtual work, where only the pinion's faces end the lines: two Newton steps leave 1e-8."""
+    """Virtual work, where only the pinion's faces end the lines: two Newton steps leave 1e-8. Where tips or
+    bar end them, loads at edges take up to 0.4 % of it, of the local gears of constant ratio 0.5 %."""
     gear = GEAR.replace(
         {
             "pinion.face_width": "6 mm",
