@@ -15,6 +15,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.reduced_gear import ReducedGear
 
 GEAR = SteeringGear().replace({"mesh.law": "line"})
+COURSED = GEAR.replace({"rack.ratio.centre": "34 mm", "rack.ratio.lock": "38 mm", "rack.travel": "60 mm"})
 LOAD = 3000.0
 HERE = Path(__file__).parent
 
@@ -24,16 +25,16 @@ needs_compiler = pytest.mark.skipif(
 
 
 @cache
-def table() -> ReducedGear:
+def table(gear: SteeringGear = GEAR) -> ReducedGear:
     """The reduced gear that the library has."""
-    return reduced_of(GEAR, LOAD)
+    return reduced_of(gear, LOAD)
 
 
 @cache
-def library() -> ctypes.CDLL:
+def library(gear: SteeringGear = GEAR) -> ctypes.CDLL:
     """The C code of the FMU without FMI, and the random histories of `fmu_histories.c`."""
     sources = sources_of(3)
-    sources["gear_data.h"] = header(GEAR, table(), parameters_of(GEAR, LONGEST_STEP).values(), "")
+    sources["gear_data.h"] = header(gear, table(gear), parameters_of(gear, LONGEST_STEP).values(), "")
     sources["fmu_histories.c"] = (HERE / "fmu_histories.c").read_text("utf-8")
     binary = compiled(sources, ["reduced_gear.c", "fmu_histories.c"])
     assert binary is not None
@@ -47,29 +48,30 @@ class CGear:
 
     ROOM = 8192  # bytes, more than it takes
 
-    def __init__(self, **values: float) -> None:
+    def __init__(self, gear: SteeringGear = GEAR, **values: float) -> None:
+        self.library = library(gear)
         self.bytes = ctypes.create_string_buffer(self.ROOM)
-        library().gear_reset(self.bytes)
+        self.library.gear_reset(self.bytes)
         for name, value in values.items():
             self.set(name, value)
 
     def set(self, name: str, value: float) -> int:
         """Set a variable by its name; return the status."""
-        return int(library().gear_set(self.bytes, REFERENCES[name], ctypes.c_double(value)))
+        return int(self.library.gear_set(self.bytes, REFERENCES[name], ctypes.c_double(value)))
 
     def get(self, name: str) -> float:
         """Return a variable by its name."""
         value = ctypes.c_double()
-        assert library().gear_value(self.bytes, REFERENCES[name], ctypes.byref(value)) == 0
+        assert self.library.gear_value(self.bytes, REFERENCES[name], ctypes.byref(value)) == 0
         return value.value
 
     def start(self) -> int:
         """Initialise; return the status."""
-        return int(library().gear_start(self.bytes))
+        return int(self.library.gear_start(self.bytes))
 
     def step(self, duration: float) -> int:
         """Step; return the status."""
-        return int(library().gear_step(self.bytes, ctypes.c_double(duration)))
+        return int(self.library.gear_step(self.bytes, ctypes.c_double(duration)))
 
 
 def _references() -> dict[str, int]:

@@ -8,7 +8,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import check_writable
 from rps_exudyn.fmu.export_fmu import ExportedFmu, export_fmu
 from rps_exudyn.gears.export import export_solids
-from rps_exudyn.parameters.gear import SteeringGear, check_constant_ratio, check_gear, surfaces_of
+from rps_exudyn.parameters.gear import SteeringGear, check_gear, surfaces_of
 
 
 class Writer(NamedTuple):
@@ -50,8 +50,6 @@ def export(gear: SteeringGear, path: str | Path, **options: Any) -> ExportedFmu 
             f"{given[0]} is given, but files are written of the gear's parameters: leave it out."
         )
     suffix = check_writable(path, tuple(WRITERS)).suffix.lower()
-    if suffix == ".fmu":
-        check_constant_ratio(gear, "an FMU")
     writer = WRITERS[suffix]
     if unknown := sorted(set(options) - set(writer.options)):
         known = " and ".join(writer.options)

@@ -5,7 +5,6 @@ from collections.abc import Iterable
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import bush_drag
 from rps_exudyn.solvers.reduced_gear import ReducedGear
@@ -33,8 +32,9 @@ def header(gear: SteeringGear, reduced: ReducedGear, parameters: Iterable[float]
         "ELEMENTS": len(reduced.shares), "SPEEDS": len(reduced.speeds), "TEMPERATURES": len(operation),
     }  # fmt: skip
     arrays = {
-        "FREE": reduced.free, "UNDER_LOAD": reduced.loaded, "LIMIT": reduced.friction,
-        "SHARE": reduced.shares, "STIFFNESS": reduced.stiffness, "NODE_SPEED": reduced.speeds,
+        "FREE": reduced.free, "COURSE": reduced.course, "UNDER_LOAD": reduced.loaded,
+        "LIMIT": reduced.friction, "SHARE": reduced.shares, "STIFFNESS": reduced.stiffness,
+        "NODE_SPEED": reduced.speeds,
         "SPEED_FACTOR": reduced.speed_factor, "OPERATION": operation,
         "PARAMETERS": np.array(list(parameters)),
     }  # fmt: skip
@@ -70,7 +70,7 @@ def operation_table(gear: SteeringGear, reduced: ReducedGear) -> np.ndarray:
         coulomb = here.replace({"bush.viscous_drag": 0.0})
         fixed = reduced.gain * bush_drag(coulomb) + gear.bearing.friction_torque
         share = fixed / reduced.constant if reduced.constant else 1.0
-        drag = here.bush.viscous_drag * float(GearPair.of(gear).gain) ** 2
+        drag = here.bush.viscous_drag * reduced.gain_squared
         summand = here.yoke.preload - factor * gear.yoke.preload
         rows.append((kelvin, factor, summand, friction_factor(warm), share, drag))
     return np.array(rows if len(rows) > 1 else rows * 2)

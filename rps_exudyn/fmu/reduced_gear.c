@@ -18,7 +18,7 @@
 
 enum { PHI, OMEGA, LOST, STRETCH };
 
-typedef struct { double energy, torque, travel, bend; } Potential;
+typedef struct { double energy, torque, travel, bend, gain; } Potential; /* gain: of the perfect rack */
 typedef struct { double load, energy, torque, stiffness; } Held;
 typedef struct { double up[ELEMENTS], down[ELEMENTS]; } Limits;
 
@@ -90,11 +90,15 @@ static int potential(Gear *g, double angle, double load, Potential *w) {
         sum[3] += bend[k] * value + bend[k + 2] * by_load;
     }
     const double *a = FREE[i], *b = FREE[i + 1];
-    w->energy = GAIN * angle * load + p * (at[0] * a[0] + at[1] * b[0] + at[2] * a[1] + at[3] * b[1])
+    /* the perfect rack's travel, which no preload changes */
+    const double *c = COURSE[i], *d = COURSE[i + 1];
+    double perfect = GAIN * angle + at[0] * c[0] + at[1] * d[0] + at[2] * c[1] + at[3] * d[1];
+    w->gain = GAIN + after[0] * c[0] + after[1] * d[0] + after[2] * c[1] + after[3] * d[1];
+    w->energy = perfect * load + p * (at[0] * a[0] + at[1] * b[0] + at[2] * a[1] + at[3] * b[1])
                 + p * p * sum[0] - soft * load * load / 2;
-    w->torque = GAIN * load + p * (after[0] * a[0] + after[1] * b[0] + after[2] * a[1] + after[3] * b[1])
+    w->torque = w->gain * load + p * (after[0] * a[0] + after[1] * b[0] + after[2] * a[1] + after[3] * b[1])
                 + p * p * sum[1];
-    w->travel = GAIN * angle + p * sum[2] - soft * load;
+    w->travel = perfect + p * sum[2] - soft * load;
     w->bend = sum[3] - soft;
     return FINE;
 }
@@ -121,7 +125,7 @@ static int held(Gear *g, double angle, double travel, Held *h) {
         g->beyond[1] = angle;
         return BEYOND_TABLE;
     }
-    *h = (Held){h->load, w.energy - h->load * travel, w.torque, GAIN * GAIN / fmax(-w.bend, LEAST_COMPLIANCE)};
+    *h = (Held){h->load, w.energy - h->load * travel, w.torque, w.gain * w.gain / fmax(-w.bend, LEAST_COMPLIANCE)};
     return FINE;
 }
 
@@ -316,7 +320,7 @@ int gear_start(Gear *g) {
 
 int gear_value(Gear *g, unsigned r, double *value) {
     double d[STATES];
-    Potential w = {0, 0, 0, 0};
+    Potential w = {0, 0, 0, 0, 0};
     int status = FINE, moving = g->pinion_input != TURNED;
     double angle = moving ? g->state[PHI] : g->in[ANGLE_IN], speed = moving ? g->state[OMEGA] : g->in[SPEED_IN];
     double load = g->rack_input == LOADED ? g->in[FORCE_IN] : g->load;
@@ -331,11 +335,11 @@ int gear_value(Gear *g, unsigned r, double *value) {
     else if (r == RACK_INPUT) *value = g->rack_input;
     else if (r == ANGLE || r == SPEED) *value = r == ANGLE ? angle : speed;
     else if (r == TORQUE || r == FORCE) *value = r == TORQUE ? g->torque : load;
-    else if (r == RACK_SPEED) *value = g->rack_input == MOVED ? g->in[RACK_SPEED_IN] : GAIN * speed;
+    else if (r == RACK_SPEED && g->rack_input == MOVED) *value = g->in[RACK_SPEED_IN];
     else if (r == FRICTION) *value = elastic_torque(g);
-    else if (r == TRAVEL || r == STORED) {
+    else if (r == TRAVEL || r == STORED || r == RACK_SPEED) {
         status = potential(g, angle, load, &w);
-        *value = w.travel;
+        *value = r == RACK_SPEED ? w.gain * speed : w.travel;
         if (r == STORED) {
             *value = w.energy - load * w.travel + INERTIA * speed * speed / 2;
             for (int k = 0; k < ELEMENTS; k++)

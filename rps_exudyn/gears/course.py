@@ -63,6 +63,11 @@ class Mesh(NamedTuple):
         """Normal pressure angle alpha of the rack [rad]."""
         return np.arcsin(np.cos(self.beta_b) * np.sqrt(1 - self.sine(gain) ** 2))
 
+    def gain(self, pressure_angle: Function) -> np.ndarray:
+        """Gain at which the rack has a normal pressure angle [m/rad]."""
+        S = np.sqrt(1 - (np.sin(pressure_angle) / np.cos(self.beta_b)) ** 2)
+        return np.asarray(self.A / (S - self.B))
+
     def tooth_angle(self, gain: Function) -> np.ndarray:
         """Angle beta_r of the rack's generators to its cross direction, in its pitch plane [rad]: that of the
         trace of the plane with the normal (1, ., -(tan delta + g tan beta_b / (r_b cos delta)))."""
@@ -81,8 +86,7 @@ class Mesh(NamedTuple):
 
     def gains_allowed(self) -> tuple[float, float]:
         """Least and largest gain [m/rad]: those at the limits of the pressure angle."""
-        s = [np.sqrt(1 - (np.sin(alpha) / np.cos(self.beta_b)) ** 2) for alpha in STEEPNESS]
-        return self.A / (s[0] - self.B), self.A / (s[1] - self.B)
+        return float(self.gain(STEEPNESS[0])), float(self.gain(STEEPNESS[1]))
 
     def primitive(self, gain: Function) -> np.ndarray:
         """W(S) of a gain: the turn that it takes at q_a / Q = 1 over q_a / r_b."""

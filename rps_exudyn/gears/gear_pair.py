@@ -163,6 +163,11 @@ class GearPair:
             return float(self.course.gain(0.0))
         return self.teeth * self.module / (2 * np.cos(self.beta_r))
 
+    @property
+    def least_gain(self) -> float:
+        """Least rack travel per radian of pinion along the travel [m/rad]."""
+        return float(self.gain if self.course is None else self.course.gain(self.course.places).min())
+
     @cached_property
     def normal_base_pitch(self) -> float:
         """p_bn = pi m_n cos(alpha_n)."""

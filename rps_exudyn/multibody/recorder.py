@@ -106,8 +106,7 @@ class Recorder:
         """
         coordinates, rates = (each[self._columns] for each in self.steps[-1][1:3])
         angle, along = coordinates[[PINION, RACK]].tolist()
-        pair = GearPair.of(self.model.gear)
-        skipped, pitch = abs(along - float(pair.travel_at(-angle))), pair.rack_pitch
+        skipped, pitch = abs(along - float(self._pair.travel_at(-angle))), self._pair.rack_pitch
         if not skipped <= pitch / 2:
             raise StepRefusedError(
                 f"a time step moved the rack {1e3 * skipped:.4g} mm against the pinion (limit "
@@ -130,6 +129,10 @@ class Recorder:
                 Status.CONTACT_LOST,
                 Code.RACK_OUT_OF_MESH,
             )
+
+    @cached_property
+    def _pair(self) -> GearPair:
+        return GearPair.of(self.model.gear)
 
     def _lift_bound(self) -> float:
         """Return more than the lift of a rack that tilts little, at little cost; inf of another one."""

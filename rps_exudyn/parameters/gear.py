@@ -503,6 +503,15 @@ class SteeringGear(Table):
             derived.without_followers(tables, settings or {}), settings, where, context
         )
 
+    def with_unchecked(self, settings: Mapping[str, Any]) -> Self:
+        """Return the same with other values, path -> value, which are taken as they are."""
+        tables: dict[str, dict[str, Any]] = {}
+        for path, value in settings.items():
+            table, _, name = path.partition(".")
+            tables.setdefault(table, {})[name] = value
+        copies = {name: getattr(self, name).model_copy(update=values) for name, values in tables.items()}
+        return self.model_copy(update=copies)
+
     def _stands_alone(self, path: str) -> bool:
         follows = path in derived.SOURCES or path in derived.DERIVED
         return not follows and super()._stands_alone(path)

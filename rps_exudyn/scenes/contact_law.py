@@ -31,13 +31,14 @@ def with_meshes(fidelity: Fidelity, gear: SteeringGear) -> Fidelity:
     Raises:
         InputError: a model that has no surfaces, or no variable ratio.
     """
-    by_parameters = fidelity.solver in ("closed-form", "reduced") or fidelity.mesh == "general-contact"
-    if by_parameters:
+    sampled = fidelity.mesh == "general-contact"
+    by_parameters = fidelity.solver in ("closed-form", "reduced") or sampled
+    if sampled:
         check_constant_ratio(gear, f"the fidelity {fidelity.name.partition(' ')[0]}")
     if not (given := surfaces_of(gear)):
         return fidelity
     if by_parameters:
-        part = "mesh" if fidelity.mesh == "general-contact" else "solver"
+        part = "mesh" if sampled else "solver"
         raise InputError(
             f"{given[0]} is given, but fidelity.{part} is {getattr(fidelity, part)}, which has only flanks "
             "by parameters: choose quasi-static or flank."

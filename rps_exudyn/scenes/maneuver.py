@@ -9,6 +9,7 @@ import numpy as np
 from rps_exudyn.forces.external_load import TimedForce
 from rps_exudyn.gears.flank_grid import measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.local_gear import turn_of_test
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.checks.before_run import check_travel, degrees_shown, largest_angle
 from rps_exudyn.solvers.prescribed_motion import Drive, DrivenBody, SetOff, Steady, Swing, travel_per_radian
@@ -184,13 +185,9 @@ def maneuvers_of_test(
     Raises:
         InputError: they leave the rack's teeth.
     """
-    test = gear.test
-    first, last = test.start_angle, test.start_angle + test.direction * 2 * np.pi * test.turns
-    if test.path == "lock-to-lock":
-        pair = GearPair.of(gear)
-        first, last = (float(pair.angle_at(end * test.direction * gear.rack.travel / 2)) for end in (-1, 1))
+    first, last = turn_of_test(gear)
     forth = steady_maneuver(gear, body, first, last, step_angle, least)
-    if test.path == "one-way":
+    if gear.test.path == "one-way":
         return [forth]
     return [forth, steady_maneuver(gear, body, last, first, step_angle, least)]
 

@@ -6,6 +6,7 @@ the yoke's spring holds, so that the plunger comes to rest on the yokenut.
 
 import numpy as np
 
+from rps_exudyn.gears.local_gear import local_gear_at
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.at_rest import OutsideLoads, bending, run_at_rest, to_and_fro
@@ -24,8 +25,8 @@ def rack_lift(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     """
     torque = to_and_fro(gear.test.lift_torque, options.finer(STEPS))
     loads = OutsideLoads(torque, end_force=np.zeros((len(torque), 2)))
-    formula = {"rack_lift_closed_form": lift_of_torque(gear, gear.test.lift_torque)}
-    formula = formula if gear.rack.ratio.is_constant else {}
+    local = local_gear_at(gear, gear.test.start_angle)
+    formula = {"rack_lift_closed_form": lift_of_torque(local, gear.test.lift_torque)}
 
     def metrics(signals: Signals) -> dict[str, float]:
         return lift_metrics(signals) | formula

@@ -64,7 +64,8 @@ def table_of(
     test = {"test.start_angle": 0.0, "test.amplitude": TURN, "test.cycles": 1, "test.direction": 1}
     kinetic = {f"{part}.static_ratio": 1.0 for part in RUBBING_PARTS}
     turned = gear.replace({**test, **kinetic, "bush.viscous_drag": 0.0})
-    gain, pitch = float(GearPair.of(gear).gain), 2 * np.pi / gear.pinion.teeth
+    pair, pitch = GearPair.of(gear), 2 * np.pi / gear.pinion.teeth
+    gain = float(pair.gain)
     loads = np.linspace(-largest_load, largest_load, LOADS * 2**level + 1)
     period = next((each for each in (pitch, 2 * np.pi) if whole_periods(turned, each)), None)
     lock = LOCK * largest_angle(gear)
@@ -74,7 +75,8 @@ def table_of(
     up, down = (np.column_stack([row[way]["pinion_torque"] for row in rows]) for way in (0, 1))
     travel = np.column_stack([sum(each["rack_displacement"] for each in row) / 2 for row in rows])
     angles = np.linspace(first, last, count + 1)
-    error = travel - gain * angles[:, None]
+    error, gains = travel - pair.travel_at(angles)[:, None], pair.gain_at(angles)
+    moved = float(np.mean(gains**2))
     if period:  # both ends are the same place, of which the later one has settled
         up[0], down[0] = up[-1], down[0]
         down[-1] = down[0]
@@ -85,13 +87,17 @@ def table_of(
     at_speed = np.array([float(oscillator.friction(speed)) for speed in speeds])
     reduced = ReducedGear(
         gain=gain,
-        inertia=pinion_inertia(gear) + rack_masses(gear).mass * gain**2,
-        drag=gear.bush.viscous_drag * gain**2,
+        gain_squared=moved,
+        inertia=pinion_inertia(gear) + rack_masses(gear).mass * moved,
+        drag=gear.bush.viscous_drag * moved,
         angles=angles,
         repeats=period is not None,
         loads=loads,
         up=up,
         down=down,
+        course=np.column_stack(
+            [pair.travel_at(angles) - gain * angles, (gains - gain) * np.ones(len(angles))]
+        ),
         error=error,
         shares=np.ones(1),
         stiffness=np.ones(1),

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from time import process_time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from rps_exudyn.analysis.work_balance import integral_from_start
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import begin_part
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.local_gear import LocalGears
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS, FrictionLaw
 from rps_exudyn.parameters.gear import SteeringGear
@@ -367,20 +368,35 @@ def _mean_signals(gear: SteeringGear, maneuver: Maneuver) -> Signals:
     Raises:
         InputError: the rack is pushed, and the gear locks itself.
     """
-    time, gain = maneuver.time[maneuver.lead :], float(GearPair.of(gear).gain)
+    time, pair = maneuver.time[maneuver.lead :], GearPair.of(gear)
     body, pull = maneuver.drive.body, maneuver.rack_load
-    travel = travel_per_radian(body, gain)
-    angle, rate = maneuver.drive.place(time) / travel, maneuver.drive.rate(time) / travel
-    force = {sense: pushing_force(gear, sense, pull) if body == "rack" else 0.0 for sense in (-1, 1)}
-    if not np.isfinite(list(force.values())).all():
+    place, rate = maneuver.drive.place(time), maneuver.drive.rate(time)
+    angle = pair.angle_at(place) if body == "rack" else place
+    rate = rate / travel_per_radian(body, pair.gain_at(angle))
+    local = LocalGears.between(gear, angle)
+    weights = local.weights(pair.gain_at(angle) * np.ones(angle.shape))
+    pushed = {
+        sense: [pushing_force(each, sense, pull) if body == "rack" else 0.0 for each in local.gears]
+        for sense in (-1, 1)
+    }
+    if not np.isfinite(list(pushed.values())).all():
         raise InputError(
             f"the gear locks itself by closed-form: with mesh.friction {gear.mesh.friction:g} and "
             f"yoke.friction {gear.yoke.friction:g} no force on the rack turns the pinion."
         )
-    states = {sense: mean_state(gear, sense, pull - pushed) for sense, pushed in force.items()}
+    states = {
+        sense: [
+            mean_state(each, sense, pull - force) for each, force in zip(local.gears, forces, strict=True)
+        ]
+        for sense, forces in pushed.items()
+    }
+
+    def along(forward: Any, backward: Any) -> np.ndarray:
+        """Numbers of the local gears, by the sense of motion, at each instant."""
+        return np.asarray(np.where(rate > 0, weights @ forward, weights @ backward))
 
     def mean(name: str) -> np.ndarray:
-        return np.where(rate > 0, getattr(states[1], name), getattr(states[-1], name))
+        return along(*([getattr(state, name) for state in states[sense]] for sense in (1, -1)))
 
     def lost(name: str) -> np.ndarray:
         return integral_from_start(mean(name) * np.abs(rate), time)
@@ -389,7 +405,7 @@ def _mean_signals(gear: SteeringGear, maneuver: Maneuver) -> Signals:
         "time": time - time[0],
         "pinion_angle": angle,
         "pinion_torque": mean("torque"),
-        "rack_displacement": gain * angle,
+        "rack_displacement": pair.travel_at(angle),
         "mesh_normal_force_drive": mean("normal_drive"),
         "mesh_normal_force_coast": mean("normal_coast"),
         "mesh_normal_force": mean("normal_drive") + mean("normal_coast"),
@@ -401,13 +417,13 @@ def _mean_signals(gear: SteeringGear, maneuver: Maneuver) -> Signals:
     }
     if pull:
         signals["load_force"] = np.full_like(angle, pull)
-        signals["work_load"] = -pull * gain * (angle - angle[0])
+        signals["work_load"] = -pull * (signals["rack_displacement"] - signals["rack_displacement"][0])
     if body == "rack":
         del signals["pinion_torque"]  # nothing but friction acts on the pinion
-        signals["rack_force"] = np.where(rate > 0, force[1], force[-1])
+        signals["rack_force"] = along(pushed[1], pushed[-1])
     else:
         # what the runout does to friction turns with the direction, what it stores in the spring does not
-        cosine, sine = runout_harmonics(gear)
+        cosine, sine = (weights @ np.array([runout_harmonics(each) for each in local.gears])).T
         phase = angle + gear.pinion.runout_angle
         signals["pinion_torque"] += np.sign(rate) * cosine * np.cos(phase) + sine * np.sin(phase)
     power = signals[maneuver.drive.signal] * maneuver.drive.rate(time)

@@ -44,7 +44,7 @@ def by_reduced(
             "fidelity.solver is reduced, which has a pinion or a wheel steered to and fro or setting off; "
             "choose equilibrium or generalized-alpha."
         )
-    start, gain = process_time(), float(GearPair.of(gear).gain)
+    start, gain = process_time(), GearPair.of(gear).least_gain
     largest = max(abs(maneuver.rack_load), gear.yoke.preload, 1.0)
     if isinstance(drive, WheelTorque):
         largest = max(largest, ROOM * abs(drive.peak) / gain)

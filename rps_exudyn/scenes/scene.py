@@ -57,7 +57,7 @@ class SteadyRecord:
         gear: what all gears have in common; what differs stands beside it.
         signals: of the maneuvers recorded, joined.
         beside: of the maneuver that is not recorded; {} if there is none.
-        gain: rack travel per radian [m].
+        gain: rack travel per radian, or of a variable ratio the travel by the pinion's angle [m].
         load: that pulls at the rack's end [N].
     """
 
@@ -85,7 +85,7 @@ class SteadyTest:
     metrics: Callable[[SteadyRecord], dict[str, Any]]
     curve: tuple[str, ...]
     remarks: Callable[[SteadyRecord], list[list[Remark]]] = lambda record: [
-        [] for _ in range(np.size(record.gain))
+        [] for _ in range(np.size(record.load))
     ]
     formulas: Callable[[SteeringGear], dict[str, float]] | None = None
 

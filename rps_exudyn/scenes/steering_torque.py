@@ -99,7 +99,7 @@ def torque_maneuver(gear: SteeringGear) -> Maneuver:
 
 def _largest_turn(gear: SteeringGear) -> float:
     """Angle of the pinion that the peak would reach without friction [rad]."""
-    return gear.test.steer_torque / (gear.test.tyre_stiffness * float(GearPair.of(gear).gain) ** 2)
+    return gear.test.steer_torque / (gear.test.tyre_stiffness * GearPair.of(gear).least_gain ** 2)
 
 
 SCENE = Scene(

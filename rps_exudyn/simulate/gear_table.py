@@ -58,8 +58,9 @@ GAIN = ("pinion.normal_module", "rack.tooth_angle")  # from lock to lock each ge
 UNSUPPORTED = {
     "scene": "the gears of this scene are run singly",
     "fidelity": "many gears are computed together only by the fidelity quasi-static",
-    "parts": "a bow, a side force, the rack's weight, listed pitch errors, measured flanks, surfaces, a "
-    "variable ratio or a sloping back need single runs",
+    "parts": "a bow, a side force, the rack's weight, listed pitch errors, measured flanks, surfaces or a "
+    "sloping back need single runs",
+    "course": "gears of variable ratio are run singly where the rack drives",
     "friction": "bristles, or friction of the plunger in its bore or along the pinion, need single runs",
     "conditions": "temperature, wear or a grease needs single runs",
     "parameter": "gears that differ in {path} are run singly",
@@ -81,7 +82,8 @@ def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, value
     reasons = {
         "scene": scene_named(scene).test is None,
         "fidelity": same != usual,
-        "parts": bool(parts or surfaces_of(gear) or not rack.ratio.is_constant),
+        "parts": bool(parts or surfaces_of(gear)),
+        "course": not rack.ratio.is_constant and scene_named(scene).signal != "pinion_torque",
         "conditions": not is_new(gear),
         "friction": any(getattr(gear, part).facts.has_state for part in RUBBING_PARTS)
         or bool(gear.yoke.bore_friction or gear.yoke.bore_damping)
@@ -228,6 +230,8 @@ class TableAtLevel:
                 return None
             same = same_structure(records, packed([reference], fidelity, weighted))
             rows, records = rows[same], records[same]
+            if not rows.size:  # each gear has another course
+                return None
             some = {path: values[rows] for path, values in table.items()}
             whole = some if ranges is None else ranges
             shaped = reference if is_alike(reference, whole) else reference.replace({RUNOUT: 1e-6})
@@ -352,7 +356,8 @@ class _GearsAtLevel:
         joined = one_after_another([each.whole(kept) for each in followed[:recorded]])
         beside = followed[recorded].whole(kept) if len(followed) > recorded else {}
         records = followed[0].records[kept]
-        gain, load = records["mesh"]["flank"]["gain"], records["load"]["force"][:, 0]
+        load, series = records["load"]["force"][:, 0], followed[0].shared.series
+        gain = series.pair.travel_rule if series.pair.course else records["mesh"]["flank"]["gain"]
         counters = {
             name: np.sum([each.counts[name] for each in followed[:recorded]], axis=0)[kept]
             for name in followed[0].counts
@@ -364,7 +369,8 @@ class _GearsAtLevel:
         """Return those of the gears that a mask (n,) keeps."""
         gears, record = [self.gears[i] for i in np.flatnonzero(kept).tolist()], self.record
         signals, beside = (signals_of_some(each, kept) for each in (record.signals, record.beside))
-        some = SteadyRecord(record.gear, signals, beside, record.gain[kept], record.load[kept])
+        gain = record.gain if callable(record.gain) else record.gain[kept]
+        some = SteadyRecord(record.gear, signals, beside, gain, record.load[kept])
         counters = {name: each[kept] for name, each in self.counters.items()}
         return type(self)(self.table, self.chosen[kept], gears, some, counters)
 
@@ -381,10 +387,11 @@ class _GearsAtLevel:
     def bars(self, coarse: "_GearsAtLevel") -> tuple[dict[str, np.ndarray], np.ndarray]:
         """Return the half widths of the metrics' bars (n,), and whose main metric inertia leaves as it is."""
         scene, shared, values = self.table.scene, self.table.shared_maneuvers[0], self.summary
-        signals, gain = self.record.signals, self.record.gain[:, None]
+        signals, gain = self.record.signals, self.record.gain
         bars = error_bars(self.metrics, signals, values, coarse.record.signals, coarse.summary)
         preload = np.array([gear.yoke.preload for gear in self.gears])[:, None]
-        middle = replace(MovedMasses.of(shared.gear), gain=gain, preload=preload)
+        middle = replace(MovedMasses.of(shared.gear), preload=preload)
+        middle = middle if callable(gain) else replace(middle, gain=gain[:, None])
         masses = middle if self.table.alike else of_many([MovedMasses.of(gear) for gear in self.gears])
         start = shared.start
         findings = {} if shared.maneuver.closes else {"start_unsettled": start.unsettled_behind}

@@ -104,7 +104,8 @@ class SharedManeuver:
         places = np.asarray(drive.place(maneuver.time[maneuver.lead :]))
         record = places / travel_per_radian(drive.body, float(pair.gain))
         pitch = 2 * np.pi / gear.pinion.teeth
-        lock = gear.rack.travel / 2 / pair.gain * (1 if gear.test.path == "lock-to-lock" else NEAR_LOCK)
+        lock = np.abs(pair.angle_at(np.array([-0.5, 0.5]) * gear.rack.travel)).min()
+        lock *= 1 if gear.test.path == "lock-to-lock" else NEAR_LOCK
         if np.abs(record).max() > max(lock * (1 + 1e-9), largest_angle(gear) - pitch):
             return None
         step = record[1] - record[0]

@@ -10,11 +10,12 @@ costs mu N |v_s|, with the sliding speed over the pinion speed as the friction's
                       and the torque from the power they take; the means weighted as the contact law
                       distributes the load along a line (derived here).
 
+Of a variable ratio they are means of `gears.local_gear` over the test's travel.
 The plunger's seat multiplies its friction by kappa (`seat_under`). The rack is taken as guided: what
 friction across the rack does to its guides is left out, as is the installation's offset.
 """
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import lru_cache
 from itertools import pairwise
 
@@ -27,6 +28,7 @@ from rps_exudyn.forces.bush import bush_chain, housing_station
 from rps_exudyn.forces.yoke import seat_under
 from rps_exudyn.gears.bar_section import mass_and_moments
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.local_gear import ALONG, LocalGears, local_gear_at, mean_over_travel, turn_of_test
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS, FrictionLaw
 from rps_exudyn.parameters.gear import SteeringGear
@@ -79,12 +81,12 @@ class ClosedForm:
 
 def closed_form(gear: SteeringGear) -> ClosedForm:
     """Return the gear without load: torques, losses, limits."""
-    pair, harmonics = GearPair.of(gear), runout_harmonics(gear)
+    harmonics = runout_harmonics(gear)
     return ClosedForm(
-        rack_gain=float(pair.gain),
+        rack_gain=mean_gain(gear),
         forward=mean_state(gear, +1, 0.0),
         backward=mean_state(gear, -1, 0.0),
-        friction_lever=mean_lever(pair),
+        friction_lever=mean_over_travel(gear, lambda local: [mean_lever(GearPair.of(local))])[0],
         torque_per_preload=torque_per_preload(gear),
         unloading_force=unloading_force(gear),
         runout_cosine=harmonics[0],
@@ -98,7 +100,7 @@ def load_test(gear: SteeringGear, mass: float | None = None) -> LoadTest:
     load = GRAVITY * (gear.test.load_mass if mass is None else mass)
     return LoadTest(
         load=load,
-        ideal_torque=float(load * GearPair.of(gear).gain),
+        ideal_torque=load * mean_gain(gear),
         torque_forward=mean_state(gear, +1, load).torque,
         torque_reverse=mean_state(gear, -1, load).torque,
         free_torque=mean_state(gear, +1, 0.0).torque,
@@ -118,7 +120,6 @@ def beyond_formulas(gear: SteeringGear) -> str:
         "installation.axis_offset": gear.installation.axis_offset,
         "installation.gravity": gear.installation.gravity,
         "rack.bow": gear.rack.bow,
-        "rack.ratio": not gear.rack.ratio.is_constant,
         "rack.side_force": gear.rack.side_force,
         "pinion.tip_relief": pinion.tip_relief,
         "pinion.crowning": pinion.crowning,
@@ -165,6 +166,12 @@ def first_order_torque(gear: SteeringGear) -> float:
     return float(rubbing + GearPair.of(gear).gain * bush_drag(gear) + gear.bearing.friction_torque)
 
 
+def mean_gain(gear: SteeringGear) -> float:
+    """Return the rack's travel per radian of the pinion over the test's turn [m/rad]."""
+    pair, turn = GearPair.of(gear), np.array(turn_of_test(gear))
+    return float(pair.gain if pair.course is None else np.ptp(pair.travel_at(turn)) / np.ptp(turn))
+
+
 def bush_drag(gear: SteeringGear) -> float:
     """Return the bush's drag on the rack, with its viscous part at the speed of the test [N]."""
     return float(gear.bush.drag + gear.bush.viscous_drag * gear.test.speed * abs(GearPair.of(gear).gain))
@@ -172,6 +179,8 @@ def bush_drag(gear: SteeringGear) -> float:
 
 def torque_per_preload(gear: SteeringGear) -> float:
     """Return dT_0 / dP = mu mean lever / sin(alpha_n) + kappa mu_p s' [m]."""
+    if not gear.rack.ratio.is_constant:
+        return mean_over_travel(gear, lambda local: [torque_per_preload(local)])[0]
     yoke = gear.yoke
     at_seat = seat_under(gear).wedge * yoke.friction * GearPair.of(gear).gain
     return float(mesh_torque_per_force(gear) + at_seat)
@@ -192,6 +201,9 @@ def runout_harmonics(gear: SteeringGear) -> tuple[float, float]:
     accelerates the mass m of the rack:
     T = T_0 + (dT_0/dP k e + dT_mesh/dP k_t e) cos(phi) + D dx/dphi - P e sin(phi) - s' m w^2 x.
     """
+    if not gear.rack.ratio.is_constant:
+        cosine, sine = mean_over_travel(gear, runout_harmonics)
+        return cosine, sine
     pair, yoke, e = GearPair.of(gear), gear.yoke, gear.pinion.runout
     drag = bush_drag(gear) + seat_under(gear).wedge * yoke.friction * yoke.preload
     by_lift = torque_per_preload(gear) * yoke.spring_rate * e
@@ -218,8 +230,11 @@ def unloading_force(gear: SteeringGear, direction: int = +1) -> float:
     """Return the load on the rack at which the coast flanks carry nothing any more [N], raised (+1) or
     lowered (-1).
 
-    Without friction P cot(alpha_n) cos(beta_r) -+ D.
+    Without friction P cot(alpha_n) cos(beta_r) -+ D. Of a variable ratio, the least along the test's travel.
     """
+    if not gear.rack.ratio.is_constant:
+        ends = LocalGears.between(gear, np.linspace(*turn_of_test(gear), ALONG)).gears
+        return min(unloading_force(each, direction) for each in ends)
     drive = _mean_force(gear, -1, direction).force
     plunger = seat_under(gear).wedge * gear.yoke.friction * gear.yoke.preload
     return float(gear.yoke.preload * drive[0] / drive[1] - direction * (bush_drag(gear) + plunger))
@@ -232,6 +247,7 @@ def unloading_force(gear: SteeringGear, direction: int = +1) -> float:
 
 def sliding_parts(gear: SteeringGear) -> list[tuple[FrictionLaw, float, float]]:
     """Return law, torque [N m] and lever [m] of what rubs, free of load towards the test's direction."""
+    gear = local_gear_at(gear, gear.test.start_angle)
     pair = GearPair.of(gear)
     mean, gain = mean_state(gear, gear.test.direction, 0.0), float(pair.gain)
     node, weight = leggauss(LEVERS)
@@ -280,6 +296,8 @@ def mean_state(gear: SteeringGear, direction: int, load: float) -> MeanState:
     Where the balance would need a flank to pull, that flank has lifted; the yoke then yields until
     the other flank alone carries the load.
     """
+    if not gear.rack.ratio.is_constant:
+        return MeanState(*mean_over_travel(gear, lambda local: astuple(mean_state(local, direction, load))))
     pair, yoke = GearPair.of(gear), gear.yoke
     seat_friction = seat_under(gear).wedge * yoke.friction
     drive, coast = _mean_force(gear, -1, direction), _mean_force(gear, +1, direction)

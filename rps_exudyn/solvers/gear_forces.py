@@ -21,7 +21,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import pinion_inertia, pinion_on_supports, rack_masses
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS, check_friction_laws
-from rps_exudyn.parameters.gear import SteeringGear, check_constant_ratio, surfaces_of
+from rps_exudyn.parameters.gear import SteeringGear, surfaces_of
 from rps_exudyn.parameters.retired import choice_instead
 from rps_exudyn.solvers.balance import SIZE, Balance
 from rps_exudyn.solvers.bent_rack import ALONG_BAR, ON_BAR, BentBar, bent_bar
@@ -158,8 +158,6 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         InputError: a law of contact or friction that the model does not have.
     """
     pair, patches = GearPair.of(gear), Patches(fidelity.friction_elements)
-    if fidelity.mesh == "general-contact":
-        check_constant_ratio(gear, "fidelity.mesh = general-contact")
     zone = fidelity.zone_ratio * pair.least_sliding * gear.test.speed
     check_friction_laws({part: getattr(gear, part) for part in RUBBING_PARTS}, fidelity.mesh)
     law = MESH_LAWS.get(fidelity.mesh, gear.mesh.contact_law)

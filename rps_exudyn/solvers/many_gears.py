@@ -35,6 +35,7 @@ from rps_exudyn.solvers.settling import CLOSE, TYPICAL_APPROACH, find_approach
 RUNOUT, RUNOUT_ANGLE = "pinion.runout", "pinion.runout_angle"
 COUNTERS = "force_evaluations", "newton_iterations", "jacobians"
 ZONES = 1e-4  # allowed error of friction zones over their size
+COURSE = "course_starts", "course"  # of the record of flanks
 CHECKED = 5  # values of a parameter among which gears are packed to confirm
 TURN = (5**0.5 - 1) / 2  # of a range from parameter to parameter, so that these gears are unlike
 Y, Z, YAW, PITCH = RACK + 1, RACK + 2, RACK + 4, RACK + 5
@@ -95,7 +96,7 @@ def packed(gears: Sequence[SteeringGear], fidelity: Fidelity, weighted: bool = F
 
 def same_structure(records: np.ndarray, reference: np.ndarray) -> np.ndarray:
     """Return which records (n,) have the whole numbers of a reference (1,): counts, switches, places of
-    tables. Those of others need other room."""
+    tables, and its course. Those of others need other room, or move otherwise."""
 
     def differ(some: np.ndarray, other: np.ndarray) -> np.ndarray:
         if some.dtype.names is None:
@@ -103,7 +104,9 @@ def same_structure(records: np.ndarray, reference: np.ndarray) -> np.ndarray:
             return np.asarray(apart.reshape(len(records), -1).any(axis=1))
         return np.logical_or.reduce([differ(some[name], other[name]) for name in some.dtype.names])
 
-    return ~differ(records, reference)
+    flanks, course = records["mesh"]["flank"], reference["mesh"]["flank"]
+    alike = [(flanks[name] == course[name]).reshape(len(records), -1).all(axis=1) for name in COURSE]
+    return ~differ(records, reference) & np.logical_and(*alike)
 
 
 def packed_table(
@@ -330,13 +333,18 @@ class GearSeries:
 
     def rigid(self, records: np.ndarray, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return places of gears (n,) by gain and runout at angles (k,) of the pinion, and their rates; shape
-        (n, k, m), supports at 0."""
+        (n, k, m), supports at 0. A course is that of the series."""
         flank, speed, size = records["mesh"]["flank"], self.speed, self.forces.statics.size
         towards_e, towards_y, gain = (flank[name][:, None] for name in ("eccentric_e", "eccentric_y", "gain"))
         sin, cos = np.sin(angles), np.cos(angles)
         across, lift = towards_y * sin + towards_e * cos, towards_y * cos - towards_e * sin
         places, rates = (np.zeros((len(records), len(angles), size)) for _ in range(2))
         places[..., RACK], rates[..., RACK] = gain * angles, gain * speed
+        if self.pair.course is not None:
+            places[..., RACK], rates[..., RACK] = (
+                self.pair.travel_at(angles),
+                self.pair.gain_at(angles) * speed,
+            )
         places[..., PINION], rates[..., PINION] = -angles, -speed
         if self.body == "rack":
             places[..., PINION] += self.share * across / gain

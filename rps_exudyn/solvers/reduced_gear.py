@@ -4,12 +4,13 @@ Equilibria give the torque T of the pinion at angles phi under loads F, turned u
 (`scenes.reduced_table`). What is conservative in it follows from one potential, so that the gear makes no
 energy; the rest is friction:
 
-    W(phi, F) = g phi F + R(phi) + int_0^F e(phi, F') dF',    T_c = dW/dphi,    rack travel X = dW/dF
+    W(phi, F) = X_0(phi) F + R(phi) + int_0^F e(phi, F') dF',   T_c = dW/dphi,    rack travel X = dW/dF
     J phi'' = T - T_c - sum k_i (xi_i + tau xi_i') - c phi'
     - s_i H_down <= k_i xi_i <= s_i H_up,          H_up = T_up - T_c,     H_down = T_c - T_down
 
-R is the potential of the free gear's ripple, e the transmission error, the mean of both directions; F pulls
-the rack towards -X. What T_up and T_down have beside T_c is friction, so that both are those of the table.
+X_0 is the perfect rack's travel, g phi or a course, R the potential of the free gear's ripple, e the
+transmission error, the mean of both directions; F pulls the rack towards -X. What T_up and T_down have beside
+T_c is friction, so that both are those of the table. A course has the inertia of its mean squared gain.
 The k_i are elasto-plastic elements side by side (Iwan, J. Appl. Mech. 33, 1966; Dupont et al., IEEE Trans.
 Autom. Control 47, 2002). Their limits have the table's friction, and fall with speed as the gear's parts do.
 """
@@ -29,7 +30,8 @@ class ReducedGear:
     """The reduced gear; SI units.
 
     Attributes:
-        gain: rack travel per radian [m].
+        gain: rack travel per radian, of a variable ratio in the middle [m].
+        gain_squared: mean over the angles [m^2].
         inertia: of pinion and rack about the pinion's axis [kg m^2].
         drag: viscous, on the pinion [N m s/rad].
         angles: (n,) even; of a gear that repeats they are one period, its end included [rad].
@@ -37,6 +39,7 @@ class ReducedGear:
         loads: (m,) even, with 0 among them [N].
         up: (n, m) torque on the pinion that turns towards +X [N m].
         down: the same of one that turns towards -X.
+        course: (n, 2) what the perfect rack's travel has beside the gain, and its slope [m].
         error: (n, m) transmission error, the mean of both ways, which falls with the load [m].
         shares: (e,) of the friction that the elements carry.
         stiffness: (e,) of the elements [N m/rad].
@@ -48,6 +51,7 @@ class ReducedGear:
     """
 
     gain: float
+    gain_squared: float
     inertia: float
     drag: float
     angles: np.ndarray
@@ -55,6 +59,7 @@ class ReducedGear:
     loads: np.ndarray
     up: np.ndarray
     down: np.ndarray
+    course: np.ndarray
     error: np.ndarray
     shares: np.ndarray
     stiffness: np.ndarray
@@ -96,7 +101,9 @@ class ReducedGear:
     @cached_property
     def friction(self) -> np.ndarray:
         """H_up and H_down at the nodes, (n, m, 2) [N m]."""
-        held = self.gain * self.loads + self.free[:, 1, None] + self.loaded[..., 1]
+        held = (
+            (self.gain + self.course[:, 1, None]) * self.loads + self.free[:, 1, None] + self.loaded[..., 1]
+        )
         return np.maximum(np.stack([self.up - held, held - self.down], axis=-1), 0.0)
 
     @cached_property
@@ -104,7 +111,8 @@ class ReducedGear:
         """Coefficients of R and the integral in each cell, by powers of the place in it, (n-1, m-1, 4, 4)."""
         h, k = self.angles[1] - self.angles[0], self.loads[1] - self.loads[0]
         nodes = self.loaded.copy()
-        nodes[..., :2] += self.free[:, None]
+        nodes[..., :2] += self.free[:, None] + self.course[:, None] * self.loads[:, None]
+        nodes[..., 2:] += self.course[:, None]
         nodes = (nodes * [1, h, k, h * k]).reshape(*nodes.shape[:2], 2, 2)  # by load, by angle
         ends = np.stack([nodes[:-1], nodes[1:]], axis=-1)
         both = np.stack([ends[:, :-1], ends[:, 1:]], axis=-1)  # (., ., load, angle, end, end of load)

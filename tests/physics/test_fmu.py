@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 import rps_exudyn as rps
-from fmu_files import GEAR, LOAD, CGear, library, needs_compiler, table
+from fmu_files import COURSED, GEAR, LOAD, CGear, library, needs_compiler, table
 from rps_exudyn.fmu.export_fmu import reduced_of
 from rps_exudyn.fmu.gear_data import operation_table
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.reduced_motion import Push, RackEnd, ReducedMotion
 from rps_exudyn.solvers.temperature_and_wear import tested_gear as gear_in_operation
@@ -48,13 +49,15 @@ def test_the_balance_of_work_closes_as_its_quadrature_does() -> None:
     assert fine < coarse
 
 
-def test_c_and_python_take_the_same_steps() -> None:
-    rng, gear = np.random.default_rng(4), CGear(longest_step=1.0, start_angle=0.2)
-    motion = ReducedMotion(table(), RackEnd(400.0), 0.2)
+@pytest.mark.parametrize("of", [GEAR, COURSED], ids=["constant", "course"])
+def test_c_and_python_take_the_same_steps(of: SteeringGear) -> None:
+    rng, gear = np.random.default_rng(4), CGear(of, longest_step=1.0, start_angle=0.2)
+    motion = ReducedMotion(table(of), RackEnd(400.0), 0.2)
     gear.set("rack_force_in", 400.0)
     gear.start()
     for _ in range(300):
-        torque, step = float(rng.normal(2.2, 1.5)), float(10 ** rng.uniform(-5, -2))
+        held = 400.0 * float(GearPair.of(of).gain_at(motion.angle))
+        torque, step = float(rng.normal(held, 1.0)), float(10 ** rng.uniform(-5, -2))
         gear.set("pinion_torque_in", torque)
         assert gear.step(step) == 0
         motion.push(Push(torque), step)
@@ -102,6 +105,21 @@ def test_pinion_and_rack_are_coupled_either_way() -> None:
     for _ in range(200):
         turned.step(1e-3)
     assert turned.get("pinion_angle") == pytest.approx(0.3, abs=1e-4)
+
+
+def test_a_rack_of_variable_ratio_moves_along_its_course() -> None:
+    """Without load, at any preload; the pinion's torque and the load have the ratio of the place."""
+    pair, friction = GearPair.of(COURSED), []
+    for preload in (300.0, 400.0):
+        gear = CGear(COURSED, pinion_input=1, pinion_angle_in=1.5, pinion_speed_in=2.0, preload=preload)
+        assert gear.start() == gear.step(1e-3) == 0
+        assert gear.get("rack_travel") == pytest.approx(float(pair.travel_at(1.5)), abs=1e-6)
+        assert gear.get("rack_speed") == pytest.approx(2.0 * float(pair.gain_at(1.5)), rel=1e-3)
+    for load in (-500.0, 500.0):  # friction does not turn about meanwhile
+        gear = CGear(COURSED, pinion_input=1, pinion_angle_in=1.5, rack_force_in=load)
+        assert gear.start() == gear.step(1e-3) == 0
+        friction.append(gear.get("pinion_torque") - gear.get("friction_torque"))
+    assert np.ptp(friction) == pytest.approx(1000 * float(pair.gain_at(1.5)), rel=2e-3)
 
 
 def test_the_column_is_a_spring_in_series() -> None:

@@ -31,7 +31,7 @@ def plain_gear(friction: float = 0.5, loads: int = 3) -> ReducedGear:
     angles, forces = np.linspace(0, 1, 5), np.linspace(-1000, 1000, loads)
     ideal = np.ones((5, 1)) * 5e-3 * forces
     return ReducedGear(
-        5e-3, 1e-4, 0.0, angles, True, forces, ideal + friction, ideal - friction,
+        5e-3, 25e-6, 1e-4, 0.0, angles, True, forces, ideal + friction, ideal - friction, np.zeros((5, 2)),
         np.ones((5, 1)) * -1e-8 * forces, np.ones(1), np.array([1000.0]),
     )  # fmt: skip
 

@@ -131,8 +131,8 @@ def test_what_cannot_be_computed_is_not_evaluated(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr("rps_exudyn.assessment.requirements.judging.quick_band", lost)
     monkeypatch.setattr("rps_exudyn.assessment.requirements.judging.band_of_runs", lost)
     monkeypatch.setattr(
-        "rps_exudyn.assessment.requirements.judging.pinion_form",
-        lambda pair: replace(pinion_form(pair), dedendum=6.0),
+        "rps_exudyn.assessment.requirements.judging.pinion_teeth",
+        lambda gear: [(gear, replace(pinion_form(GearPair.of(gear)), dedendum=6.0))],
     )
     sheet = {each.name: each for each in judge(GEAR, INPUTS, read_limits(), samples=8)}
     assert list(sheet) == list(REQUIRED)

@@ -19,21 +19,22 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_limits import transverse_contact_ratio
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.tooth_strength import (
-    ToothForm,
+    RootTeeth,
     bearing_face,
     flank_sharing,
     flank_stress,
-    pinion_form,
-    rack_form,
+    pinion_teeth,
+    rack_teeth,
     root_load_factor,
     root_stress,
+    weakest,
 )
 from rps_exudyn.inference.uncertainty.band import LEFT_OUT, Band, band_of_runs, nominal_result
 from rps_exudyn.inference.uncertainty.quick_band import SCENE as TURN_FREELY
 from rps_exudyn.inference.uncertainty.quick_band import quick_band
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import FOR_MEANS
-from rps_exudyn.parameters.gear import SteeringGear, check_constant_ratio
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.wrong_values import nearest_names
 from rps_exudyn.results.judged_row import JudgedRow, Verdict
 from rps_exudyn.results.limit import Limit
@@ -44,7 +45,7 @@ from rps_exudyn.scenes.contact_law import LAW_OF_SERIES, resolve_contact_law
 from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
 from rps_exudyn.scenes.rack_lift import SCENE as RACK_LIFT
 from rps_exudyn.simulate.run import simulate
-from rps_exudyn.solvers.closed_form import GRAVITY, load_test
+from rps_exudyn.solvers.closed_form import GRAVITY, load_test, mean_gain
 
 ASSURED = 0.95  # of the gears
 FEWEST = 8  # samples of a band
@@ -64,18 +65,19 @@ STEPS = {TURN_FREELY: "free torque and its variation", LOAD_TEST.name: "efficien
 """Scene that the sheet runs -> what is computed by it."""
 BY_GEOMETRY: Mapping[str, Callable[[SteeringGear], float]] = {
     "travel": lambda gear: 2 * RackBar.of(gear).largest_displacement,
-    "gain": lambda gear: 2 * np.pi * float(GearPair.of(gear).gain),
+    "gain": lambda gear: 2 * np.pi * mean_gain(gear.with_unchecked({"test.path": "lock-to-lock"})),
 }
 """Requirement -> its number, from the gear's geometry."""
 
 
-def _root_stress(gear: SteeringGear, form: ToothForm, torque: float, face_load_factor: float) -> float:
-    return root_load_factor(GearPair.of(gear), form, face_load_factor) * root_stress(gear, form, torque)
+def _root_stress(teeth: RootTeeth, torque: float, face_load_factor: float) -> float:
+    local, form = weakest(teeth, torque)
+    return root_load_factor(GearPair.of(local), form, face_load_factor) * root_stress(local, form, torque)
 
 
 STRESSES: Mapping[str, Callable[[SteeringGear, float, float], float]] = {
-    "rated_root_pinion": lambda gear, *loads: _root_stress(gear, pinion_form(GearPair.of(gear)), *loads),
-    "rated_root_rack": lambda gear, *loads: _root_stress(gear, rack_form(GearPair.of(gear)), *loads),
+    "rated_root_pinion": lambda gear, *loads: _root_stress(pinion_teeth(gear), *loads),
+    "rated_root_rack": lambda gear, *loads: _root_stress(rack_teeth(gear), *loads),
     "rated_flank": lambda gear, torque, factor: float(np.sqrt(factor)) * flank_stress(gear, torque),
 }
 """Requirement -> its number, from gear, torque [N m] and face load factor: the standard's stress times
@@ -156,7 +158,6 @@ def judge(
     Raises:
         InputError: a rated torque that is none, or a metric that no scene of the sheet has.
     """
-    check_constant_ratio(gear, "a requirement sheet")
     if not rated_torque > 0:
         raise InputError(f"the rated torque is {rated_torque:g} N m; it must be more than 0 N m.")
     sources = sources_of(limits, gear, inputs, rated_torque)
@@ -234,7 +235,12 @@ def settings_of_test(gear: SteeringGear, scene: str, rated_torque: float) -> dic
         return {"test.path": "there-and-back", "test.turns": 2 / gear.pinion.teeth}
     if scene == RACK_LIFT.name:
         return {"test.lift_torque": rated_torque}
-    changing = gear.rack.bow or gear.rack.pitch_errors or measured_flanks(gear).change_along_travel
+    changing = (
+        not gear.rack.ratio.is_constant
+        or gear.rack.bow
+        or gear.rack.pitch_errors
+        or measured_flanks(gear).change_along_travel
+    )
     if changing or gear.installation.gravity:
         return {"test.path": "lock-to-lock"}
     start = -np.pi * gear.test.direction
@@ -292,8 +298,8 @@ class _Judged:
     def without_runs(self) -> dict[str, Callable[[], RequirementRow]]:
         """Requirements that have no band."""
         return {
-            "rated_root_pinion": lambda: self.root("rated_root_pinion", pinion_form(self.pair)),
-            "rated_root_rack": lambda: self.root("rated_root_rack", rack_form(self.pair)),
+            "rated_root_pinion": lambda: self.root("rated_root_pinion", pinion_teeth(self.gear)),
+            "rated_root_rack": lambda: self.root("rated_root_rack", rack_teeth(self.gear)),
             "rated_flank": self.flank,
             **{name: partial(self.of_geometry, name) for name in BY_GEOMETRY},
         }
@@ -376,9 +382,10 @@ class _Judged:
         row = self.exact(name, value, stress(bears.factor + bears.error) - value)
         return replace(row, remark=f"{_face(self.pair)}, {remark}")
 
-    def root(self, name: str, form: ToothForm) -> RequirementRow:
+    def root(self, name: str, teeth: RootTeeth) -> RequirementRow:
         """The stress at a root, and what was chosen for it."""
-        factor = root_load_factor(self.pair, form, self.bears.factor)
+        local, form = weakest(teeth, self.rated_torque)
+        factor = root_load_factor(GearPair.of(local), form, self.bears.factor)
         inclined = f"Y_beta of this part's {np.degrees(form.helix):.3g} deg, load at the tip of a tooth"
         known = (
             f"factor {factor:.2f} at the root of face load factor {self.bears.factor:.2f}, all other K = 1"

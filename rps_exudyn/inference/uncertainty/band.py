@@ -23,7 +23,7 @@ from rps_exudyn.inference.uncertainty.samples import Samples, runs_at
 from rps_exudyn.inference.uncertainty.statistics import LEVELS, Contributions, Quantiles
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear, check_constant_ratio
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.retired import with_former_names
 from rps_exudyn.results.law_error import LawError, error_of_law
 from rps_exudyn.results.outcome import Interrupted, Status, alike
@@ -168,7 +168,6 @@ def band_of_runs(
             end ok.
         Interrupted: Ctrl-C before there is a band.
     """
-    check_constant_ratio(gear, "a band")
     if not FEWEST <= samples <= MOST:
         raise InputError(f"the band has {samples} samples; it needs {FEWEST} to {MOST}.")
     points = Samples.drawn(inputs, samples, seed)

@@ -16,7 +16,7 @@ from rps_exudyn.inference.uncertainty.samples import Samples
 from rps_exudyn.inference.uncertainty.statistics import LEVELS, SEED
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear, check_constant_ratio
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_PINION_TORQUE
 from rps_exudyn.solvers.closed_form import mean_state, torque_per_preload
 from rps_exudyn.solvers.temperature_and_wear import tested_gear
@@ -94,23 +94,12 @@ def formula_torques(gear: SteeringGear, points: Samples) -> np.ndarray:
 
     Values that distributions draw are within their parameters' limits and not looked at again.
     """
-    check_constant_ratio(gear, "a band")
     found, direction = np.empty(len(points)), gear.test.direction
     for i, settings in enumerate(points.settings()):
-        known = _changed(gear, {path: value for path, value in settings.items() if path not in ERRORS})
+        known = gear.with_unchecked({path: value for path, value in settings.items() if path not in ERRORS})
         found[i] = mean_state(tested_gear(known), direction, 0.0).torque
-        found[i] += direction * stop_torque(tested_gear(_changed(gear, settings)))
+        found[i] += direction * stop_torque(tested_gear(gear.with_unchecked(settings)))
     return found
-
-
-def _changed(gear: SteeringGear, settings: Mapping[str, float]) -> SteeringGear:
-    """Return the gear with other values, which are taken as they are."""
-    tables: dict[str, dict[str, float]] = {}
-    for path, value in settings.items():
-        table, _, name = path.partition(".")
-        tables.setdefault(table, {})[name] = value
-    copies = {name: getattr(gear, name).model_copy(update=values) for name, values in tables.items()}
-    return gear.model_copy(update=copies)
 
 
 def stop_torque(gear: SteeringGear) -> float:
