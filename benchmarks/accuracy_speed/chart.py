@@ -93,7 +93,7 @@ def panels_of(families: set[str]) -> dict[str, set[str]]:
 def _draw_panel(axes: Axes, title: str, measurement: Measurement, families: set[str]) -> None:
     axes.set_title(title, loc="right")
     in_decades(axes)
-    floor = measurement.reference.uncertainty
+    floor = measurement.uncertainty
     points = [point for point in measurement.points if point.family in families]
     drawn = [point for point in points if point.ok and np.isfinite(point.error)]
     for family in STYLES:

@@ -91,7 +91,8 @@ def measure_scene(
     scene = reference.scene
     file = folder / f"{scene}.h5"
     names = [(plan.study, plan.label) for plan in planned]
-    measurement = Measurement(scene, reference.headline, planned=names, origin=provenance())
+    known = reference.headline
+    measurement = Measurement(scene, known.uncertainty, known.differences, planned=names, origin=provenance())
     before = load_measurement(file).points if file.exists() else []
     measurement.points = [point for point in before if (point.study, point.label) in names]
     missing = measurement.missing

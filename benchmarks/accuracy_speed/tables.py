@@ -78,7 +78,7 @@ def scenes_table(folder: Path) -> str:
         for error in (1.0, 0.1):
             found = [_cheapest_of(each.points, kind, error) for kind in ("quasi-static", "flank")]
             cells.append(" / ".join("-" if best is None else _time(best.cost) for best in found))
-        rows.append((each.scene, f"{each.reference.uncertainty:.2g} %", *cells))
+        rows.append((each.scene, f"{each.uncertainty:.2g} %", *cells))
     return markdown(("scene", "reference known to", "1 % by quasi-static / flank", "0.1 %"), rows)
 
 
