@@ -163,11 +163,13 @@ def of_sets(cases: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def kind_table(folder: Path) -> str:
-    """A row for each kind."""
-    rows = []
+    """A row for each kind, or for kinds that give the same."""
+    alike: dict[tuple[str, ...], list[str]] = {}
     for kind, cell in load_data(folder / DATA)["cells"].items():
         shares = ((cell["halves"][name], cell["holds"][name]) for name in ("run", "gear"))
-        rows.append((kind, *(f"{100 * half:.2g}, {100 * holds:.0f}" for half, holds in shares)))
+        texts = tuple(f"{100 * half:.2g}, {100 * holds:.0f}" for half, holds in shares)
+        alike.setdefault(texts, []).append(kind)
+    rows = [("; ".join(kinds), *texts) for texts, kinds in alike.items()]
     return markdown(("kind", "run: half %, holds %", "gear: half %, holds %"), rows)
 
 

@@ -229,6 +229,9 @@ def cpu(result: Result) -> str:
     return f"{result.counters['solver_cpu']:.2g}"
 
 
+MOST = 0.6  # of the scenes: changes that matter to so many share a line
+
+
 def needs_table(folder: Path) -> str:
     """Changes -> the cases in which they move a metric by more than its accuracy; others are left out."""
     needs = load_data(folder / DATA)["needs"]
@@ -242,7 +245,10 @@ def needs_table(folder: Path) -> str:
             if refused or any(text.startswith("**") for text in texts):
                 moved.setdefault(title, []).append(f"{short} (cannot)" if refused else short)
     titles: dict[str, list[str]] = {}
-    for title, found in moved.items():
+    for title, found in sorted(moved.items(), key=lambda item: -len(item[1]) / len(measured[item[0]])):
+        if len(found) >= MOST * len(measured[title]):
+            titles.setdefault(f"at least {MOST:.0%} of the scenes", []).append(title)
+            continue
         every = "all" if len(measured[title]) == len(needs) else "all measured"
         titles.setdefault(_listed(found, measured[title], every), []).append(title)
     return markdown(("change", "matters to"), [("; ".join(same), listed) for listed, same in titles.items()])

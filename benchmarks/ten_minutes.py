@@ -167,7 +167,6 @@ STEPS: Columns = {
     "step": lambda step: f"`{step['command'].removeprefix('rps-exudyn ')}`",
     "CPU time s": "{cpu:.1f}",
     "longest silence s": "{silence:.1f}",
-    "page kB": lambda step: f"{step['kilobytes']:.0f}" if "kilobytes" in step else "",
 }
 TOPIC = Topic(
     "3 min",

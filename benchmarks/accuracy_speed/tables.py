@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.accuracy_speed.chart import shown_time
 from benchmarks.accuracy_speed.measurement import Measurement, Point, load_measurement
 from benchmarks.topic import Columns, digits, load_data, markdown, table_of
 from rps_exudyn.scenes import SCENE_NAMES
-from verification.work_precision import power_law
 
 TORQUE = "free-pinion-torque"
 LIMITS = "limits.json"
@@ -16,17 +16,13 @@ DEFAULT_STRIPS = "strips 4"
 MODELS = {
     "general_contact": ("spheres 10", "spheres 27", "spheres 54"),
     "bush": ("segments 25, step_angle 1 °",),
-    "flank_line": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("1", "3")),
-    "quasi_static_line": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("1", "5")),
-    "flank_teeth": (f"step_angle 1 °, {DEFAULT_STRIPS}",),
-    "quasi_static_teeth": (f"step_angle 1 °, {DEFAULT_STRIPS}",),
+    **dict.fromkeys(
+        ("flank_line", "quasi_static_line", "flank_teeth", "quasi_static_teeth"),
+        (f"step_angle 1 °, {DEFAULT_STRIPS}",),
+    ),
     "flank_bending": ("rack.modes 8, step_angle 1 °",),
-    "quasi_static_bending": ("rack.modes 8, step_angle 1 °",),
-    **{
-        f"{preset}_{law}": ("step_angle 1 °",)
-        for law in ("stribeck", "bristles", "four_bristles")
-        for preset in ("flank", "quasi_static")
-    },
+    "flank_stribeck": ("step_angle 1 °",),
+    "flank_bristles": ("step_angle 1 °",),
     "loop": ("step_angle 5 °",),
     "closed_form": ("",),
 }
@@ -54,7 +50,6 @@ def models_table(folder: Path) -> str:
         "settings": lambda point: point.label,
         "CPU s": lambda point: digits(point.cost),
         "error %": lambda point: f"{point.error:.2g}" if point.ok else point.status,
-        "of the mean %": lambda point: f"{point.bias:+.2g}" if point.ok else "",
     }
     points = [point for point in of_torque(folder, *MODELS) if point.label.startswith(MODELS[point.study])]
     return table_of(sorted(points, key=lambda point: list(MODELS).index(point.study)), columns)
@@ -66,10 +61,6 @@ def cheapest(points: Iterable[Point], families: Collection[str], error: float) -
     return min(keeps, key=lambda point: point.cost, default=None)
 
 
-def _time(seconds: float) -> str:
-    return f"{digits(1e3 * seconds)} ms" if seconds < 1 else f"{digits(seconds)} s"
-
-
 def scenes_table(folder: Path) -> str:
     """Return how well each scene's reference is known, and what 1 % and 0.1 % cost."""
     rows = []
@@ -77,7 +68,7 @@ def scenes_table(folder: Path) -> str:
         cells = []
         for error in (1.0, 0.1):
             found = [_cheapest_of(each.points, kind, error) for kind in ("quasi-static", "flank")]
-            cells.append(" / ".join("-" if best is None else _time(best.cost) for best in found))
+            cells.append(" / ".join("-" if best is None else shown_time(best.cost) for best in found))
         rows.append((each.scene, f"{each.uncertainty:.2g} %", *cells))
     return markdown(("scene", "reference known to", "1 % by quasi-static / flank", "0.1 %"), rows)
 
@@ -102,15 +93,6 @@ def laws_table(folder: Path) -> str:
         "peak to peak N mm": lambda row: f"{1e3 * np.ptp(row[1]):.1f}",
     }
     return table_of(torques.items(), columns)
-
-
-def scaling_table(folder: Path) -> str:
-    """Return what grows, range of its size, of its cost, fitted exponent."""
-    rows = []
-    for name, (size, cost) in load_data(folder / LIMITS)["scaling"].items():
-        spans = f"{size[0]:g} to {size[-1]:g}", f"{cost[0]:.2g} to {cost[-1]:.2g}"
-        rows.append((name, *spans, f"{power_law(np.array(size), np.array(cost))[0]:.2f}"))
-    return markdown(("size", "range", "CPU s", "exponent"), rows)
 
 
 def facets_table(folder: Path) -> str:

@@ -80,15 +80,17 @@ def made(problem: str, name: str, before: dict[str, Any] | None = None) -> dict[
 def entries_table(folder: Path) -> str:
     """Errors [%] of each answer, and CPU time of all problems."""
     entries = load_data(folder / DATA)["entries"]
-    names = [(problem, name) for problem, each in PROBLEMS.items() for name in each.truths]
-    head = ["settings", *(f"{problem}: {name.replace('_', ' ')}" for problem, name in names), "CPU s"]
+    asked = {problem: ", ".join(each.truths).replace("_", " ") for problem, each in PROBLEMS.items()}
+    head = ["settings", *(f"{problem}: {names}" for problem, names in asked.items()), "CPU s"]
     rows = []
     for settings in dict.fromkeys(entry["settings"] for entry in entries):
         own = {entry["problem"]: entry for entry in entries if entry["settings"] == settings}
         off = {problem: errors(entry) for problem, entry in own.items() if "answers" in entry}
         cells = [
-            f"{off[problem][name][0]:+.2g}" if problem in off else own.get(problem, {}).get("message", "-")
-            for problem, name in names
+            ", ".join(f"{error:+.2g}" for error, _ in off[problem].values())
+            if problem in off
+            else own.get(problem, {}).get("message", "-")
+            for problem in PROBLEMS
         ]
         rows.append([settings, *cells, digits(sum(entry.get("cpu_seconds", 0.0) for entry in own.values()))])
     return markdown(head, rows)

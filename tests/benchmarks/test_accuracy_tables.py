@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from benchmarks.accuracy_speed.measurement import Measurement, Point, load_measurement
-from benchmarks.accuracy_speed.tables import LIMITS, scaling_table
 from rps_exudyn.parameters.fidelity import Fidelity
 
 
@@ -41,9 +40,3 @@ def test_a_stopped_measurement_keeps_its_failures(stopped: Measurement, tmp_path
     stopped.save(tmp_path / "free-pinion-torque.h5")
     failed = [each for each in load_measurement(tmp_path / "free-pinion-torque.h5").points if not each.ok]
     assert [(each.status, each.message) for each in failed] == [("no-convergence", "<no equilibrium>")]
-
-
-def test_cost_grows_with_a_fitted_exponent(tmp_path: Path) -> None:
-    content = {"scaling": {"turns": [[1, 2, 4], [0.1, 0.4, 1.6]]}}
-    (tmp_path / LIMITS).write_text(json.dumps(content))
-    assert scaling_table(tmp_path).splitlines()[-1] == "| turns | 1 to 4 | 0.1 to 1.6 | 2.00 |"
