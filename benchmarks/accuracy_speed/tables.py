@@ -1,14 +1,10 @@
-"""Tables about speed and accuracy, from the files of measured points: models, fronts, references, orders."""
+"""Tables about speed and accuracy, from the files of measured points: models, facets."""
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
-import numpy as np
-
-from benchmarks.accuracy_speed.chart import shown_time
-from benchmarks.accuracy_speed.measurement import Measurement, Point, load_measurement
-from benchmarks.topic import Columns, digits, load_data, markdown, table_of
-from rps_exudyn.scenes import SCENE_NAMES
+from benchmarks.accuracy_speed.measurement import Point, load_measurement
+from benchmarks.topic import Columns, digits, markdown, table_of
 
 TORQUE = "free-pinion-torque"
 LIMITS = "limits.json"
@@ -27,14 +23,6 @@ MODELS = {
     "closed_form": ("",),
 }
 """Study -> beginnings of the labels that stand for the package's models."""
-
-
-def measured(folder: Path) -> Iterator[Measurement]:
-    """Every scene's measurement, as far as there is one."""
-    for scene in SCENE_NAMES:
-        file = folder / f"{scene}.h5"
-        if file.exists():
-            yield load_measurement(file)
 
 
 def of_torque(folder: Path, *studies: str) -> list[Point]:
@@ -61,40 +49,6 @@ def cheapest(points: Iterable[Point], families: Collection[str], error: float) -
     return min(keeps, key=lambda point: point.cost, default=None)
 
 
-def scenes_table(folder: Path) -> str:
-    """Return how well each scene's reference is known, and what 1 % and 0.1 % cost."""
-    rows = []
-    for each in measured(folder):
-        cells = []
-        for error in (1.0, 0.1):
-            found = [_cheapest_of(each.points, kind, error) for kind in ("quasi-static", "flank")]
-            cells.append(" / ".join("-" if best is None else shown_time(best.cost) for best in found))
-        rows.append((each.scene, f"{each.uncertainty:.2g} %", *cells))
-    return markdown(("scene", "reference known to", "1 % by quasi-static / flank", "0.1 %"), rows)
-
-
-def _cheapest_of(points: Sequence[Point], kind: str, error: float) -> Point | None:
-    """The cheapest point by the default contact law, or by the other where the scene was measured with that
-    alone."""
-    by_default = f"{kind}, line"
-    family = by_default if any(point.family == by_default for point in points) else kind
-    return cheapest(points, (family,), error)
-
-
-def laws_table(folder: Path) -> str:
-    """Mean torque and ripple by every law."""
-    content = load_data(folder / LIMITS)
-    torques = {name: np.array(values) for name, values in content["torques"].items()}
-    default = torques[content["default"]].mean()
-    columns: Columns = {
-        "law": lambda row: row[0],
-        "mean N mm": lambda row: f"{1e3 * row[1].mean():.1f}",
-        "against the default %": lambda row: f"{100 * (row[1].mean() / default - 1):+.2f}",
-        "peak to peak N mm": lambda row: f"{1e3 * np.ptp(row[1]):.1f}",
-    }
-    return table_of(torques.items(), columns)
-
-
 def facets_table(folder: Path) -> str:
     """Return what flat facets of the pinion do to the torque: the coarsest and the finest of each kind."""
     kinds = [of_torque(folder, study) for study in ("shaping", "chord")]
@@ -106,4 +60,4 @@ def facets_table(folder: Path) -> str:
     return markdown(("family", "facets, material left over", "torque, RMS", "mean"), rows)
 
 
-TABLES = {"models": models_table, "accuracy_scenes": scenes_table, "facets": facets_table}
+TABLES = {"models": models_table, "facets": facets_table}
