@@ -265,9 +265,10 @@ def _listed(found: list[str], measured: list[str], every: str) -> str:
 
 
 def first_scene_table(folder: Path) -> str:
-    """The first case's changes that move one of its first two metrics, with the cost."""
+    """The first case's changes that move one of its first two metrics beyond its accuracy, with the cost."""
     need = next(iter(load_data(folder / DATA)["needs"].values()))
-    rows = [(*row[:3], row[-1]) for row in need["rows"] if row[1:3] != ["0", "0"]]
+    first, *others = need["rows"]
+    rows = [(*row[:3], row[-1]) for row in [first, *others] if row is first or "**" in "".join(row[1:3])]
     return markdown(
         (*need["head"][:3], need["head"][-1]), [[cell.replace("*", "") for cell in row] for row in rows]
     )

@@ -62,7 +62,7 @@ def corpus_table(folder: Path) -> str:
     counts = {"cases": len(rows), "ok without checks": sum(row["without_checks"] == "ok" for row in rows)}
     counts |= {f"{name} with checks": n for name, n in Counter(row["outcome"] for row in rows).most_common()}
     counts |= {"ok with checks, no reference": unjudged, "**ok with checks and more than 2 % wrong**": wrong}
-    return markdown(list(counts), [list(counts.values())])
+    return markdown(("bad cases", "number"), list(counts.items()))
 
 
 TOPIC = Topic("8 min", "stability", run, {"names": ("plan 202",)}, {"corpus": corpus_table})

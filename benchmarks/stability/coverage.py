@@ -157,8 +157,7 @@ def _largest_miss(group: Sequence[Judged]) -> str:
 def outcomes_table(folder: Path) -> str:
     """How the plans ended."""
     counts = Counter(row["status"] for row in load_rows(folder / DATA))
-    names, numbers = zip(*counts.most_common(), strict=True)
-    return markdown(names, [numbers])
+    return markdown(("outcome", "plans"), [(name, str(count)) for name, count in counts.most_common()])
 
 
 TOPIC = Topic(
