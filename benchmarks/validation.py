@@ -40,7 +40,7 @@ def rows_table(folder: Path) -> str:
         named.setdefault((row["kind"], shown["verdict"]), []).append(shown["row"].replace("|", "/") + size)
     lines = [
         (kind, verdict, len(rows), "; ".join(rows) if verdict in DOUBTED else "")
-        for (kind, verdict), rows in named.items()
+        for (kind, verdict), rows in sorted(named.items())
     ]
     return markdown(("rows of", "verdict", "number", "these (E / u_val or share)"), lines)
 
