@@ -148,8 +148,9 @@ def causes_table(folder: Path) -> str:
                     "contact with the plug not seen" if "contact" not in each else "plug turned too little"
                 )
                 causes[unseen if each["adjusted"][name]["left"] > 0 else ", ".join(beyond)] += 1
-        rows += [(name, *pair) for pair in causes.most_common()] or [(name, "none", 0)]
-    return markdown(("limits", "beyond them after the adjustment", "gears"), rows)
+        texts = (f"{number} {cause}" for cause, number in causes.most_common())
+        rows.append((name, "; ".join(texts) or "none"))
+    return markdown(("limits", "gears beyond them after the adjustment"), rows)
 
 
 def contacts_table(folder: Path) -> str:

@@ -97,7 +97,7 @@ def entries_table(folder: Path) -> str:
 
 
 TOPIC = Topic(
-    "10 min",
+    "12 min",
     "truth",
     run,
     {"settings": ("Exudyn, zone 10 mm/s",), "problems": ("incline", "screw"), "rounds": 1},
