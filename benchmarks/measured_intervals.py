@@ -174,15 +174,15 @@ def kind_table(folder: Path) -> str:
 
 
 def set_table(folder: Path) -> str:
-    """A row for each truth of six tests."""
-    rows = []
-    for truth, cell in load_data(folder / DATA)["tests"].items():
-        own = {path: cell[path] for path in LEVEL}
-        cells = [f"{100 * each['half']:.1f}, {100 * each['holds']:.0f}" for each in own.values()]
-        found = {path: each for path, each in own.items() if each["found"]}
-        texts = [f"`{path}` {each['found']}, {100 * each['found_holds']:.0f}" for path, each in found.items()]
-        rows.append((truth, *cells, ", ".join(texts)))
-    return markdown(("half %, holds %", *(f"`{path}`" for path in LEVEL), "found, of which hold %"), rows)
+    """A row for each parameter, a column for each truth of six tests."""
+    tests = load_data(folder / DATA)["tests"]
+
+    def shown(each: dict[str, float]) -> str:
+        text = f"{100 * each['half']:.1f}, {100 * each['holds']:.0f}"
+        return f"{text}; {each['found']}, {100 * each['found_holds']:.0f}" if each["found"] else text
+
+    rows = [(f"`{path}`", *(shown(cell[path]) for cell in tests.values())) for path in LEVEL]
+    return markdown(("half %, holds %; found, of which hold %", *tests), rows)
 
 
 TOPIC = Topic(
