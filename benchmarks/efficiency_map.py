@@ -6,7 +6,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from benchmarks.topic import Columns, Topic, rows_table, save_data
+from benchmarks.topic import Topic
 from rps_exudyn.analysis.efficiency import LoadTest
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
@@ -15,15 +15,11 @@ from rps_exudyn.solvers.closed_form import load_test
 GEAR = SteeringGear()
 MASSES = np.linspace(2, 40, 39)  # [kg]
 SCALES = np.linspace(0.01, 1.4, 46)  # of what makes the free torque: preload, bush, bearings
-FREE_TORQUES = (0.3, 0.5, 0.62)  # [N m] at which the map is read
-DATA = "weights.json"
 
 
 def run(folder: Path, masses: np.ndarray = MASSES) -> None:
-    """Draw the map over these weights [kg], and read it at three free torques."""
-    tests = efficiency_tests(masses)
-    style.save(efficiency_map(tests, masses), folder / "efficiency_ratio.png")
-    save_data(folder / DATA, {"weights": needed_weights(tests, masses)})
+    """Draw the map over these weights [kg]."""
+    style.save(efficiency_map(efficiency_tests(masses), masses), folder / "efficiency_ratio.png")
 
 
 def efficiency_tests(masses: np.ndarray) -> list[list[LoadTest]]:
@@ -66,22 +62,4 @@ def efficiency_map(tests: list[list[LoadTest]], masses: np.ndarray) -> Figure:
     return figure
 
 
-def needed_weights(tests: list[list[LoadTest]], masses: np.ndarray) -> list[dict[str, float]]:
-    """Weights [kg] for the paper's ratio of 0.9 and of self-locking, by free torque [N m]."""
-    free = np.array([test.free_torque for test in tests[0]])
-    found = []
-    for torque in FREE_TORQUES:
-        at = [np.interp(torque, free, [test.efficiency_ratio for test in row]) for row in tests]
-        usual, locks = (float(np.interp(ratio, at, masses)) for ratio in (0.9, 0.0))
-        found.append({"free_torque": torque, "ratio_0.9": usual, "locks_below": locks})
-    return found
-
-
-WEIGHTS: Columns = {
-    "free torque N m": "{free_torque:.3g}",
-    "ratio 0.9 at kg": lambda row: f"{row['ratio_0.9']:.3g}",
-    "self-locking below kg": "{locks_below:.3g}",
-}
-TOPIC = Topic(
-    "10 s", "scenes", run, {"masses": MASSES[::8]}, {"weights": rows_table(DATA, "weights", WEIGHTS)}
-)
+TOPIC = Topic("10 s", "scenes", run, {"masses": MASSES[::8]})

@@ -71,7 +71,6 @@ MESHES: Columns = {
     "CPU s": "{cpu_s:.2g}",
     "faces": "{faces}",
     "largest deviation um": lambda row: f"{1e6 * row['largest']:+.3g}",
-    "RMS um": lambda row: f"{1e6 * row['rms']:.2g}",
 }
 
 

@@ -163,24 +163,26 @@ def of_sets(cases: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def kind_table(folder: Path) -> str:
-    """A row for each kind."""
-    rows = []
+    """A row for each kind, or for kinds that give the same."""
+    alike: dict[tuple[str, ...], list[str]] = {}
     for kind, cell in load_data(folder / DATA)["cells"].items():
         shares = ((cell["halves"][name], cell["holds"][name]) for name in ("run", "gear"))
-        rows.append((kind, *(f"{100 * half:.2g}, {100 * holds:.0f}" for half, holds in shares)))
+        texts = tuple(f"{100 * half:.2g}, {100 * holds:.0f}" for half, holds in shares)
+        alike.setdefault(texts, []).append(kind)
+    rows = [("; ".join(kinds), *texts) for texts, kinds in alike.items()]
     return markdown(("kind", "run: half %, holds %", "gear: half %, holds %"), rows)
 
 
 def set_table(folder: Path) -> str:
-    """A row for each truth of six tests."""
-    rows = []
-    for truth, cell in load_data(folder / DATA)["tests"].items():
-        own = {path: cell[path] for path in LEVEL}
-        cells = [f"{100 * each['half']:.1f}, {100 * each['holds']:.0f}" for each in own.values()]
-        found = {path: each for path, each in own.items() if each["found"]}
-        texts = [f"`{path}` {each['found']}, {100 * each['found_holds']:.0f}" for path, each in found.items()]
-        rows.append((truth, *cells, ", ".join(texts)))
-    return markdown(("half %, holds %", *(f"`{path}`" for path in LEVEL), "found, of which hold %"), rows)
+    """A row for each parameter, a column for each truth of six tests."""
+    tests = load_data(folder / DATA)["tests"]
+
+    def shown(each: dict[str, float]) -> str:
+        text = f"{100 * each['half']:.1f}, {100 * each['holds']:.0f}"
+        return f"{text}; {each['found']}, {100 * each['found_holds']:.0f}" if each["found"] else text
+
+    rows = [(f"`{path}`", *(shown(cell[path]) for cell in tests.values())) for path in LEVEL]
+    return markdown(("half %, holds %; found, of which hold %", *tests), rows)
 
 
 TOPIC = Topic(

@@ -93,14 +93,13 @@ def single_run(scene: str, model: Fidelity) -> dict[str, Any]:
 
 
 def ladder_table(folder: Path) -> str:
-    """Model -> what it leaves out, CPU time of a turn, and by how many per cent it changes each metric."""
+    """Model -> what it leaves out, and by how many per cent it changes each metric."""
     data = load_data(folder / DATA)
     rows = []
     for name, scenes in data["rows"].items():
-        turn = scenes["free-pinion-torque"]["cpu_s"]
         changes = [_change(data["reference"], scenes, *metric) for metric in METRICS.values()]
-        rows.append((name, RUNGS[name][0], digits(turn), *changes))
-    return markdown(("model", "leaves out", "CPU s", *(f"{each} %" for each in METRICS)), rows)
+        rows.append((name, RUNGS[name][0], *changes))
+    return markdown(("model", "leaves out", *(f"{each} %" for each in METRICS)), rows)
 
 
 def _change(reference: Mapping[str, Any], row: Mapping[str, Any], scene: str, metric: str) -> str:

@@ -89,18 +89,8 @@ def clearances_shown(cases: list[dict[str, Any]]) -> list[float]:
     return clearances[: sum(each <= max(stops, default=0.0) for each in clearances) + 1]
 
 
-def bow_table(folder: Path) -> str:
-    """Variation of the torque by bow and clearance, up to one at which no yoke stops; bold where it stops."""
-    cases = load_data(folder / DATA)["cases"]
-    clearances = clearances_shown(cases)
-    known = {(case["bow"], case["clearance"]): _cell(case) for case in cases}
-    bows = sorted({case["bow"] for case in cases})
-    rows = [[f"{1e3 * bow:.2f}", *(known[bow, clearance] for clearance in clearances)] for bow in bows]
-    return markdown(["bow mm", *(f"{1e6 * clearance:.0f} µm" for clearance in clearances)], rows)
-
-
 def tilt_table(folder: Path) -> str:
-    """The same by the clearance of the plunger in its bore."""
+    """Variation of the torque by the clearance of the plunger in its bore; bold where the yoke stops."""
     tilted = load_data(folder / DATA)["tilted"]
     rows = []
     for bore in sorted({case["bore"] for case in tilted}):
@@ -122,5 +112,5 @@ TOPIC = Topic(
     "flexible_rack",
     run,
     {"bows": (0.0, 0.1e-3), "clearances": (50e-6,), "bores": (0.0,)},
-    {"bow": bow_table, "bow_tilt": tilt_table},
+    {"bow_tilt": tilt_table},
 )

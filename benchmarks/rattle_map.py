@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 import rps_exudyn as rps
 from benchmarks.charts import map_to_scale
-from benchmarks.topic import Topic, load_data, markdown, save_data, shown
+from benchmarks.topic import Topic, save_data, shown
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
@@ -66,19 +66,4 @@ def picture(cases: list[dict[str, Any]]) -> Figure:
     return figure
 
 
-def rattle_table(folder: Path) -> str:
-    """Each frequency's least force with impacts, and what the largest force gives."""
-    rows = []
-    cases = [case for case in load_data(folder / DATA)["cases"] if "message" not in case]
-    for frequency in dict.fromkeys(case["frequency"] for case in cases):
-        own = sorted((c for c in cases if c["frequency"] == frequency), key=lambda case: case["force"])
-        hit = [case["force"] for case in own if case.get("rattle_impacts_per_cycle")]
-        values = [SUMMARY[name].show(own[-1][name]) if name in own[-1] else "-" for name in FIGURES]
-        rows.append([f"{frequency:g}", f"{hit[0]:g}" if hit else "-", f"{own[-1]['force']:g}", *values])
-    heads = ["frequency Hz", "impacts from N on", "at N", *(f"`{name}`" for name in FIGURES)]
-    return markdown(heads, rows)
-
-
-TOPIC = Topic(
-    "2 min", "flexible_rack", run, {"forces": (1500.0,), "frequencies": (100.0,)}, {"rattle": rattle_table}
-)
+TOPIC = Topic("2 min", "flexible_rack", run, {"forces": (1500.0,), "frequencies": (100.0,)})

@@ -229,6 +229,9 @@ def cpu(result: Result) -> str:
     return f"{result.counters['solver_cpu']:.2g}"
 
 
+MOST = 0.6  # of the scenes: changes that matter to so many share a line
+
+
 def needs_table(folder: Path) -> str:
     """Changes -> the cases in which they move a metric by more than its accuracy; others are left out."""
     needs = load_data(folder / DATA)["needs"]
@@ -242,7 +245,10 @@ def needs_table(folder: Path) -> str:
             if refused or any(text.startswith("**") for text in texts):
                 moved.setdefault(title, []).append(f"{short} (cannot)" if refused else short)
     titles: dict[str, list[str]] = {}
-    for title, found in moved.items():
+    for title, found in sorted(moved.items(), key=lambda item: -len(item[1]) / len(measured[item[0]])):
+        if len(found) >= MOST * len(measured[title]):
+            titles.setdefault(f"at least {MOST:.0%} of the scenes", []).append(title)
+            continue
         every = "all" if len(measured[title]) == len(needs) else "all measured"
         titles.setdefault(_listed(found, measured[title], every), []).append(title)
     return markdown(("change", "matters to"), [("; ".join(same), listed) for listed, same in titles.items()])
@@ -259,9 +265,10 @@ def _listed(found: list[str], measured: list[str], every: str) -> str:
 
 
 def first_scene_table(folder: Path) -> str:
-    """The first case's changes that move one of its first two metrics, with the cost."""
+    """The first case's changes that move one of its first two metrics beyond its accuracy, with the cost."""
     need = next(iter(load_data(folder / DATA)["needs"].values()))
-    rows = [(*row[:3], row[-1]) for row in need["rows"] if row[1:3] != ["0", "0"]]
+    first, *others = need["rows"]
+    rows = [(*row[:3], row[-1]) for row in [first, *others] if row is first or "**" in "".join(row[1:3])]
     return markdown(
         (*need["head"][:3], need["head"][-1]), [[cell.replace("*", "") for cell in row] for row in rows]
     )

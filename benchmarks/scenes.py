@@ -166,8 +166,7 @@ RUNS: Columns = {
 }
 DEVIATIONS: Columns = {
     "law": lambda row: row[0],
-    SOLVERS[0]: lambda row: _percent(row[1]),
-    SOLVERS[1]: lambda row: _percent(row[2]),
+    "flank %": lambda row: _percent(row[1]),
 }
 TOY = {
     "path": "there-and-back",

@@ -163,11 +163,12 @@ def write_measured(path: Path) -> None:
     path.write_text(f"pinion_angle [deg]; pinion_torque [N m]\n{rows}\n", encoding="utf-8")
 
 
+OUTPUTS = re.compile(r" --(out|report) \S+")
+"""What the table leaves out of a command."""
 STEPS: Columns = {
-    "step": lambda step: f"`{step['command'].removeprefix('rps-exudyn ')}`",
+    "step": lambda step: f"`{OUTPUTS.sub('', step['command'].removeprefix('rps-exudyn '))}`",
     "CPU time s": "{cpu:.1f}",
     "longest silence s": "{silence:.1f}",
-    "page kB": lambda step: f"{step['kilobytes']:.0f}" if "kilobytes" in step else "",
 }
 TOPIC = Topic(
     "3 min",

@@ -226,17 +226,23 @@ def percent(value: float) -> str:
 
 
 def gears_table(folder: Path) -> str:
-    """Each gear by elements, rack guided, and what the laws differ by: plain, with forms, under a load."""
-    rows = []
-    for name, found in gears_of(folder).items():
-        plain, formed = (found[f"{form}, guided"] for form in FORMS)
-        of_line, ripples = expected(name, "plain"), [off(each, "teeth", RIPPLE) for each in (plain, formed)]
-        cells = [f"{1e3 * plain[REFERENCE][MEAN]:.1f}", *(percent(off(plain, law)) for law in LAWS)]
-        cells += ["" if of_line is None else percent(of_line), *(percent(off(formed, law)) for law in LAWS)]
-        cells += ["-" if np.isnan(each) else f"{1 + each:.2f}" for each in ripples]
-        rows.append((name, *cells, percent(off(found["loaded"], "teeth", "lag"))))
-    head = "gear", "N mm", "teeth %", "line %", "expected of line %", "formed: teeth %", "line %"
-    return markdown((*head, "ripple, share", "formed", "lag under 2 kN %"), rows)
+    """What the laws differ by over all gears, rack guided: plain, with forms, under a load."""
+    gears = gears_of(folder)
+    plain, formed = ([found[f"{form}, guided"] for found in gears.values()] for form in FORMS)
+    differences = {
+        "`teeth`, plain": [off(case, "teeth") for case in plain],
+        "`teeth`, formed": [off(case, "teeth") for case in formed],
+        "`line`, plain": [off(case, "line") for case in plain],
+        "`line`, formed": [off(case, "line") for case in formed],
+        "ripple of `teeth`, plain": [off(case, "teeth", RIPPLE) for case in plain],
+        "ripple of `teeth`, formed": [off(case, "teeth", RIPPLE) for case in formed],
+        "lag of `teeth` under 2 kN": [off(found["loaded"], "teeth", "lag") for found in gears.values()],
+    }
+    rows = [
+        (name, percent(values[0]), *(percent(of(values)) for of in (np.nanmin, np.nanmedian, np.nanmax)))
+        for name, values in differences.items()
+    ]
+    return markdown(("difference in %", "default gear", "smallest", "median", "largest"), rows)
 
 
 def yields_table(folder: Path) -> str:

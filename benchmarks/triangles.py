@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.topic import Columns, Topic, digits, load_data, save_data, table_of
+from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -85,21 +85,15 @@ def _numbers(run: SceneRun) -> tuple[float, float]:
 
 
 def differences_table(folder: Path) -> str:
-    """What triangles differ by: mean, and peak to peak in % of the mean."""
-    columns: Columns = {
-        "teeth": "{teeth}",
-        "helix deg": "{helix:.0f}",
-        "shaft angle deg": "{shaft:.0f}",
-        "runout um": lambda row: digits(1e6 * row["runout"]),
-        "mean N mm": lambda row: digits(1e3 * row["mean"]),
-        "ripple N mm": lambda row: digits(1e3 * row["ripple"]),
-        **{name: _column(name) for name in SURFACES},
-    }
-    return table_of(load_data(folder / DATA)["gears"], columns)
-
-
-def _column(name: str) -> Any:
-    return lambda row: "failed" if np.isnan(row[name][0]) else "{:+.2f}, {:+.2f}".format(*row[name])
+    """What triangles differ by over the gears [% of the mean]: the median and the largest size."""
+    gears = load_data(folder / DATA)["gears"]
+    rows = []
+    for name in SURFACES:
+        found = np.abs([row[name] for row in gears])
+        ran = found[~np.isnan(found[:, 0])]
+        spans = (f"{np.median(column):.2f}, {column.max():.2f}" for column in ran.T)
+        rows.append((name, *spans, len(gears) - len(ran)))
+    return markdown(("surfaces", "mean: median, largest %", "peak to peak %", "failed"), rows)
 
 
 TOPIC = Topic("4 min", "contact_laws", run, {"gears": 1}, {"triangles": differences_table})

@@ -8,14 +8,15 @@ from pathlib import Path
 
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.assessment.validation.compared_rows import compare_rows
-from rps_exudyn.assessment.validation.row import KINDS, SHIPPED, read_rows
+from rps_exudyn.assessment.validation.row import SHIPPED, read_rows
 from rps_exudyn.assessment.validation.validation_page import COLUMNS, row_cells, validation_figure
 from rps_exudyn.inference.uncertainty.input_sets import SETS, Input
 from rps_exudyn.pages.charts import style
 
 DATA = "validation.json"
 UNJUDGED = {"not comparable", "calibrated"}
-DECIDED = ("agrees", "consistent, weak", "disagrees")
+DOUBTED = ("consistent, weak", "disagrees")
+DECIDED = ("agrees", *DOUBTED)
 UNASSISTED = re.compile("unassisted|manual (gear|steering)|without assistance")  # in titles
 ERROR = "E / u_val, or gears that keep a limit"
 
@@ -29,19 +30,19 @@ def run(folder: Path, only: Sequence[str] = ()) -> None:
     style.save(validation_figure(comparisons), folder / "validation.png")
 
 
-def rows_table(kind: str, folder: Path) -> str:
-    """The rows of one kind by their verdicts, each with its error over the standard uncertainty; of verdicts
-    that judge nothing the number of rows."""
-    by_verdict: dict[str, list[str]] = {}
+def rows_table(folder: Path) -> str:
+    """The rows of each kind by their verdicts, each with its error over the standard uncertainty; of verdicts
+    that judge nothing, or agree, the number of rows."""
+    named: dict[tuple[str, str], list[str]] = {}
     for row in load_data(folder / DATA)["rows"]:
-        if row["kind"] == kind:
-            shown = dict(zip(COLUMNS, row["cells"], strict=True))
-            size = f" ({shown[ERROR]})" if shown[ERROR] else ""
-            by_verdict.setdefault(shown["verdict"], []).append(shown["row"].replace("|", "/") + size)
-    for verdict in UNJUDGED & by_verdict.keys():
-        by_verdict[verdict] = [f"{len(by_verdict[verdict])} rows"]
-    shown_rows = [(verdict, "; ".join(rows)) for verdict, rows in by_verdict.items()]
-    return markdown(("verdict", "rows (E / u_val or share)"), shown_rows)
+        shown = dict(zip(COLUMNS, row["cells"], strict=True))
+        size = f" ({shown[ERROR]})" if shown[ERROR] else ""
+        named.setdefault((row["kind"], shown["verdict"]), []).append(shown["row"].replace("|", "/") + size)
+    lines = [
+        (kind, verdict, len(rows), "; ".join(rows) if verdict in DOUBTED else "")
+        for (kind, verdict), rows in sorted(named.items())
+    ]
+    return markdown(("rows of", "verdict", "number", "these (E / u_val or share)"), lines)
 
 
 def conclusions_table(folder: Path) -> str:
@@ -83,6 +84,9 @@ TOPIC = Topic(
     "validation",
     run,
     {"only": TOY},
-    {f"validation_{kind}": partial(rows_table, kind) for kind in KINDS}
-    | {"validation_pedigree": pedigree_table, "validation_conclusions": conclusions_table},
+    {
+        "validation_rows": rows_table,
+        "validation_pedigree": pedigree_table,
+        "validation_conclusions": conclusions_table,
+    },
 )

@@ -125,17 +125,16 @@ def missed(state: Mapping[str, float], limits: Mapping[str, Limit]) -> list[str]
 def shares_table(folder: Path) -> str:
     """Gears within limits before and after, of all and of those whose plunger touches the plug."""
     cases = load_data(folder / DATA)["cases"]
-    groups = cases, [each for each in cases if each["depth"] > 0]
+    groups = {"all gears": cases, "plunger touches the plug": [each for each in cases if each["depth"] > 0]}
     rows = []
     for name, limits in limit_sets().items():
-        for key, words in STATES.items():
-            cells = [name, words]
-            for group in groups:
-                states = [states_of(each, name)[key] for each in group]
-                kept = sum(not missed(state, limits) for state in states)
-                cells.append(f"{digits(100 * kept / max(len(group), 1), 3)} % ({kept} of {len(group)})")
-            rows.append(cells)
-    return markdown(("limits", "within them", "all gears", "plunger touches the plug"), rows)
+        for words, group in groups.items():
+            states = [states_of(each, name) for each in group]
+            kept = (sum(not missed(state[key], limits) for state in states) for key in STATES)
+            rows.append(
+                (name, words, len(group), *(f"{digits(100 * n / max(len(group), 1), 3)} %" for n in kept))
+            )
+    return markdown(("limits", "of", "number", *STATES.values()), rows)
 
 
 def causes_table(folder: Path) -> str:
@@ -149,8 +148,9 @@ def causes_table(folder: Path) -> str:
                     "contact with the plug not seen" if "contact" not in each else "plug turned too little"
                 )
                 causes[unseen if each["adjusted"][name]["left"] > 0 else ", ".join(beyond)] += 1
-        rows += [(name, *pair) for pair in causes.most_common()] or [(name, "none", 0)]
-    return markdown(("limits", "beyond them after the adjustment", "gears"), rows)
+        texts = (f"{number} {cause}" for cause, number in causes.most_common())
+        rows.append((name, "; ".join(texts) or "none"))
+    return markdown(("limits", "gears beyond them after the adjustment"), rows)
 
 
 def contacts_table(folder: Path) -> str:

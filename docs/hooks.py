@@ -15,6 +15,7 @@ ROOT = Path(__file__).parents[1]
 PAGES = ("CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff")
 LINK = re.compile(r"(!?\[[^\]]*\])\((?!https?:|#|mailto:)([^)\s#]+)(#[^)\s]*)?\)")
 MARK = re.compile(r"<!-- generated: (\w+) -->")
+OPTION = re.compile(r"(?<=[ >])--[a-z-]+(?=[^<>]*</code>)")
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.+?)\\[)\]]</\1>', re.DOTALL)
 SUFFIXES = (".md", ".png", ".svg", ".webp", ".csv", ".json")
 
@@ -55,7 +56,9 @@ def on_page_markdown(markdown: str, page: Any, files: "Files", **_: Any) -> str:
 
 
 def on_page_content(content: str, **_: Any) -> str:
-    """Set formulas as drawings: browsers show them without a script, a font or a request."""
+    """Set formulas as drawings: browsers show them without a script, a font or a request. Keep options whole:
+    browsers break lines behind a hyphen."""
+    content = OPTION.sub(lambda found: f'<span class="option">{found[0]}</span>', content)
     return FORMULA.sub(lambda found: _formula(unescape(found[2]).strip(), found[1]), content)
 
 

@@ -7,6 +7,7 @@ measurement is drawn with its points, and says what is missing.
 from collections import Counter
 from collections.abc import Mapping
 from itertools import cycle
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatter
 
 from benchmarks.accuracy_speed.measurement import PRESET_FAMILIES, Measurement, Point
+from benchmarks.topic import digits
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import PRESETS
 from rps_exudyn.results.law_error import LawError
@@ -67,8 +69,11 @@ WANTED = (1.0, 0.1)  # [%]
 DEFAULT_LAW = ", line"  # of the families whose gear has the default contact law
 
 
-def work_precision_figure(measurement: Measurement) -> Figure:
-    """Cost upwards, error to the right, both in decades; each family's Pareto front is its line."""
+def work_precision_figure(
+    measurement: Measurement, whole: Mapping[str, float] = MappingProxyType({})
+) -> Figure:
+    """Cost upwards, error to the right, both in decades; each family's Pareto front is its line. `whole`:
+    preset -> CPU time of a whole default run [s], which stands in the title."""
     panels = panels_of({point.family for point in measurement.points})
     figure, column = style.panels([5.6] if len(panels) == 1 else [3.4] * len(panels), 9.0)
     for axes, (title, families) in zip(column, panels.items(), strict=True):
@@ -76,8 +81,16 @@ def work_precision_figure(measurement: Measurement) -> Figure:
     column[-1].set_xlabel("error, RMS over the motion [% of the mean]")
     name, _, _ = scene_named(measurement.scene).title.partition(":")
     headline = f"{name}: cost of a model against its error"
+    if whole:
+        runs = ", ".join(f"{preset} {shown_time(seconds)}" for preset, seconds in whole.items())
+        headline += f"\nwhole default run in a warm process: {runs}"
     style.title(figure, headline, unfinished(measurement))
     return figure
+
+
+def shown_time(seconds: float) -> str:
+    """A time to two digits, in ms below a second."""
+    return f"{digits(1e3 * seconds)} ms" if seconds < 1 else f"{digits(seconds)} s"
 
 
 def panels_of(families: set[str]) -> dict[str, set[str]]:
@@ -93,7 +106,7 @@ def panels_of(families: set[str]) -> dict[str, set[str]]:
 def _draw_panel(axes: Axes, title: str, measurement: Measurement, families: set[str]) -> None:
     axes.set_title(title, loc="right")
     in_decades(axes)
-    floor = measurement.reference.uncertainty
+    floor = measurement.uncertainty
     points = [point for point in measurement.points if point.family in families]
     drawn = [point for point in points if point.ok and np.isfinite(point.error)]
     for family in STYLES:
@@ -109,7 +122,7 @@ def _draw_panel(axes: Axes, title: str, measurement: Measurement, families: set[
         if low <= wanted <= high:
             axes.axvline(wanted, **style.REFERENCE_LINE)
     per = "revolution" if scene_named(measurement.scene).revolutions else "run"
-    axes.set_ylabel(f"CPU time [s per {per}]")
+    axes.set_ylabel(f"CPU time of the solver\n[s per {per}]")
     _legend_beside(axes)
 
 

@@ -89,23 +89,19 @@ def run(folder: Path, plans: int = TESTS * len(SCENES)) -> None:
 
 
 def climb_table(folder: Path) -> str:
-    """Tests reached, misses of those that are judged, and cost, by scene and accuracy."""
+    """Tests reached, misses of those that are judged, and cost, by accuracy."""
     rows, lines = load_rows(folder / DATA), []
-    for scene in SCENES:
-        for wanted in WANTED:
-            some = [row for row in rows if row["scene"] == scene and row[f"by_{wanted:g}"]]
-            if not some:
-                continue
-            reached = [row for row in some if row[f"reached_{wanted:g}"] == "1"]
-            judged = [
-                (error, doubt) for error, doubt in map(_judged(wanted), reached) if doubt <= SURE * wanted
-            ]
-            misses = sum(error - doubt > wanted for error, doubt in judged)
-            largest = f"{max(error for error, _ in judged):.2g} %" if judged else "-"
-            seconds = sum(float(row[f"cost_{wanted:g}"]) for row in some)
-            counts = len(some), len(reached), len(judged), misses
-            lines.append((scene, f"{wanted:g} %", *map(str, counts), largest, f"{seconds:.3g} s"))
-    head = "scene", "asked for", "tests", "reached", "judged", "misses", "largest error", "CPU time"
+    for wanted in WANTED:
+        some = [row for row in rows if row[f"by_{wanted:g}"]]
+        reached = [row for row in some if row[f"reached_{wanted:g}"] == "1"]
+        judged = [(error, doubt) for error, doubt in map(_judged(wanted), reached) if doubt <= SURE * wanted]
+        misses = sum(error - doubt > wanted for error, doubt in judged)
+        largest = f"{max(error for error, _ in judged):.2g} %" if judged else "-"
+        seconds = sum(float(row[f"cost_{wanted:g}"]) for row in some)
+        lines.append(
+            (f"{wanted:g} %", len(some), len(reached), len(judged), misses, largest, f"{seconds:.3g} s")
+        )
+    head = "asked for", "tests", "reached", "judged", "misses", "largest error", "CPU time"
     return markdown(head, lines)
 
 

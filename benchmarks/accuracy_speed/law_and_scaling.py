@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 
 from benchmarks.accuracy_speed.chart import law_band_figure, scaling_figure
 from benchmarks.accuracy_speed.measurement import Measurement, load_measurement
-from benchmarks.accuracy_speed.tables import LIMITS, laws_table, scaling_table
+from benchmarks.accuracy_speed.tables import LIMITS
 from benchmarks.measure import least_time, run_ok
 from benchmarks.topic import Topic, save_data
 from rps_exudyn.pages.charts import style
@@ -113,5 +113,4 @@ TOPIC = Topic(
     "accuracy_speed",
     run,
     {"angles": 7, "turns": (0.05, 0.1), "cases": (1, 2), "step": "10 deg"},
-    {"contact_laws": laws_table, "scaling": scaling_table},
 )

@@ -6,7 +6,7 @@ error is that of the scene's main metric against a reference made without the la
 
 from collections.abc import Mapping, Sequence
 from functools import partial
-from math import isfinite, nan
+from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +16,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 import rps_exudyn as rps
-from benchmarks.accuracy_speed.chart import STYLES, in_decades
+from benchmarks.accuracy_speed.chart import STYLES, in_decades, shown_time
 from benchmarks.accuracy_speed.measurement import PRESET_FAMILIES
 from benchmarks.measure import least_time
 from benchmarks.stability.references import best_reference, size_in
-from benchmarks.topic import Columns, Topic, begun, digits, load_data, save_data, table_of
+from benchmarks.topic import Topic, begun, load_data, markdown, save_data
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -127,23 +127,23 @@ def _draw_scene(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
 
 
 def levels_table(folder: Path) -> str:
-    """Cost and both errors of the presets at level 1; of all levels, how many lie within their bars."""
-    rows = load_data(folder / DATA)["points"]
-    columns: Columns = {
-        "scene": "{scene}",
-        "preset": "{preset}",
-        "whole run": lambda row: f"{digits(1e3 * row['seconds'])} ms",
-        "printed error": lambda row: f"{digits(row['bar'])} %",
-        "true error": lambda row: f"{digits(max(row['error'], row['doubt']))} %",
-        "levels within their bars": lambda row: _within(rows, row),
+    """Cost of the whole default run by each preset."""
+    scenes = dict.fromkeys(row["scene"] for row in load_data(folder / DATA)["points"])
+    costs = {scene: whole_runs(folder, scene) for scene in scenes}
+    presets = [preset for preset in PRESETS if any(preset in own for own in costs.values())]
+    lines = [
+        (scene, *(shown_time(own[preset]) if preset in own else "-" for preset in presets))
+        for scene, own in costs.items()
+    ]
+    return markdown(("scene", *presets), lines)
+
+
+def whole_runs(folder: Path, scene: str) -> dict[str, float]:
+    """Preset -> CPU time of its whole default run [s], as far as it was measured."""
+    rows = begun(folder / DATA).get("points", [])
+    return {
+        row["preset"]: row["seconds"] for row in rows if row["scene"] == scene and row["level"] in (1, None)
     }
-    return table_of([row for row in rows if row["level"] in (1, None)], columns)
-
-
-def _within(rows: Sequence[Mapping[str, Any]], of: Mapping[str, Any]) -> str:
-    alike = [row for row in rows if (row["scene"], row["preset"]) == (of["scene"], of["preset"])]
-    within = sum(row["error"] <= row["bar"] + row["doubt"] for row in alike if isfinite(row["bar"]))
-    return f"{within} of {len(alike)}"
 
 
 TOPIC = Topic(

@@ -13,6 +13,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from benchmarks.accuracy_speed.chart import work_precision_figure
+from benchmarks.accuracy_speed.level_points import whole_runs
 from benchmarks.accuracy_speed.loop_points import loop_points
 from benchmarks.accuracy_speed.measurement import Measurement, PlannedPoint, load_measurement, measure_point
 from benchmarks.accuracy_speed.tables import TABLES
@@ -91,7 +92,8 @@ def measure_scene(
     scene = reference.scene
     file = folder / f"{scene}.h5"
     names = [(plan.study, plan.label) for plan in planned]
-    measurement = Measurement(scene, reference.headline, planned=names, origin=provenance())
+    known = reference.headline
+    measurement = Measurement(scene, known.uncertainty, known.differences, planned=names, origin=provenance())
     before = load_measurement(file).points if file.exists() else []
     measurement.points = [point for point in before if (point.study, point.label) in names]
     missing = measurement.missing
@@ -106,7 +108,8 @@ def measure_scene(
         measurement.save(file)
     if measurement.points != before:  # else the file keeps its origin
         measurement.save(file)
-    style.save(work_precision_figure(measurement), file.with_suffix(".png"))
+    whole = whole_runs(folder, scene)
+    style.save(work_precision_figure(measurement, whole), file.with_suffix(".png"))
 
 
 def points_of(scene: str, plans: Sequence[str], thinned: Callable[[Study], Study]) -> Iterator[PlannedPoint]:

@@ -4,7 +4,7 @@ Each point is kept as soon as it is measured, failed ones too; a planned point w
 """
 
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,6 @@ from typing import Any
 import h5py
 import numpy as np
 
-from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.base.files import replacing
 from rps_exudyn.base.hdf5 import opened
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -21,10 +20,9 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes.scene_run import SceneRun
 from verification.runs import SceneReference, revolutions, run_scene
 from verification.variants import variant_of
-from verification.work_precision import Reference
 
 FILETYPE = "rps_exudyn-work-precision"
-VERSION = (1, 1)
+VERSION = (2, 0)
 
 REPEATS = 15
 ENOUGH_TIME = 1.5  # CPU seconds spent on repeating one point
@@ -92,7 +90,8 @@ class Measurement:
     """All points of one scene."""
 
     scene: str
-    reference: Reference
+    uncertainty: float  # of the reference [%]
+    differences: dict[str, float] = field(default_factory=dict)  # of its methods, pair by pair [%]
     points: list[Point] = field(default_factory=list)
     planned: list[tuple[str, str]] = field(default_factory=list)  # study and label of each point
     origin: dict[str, str] = field(default_factory=dict)
@@ -109,7 +108,7 @@ class Measurement:
         Raises:
             InputError: the file cannot be written.
         """
-        with replacing(path) as partial, h5py.File(partial, "w") as file:
+        with replacing(path) as partial, h5py.File(partial, "w", libver="latest") as file:
             _write(self, file)
 
 
@@ -157,6 +156,7 @@ def measure_point(plan: PlannedPoint, reference: SceneReference, repeats: int = 
 
 
 ERRORS = ("rms", "rms_linear", "bias")
+PLANNED = "study", "label"
 
 
 def load_measurement(path: str | Path) -> Measurement:
@@ -166,21 +166,14 @@ def load_measurement(path: str | Path) -> Measurement:
         InputError: no such file, or one of something else.
     """
     with opened(path, FILETYPE, "work-precision study", VERSION) as file:
-        reference = Reference(
-            Curve(file["reference/time"][()], file["reference/values"][()]),
-            float(file["reference"].attrs["uncertainty"]),
-            json.loads(file["reference"].attrs["differences"]),
-        )
-        columns: dict[str, Any] = {}
-        for each in fields(Point):
-            column = file["points"][each.name]
-            columns[each.name] = column.asstr()[()].tolist() if each.type is str else column[()].tolist()
-        rows: Iterable[tuple[Any, ...]] = zip(*columns.values(), strict=True)
+        columns = [_column(file["points"][each.name]) for each in fields(Point)]
+        planned = [_column(file["planned"][name]) for name in PLANNED]
         return Measurement(
             scene=str(file.attrs["scene"]),
-            reference=reference,
-            points=[Point(**dict(zip(columns, row, strict=True))) for row in rows],
-            planned=[(study, label) for study, label in json.loads(file.attrs["planned"])],
+            uncertainty=float(file.attrs["uncertainty"]),
+            differences=json.loads(file.attrs["differences"]),
+            points=[Point(*row) for row in zip(*columns, strict=True)],
+            planned=list(zip(*planned, strict=True)),
             origin=json.loads(file.attrs["origin"]),
         )
 
@@ -190,22 +183,23 @@ def _write(measurement: Measurement, file: h5py.File) -> None:
         filetype=FILETYPE,
         version=VERSION,
         scene=measurement.scene,
-        planned=json.dumps(measurement.planned),
+        uncertainty=measurement.uncertainty,
+        differences=json.dumps(measurement.differences),
         origin=json.dumps(measurement.origin),
     )
-    reference = file.create_group("reference")
-    curve = measurement.reference.curve
-    packed: Any = {"compression": "gzip", "shuffle": True}
-    reference.create_dataset("time", data=curve.time, **packed)
-    reference.create_dataset("values", data=curve.values, dtype=np.float32, **packed)
-    reference.attrs["uncertainty"] = measurement.reference.uncertainty
-    reference.attrs["differences"] = json.dumps(measurement.reference.differences)
-    points = file.create_group("points")
-    for each in fields(Point):
-        column = [getattr(point, each.name) for point in measurement.points]
-        if each.type is str:
-            letters = [text.encode() for text in column]
-            size = max(map(len, letters), default=0) or 1
-            points.create_dataset(each.name, data=letters, dtype=h5py.string_dtype(length=size), **packed)
-        else:
-            points[each.name] = np.array(column, dtype=int if each.type is int else float)
+    _write_columns(file.create_group("planned"), PLANNED, measurement.planned)
+    names = [each.name for each in fields(Point)]
+    rows = [[getattr(point, name) for name in names] for point in measurement.points]
+    _write_columns(file.create_group("points"), names, rows)
+
+
+def _write_columns(group: h5py.Group, names: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
+    """Write each column in one chunk, which takes the fewest bytes."""
+    for name, column in zip(names, zip(*rows, strict=True) if rows else [()] * len(names), strict=True):
+        values = np.array([each.encode() if isinstance(each, str) else each for each in column])
+        packed: Any = {"compression": 9, "shuffle": True, "chunks": values.shape} if rows else {}
+        group.create_dataset(name, data=values, **packed)
+
+
+def _column(stored: h5py.Dataset) -> list[Any]:
+    return [each.decode() if isinstance(each, bytes) else each for each in stored[()].tolist()]

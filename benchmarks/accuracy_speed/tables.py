@@ -1,14 +1,10 @@
-"""Tables about speed and accuracy, from the files of measured points: models, fronts, references, orders."""
+"""Tables about speed and accuracy, from the files of measured points: models, facets."""
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
-import numpy as np
-
-from benchmarks.accuracy_speed.measurement import Measurement, Point, load_measurement
-from benchmarks.topic import Columns, digits, load_data, markdown, table_of
-from rps_exudyn.scenes import SCENE_NAMES
-from verification.work_precision import power_law
+from benchmarks.accuracy_speed.measurement import Point, load_measurement
+from benchmarks.topic import Columns, digits, markdown, table_of
 
 TORQUE = "free-pinion-torque"
 LIMITS = "limits.json"
@@ -16,29 +12,17 @@ DEFAULT_STRIPS = "strips 4"
 MODELS = {
     "general_contact": ("spheres 10", "spheres 27", "spheres 54"),
     "bush": ("segments 25, step_angle 1 °",),
-    "flank_line": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("1", "3")),
-    "quasi_static_line": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("1", "5")),
-    "flank_teeth": (f"step_angle 1 °, {DEFAULT_STRIPS}",),
-    "quasi_static_teeth": (f"step_angle 1 °, {DEFAULT_STRIPS}",),
+    **dict.fromkeys(
+        ("flank_line", "quasi_static_line", "flank_teeth", "quasi_static_teeth"),
+        (f"step_angle 1 °, {DEFAULT_STRIPS}",),
+    ),
     "flank_bending": ("rack.modes 8, step_angle 1 °",),
-    "quasi_static_bending": ("rack.modes 8, step_angle 1 °",),
-    **{
-        f"{preset}_{law}": ("step_angle 1 °",)
-        for law in ("stribeck", "bristles", "four_bristles")
-        for preset in ("flank", "quasi_static")
-    },
+    "flank_stribeck": ("step_angle 1 °",),
+    "flank_bristles": ("step_angle 1 °",),
     "loop": ("step_angle 5 °",),
     "closed_form": ("",),
 }
 """Study -> beginnings of the labels that stand for the package's models."""
-
-
-def measured(folder: Path) -> Iterator[Measurement]:
-    """Every scene's measurement, as far as there is one."""
-    for scene in SCENE_NAMES:
-        file = folder / f"{scene}.h5"
-        if file.exists():
-            yield load_measurement(file)
 
 
 def of_torque(folder: Path, *studies: str) -> list[Point]:
@@ -54,7 +38,6 @@ def models_table(folder: Path) -> str:
         "settings": lambda point: point.label,
         "CPU s": lambda point: digits(point.cost),
         "error %": lambda point: f"{point.error:.2g}" if point.ok else point.status,
-        "of the mean %": lambda point: f"{point.bias:+.2g}" if point.ok else "",
     }
     points = [point for point in of_torque(folder, *MODELS) if point.label.startswith(MODELS[point.study])]
     return table_of(sorted(points, key=lambda point: list(MODELS).index(point.study)), columns)
@@ -64,53 +47,6 @@ def cheapest(points: Iterable[Point], families: Collection[str], error: float) -
     """The cheapest point of these families that keeps an error [%]."""
     keeps = [point for point in points if point.ok and point.family in families and point.error <= error]
     return min(keeps, key=lambda point: point.cost, default=None)
-
-
-def _time(seconds: float) -> str:
-    return f"{digits(1e3 * seconds)} ms" if seconds < 1 else f"{digits(seconds)} s"
-
-
-def scenes_table(folder: Path) -> str:
-    """Return how well each scene's reference is known, and what 1 % and 0.1 % cost."""
-    rows = []
-    for each in measured(folder):
-        cells = []
-        for error in (1.0, 0.1):
-            found = [_cheapest_of(each.points, kind, error) for kind in ("quasi-static", "flank")]
-            cells.append(" / ".join("-" if best is None else _time(best.cost) for best in found))
-        rows.append((each.scene, f"{each.reference.uncertainty:.2g} %", *cells))
-    return markdown(("scene", "reference known to", "1 % by quasi-static / flank", "0.1 %"), rows)
-
-
-def _cheapest_of(points: Sequence[Point], kind: str, error: float) -> Point | None:
-    """The cheapest point by the default contact law, or by the other where the scene was measured with that
-    alone."""
-    by_default = f"{kind}, line"
-    family = by_default if any(point.family == by_default for point in points) else kind
-    return cheapest(points, (family,), error)
-
-
-def laws_table(folder: Path) -> str:
-    """Mean torque and ripple by every law."""
-    content = load_data(folder / LIMITS)
-    torques = {name: np.array(values) for name, values in content["torques"].items()}
-    default = torques[content["default"]].mean()
-    columns: Columns = {
-        "law": lambda row: row[0],
-        "mean N mm": lambda row: f"{1e3 * row[1].mean():.1f}",
-        "against the default %": lambda row: f"{100 * (row[1].mean() / default - 1):+.2f}",
-        "peak to peak N mm": lambda row: f"{1e3 * np.ptp(row[1]):.1f}",
-    }
-    return table_of(torques.items(), columns)
-
-
-def scaling_table(folder: Path) -> str:
-    """Return what grows, range of its size, of its cost, fitted exponent."""
-    rows = []
-    for name, (size, cost) in load_data(folder / LIMITS)["scaling"].items():
-        spans = f"{size[0]:g} to {size[-1]:g}", f"{cost[0]:.2g} to {cost[-1]:.2g}"
-        rows.append((name, *spans, f"{power_law(np.array(size), np.array(cost))[0]:.2f}"))
-    return markdown(("size", "range", "CPU s", "exponent"), rows)
 
 
 def facets_table(folder: Path) -> str:
@@ -124,4 +60,4 @@ def facets_table(folder: Path) -> str:
     return markdown(("family", "facets, material left over", "torque, RMS", "mean"), rows)
 
 
-TABLES = {"models": models_table, "accuracy_scenes": scenes_table, "facets": facets_table}
+TABLES = {"models": models_table, "facets": facets_table}

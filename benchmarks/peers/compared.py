@@ -63,21 +63,19 @@ def front_of(rows: Sequence[Row], time: Time) -> list[Row]:
 
 
 def ratios_table(folder: Path) -> str:
-    """By how much each preset is faster than each peer at the peer's errors; bold: by less than asked."""
+    """By how much whole runs of each preset are faster than each peer at the peer's errors, and how many of
+    these it keeps; bold: by less than asked."""
     rows = from_data(load_data(folder / DATA)["rows"])
-    lines = []
-    for preset in PACKAGE:
-        for peer in peers_of(rows):
-            of_runs, of_loops = (ratios(rows, preset, peer, time) for time in (whole, loop))
-            runs, loops = (
-                f"{digits(min(found))} to {digits(max(found))}" if found else "-"
-                for found in (of_runs, of_loops)
-            )
-            if not of_runs or min(of_runs) < ASKED[preset]:
-                runs = f"**{runs}**"
-            own = sum(row.ok and row.program == peer for row in rows)
-            lines.append((preset, peer, runs, loops, f"{len(of_runs)}/{own}"))
-    return markdown(("preset", "peer", "whole runs", "loop", "peer's errors kept"), lines)
+
+    def cell(preset: str, peer: str) -> str:
+        found = ratios(rows, preset, peer, whole)
+        own = sum(row.ok and row.program == peer for row in rows)
+        text = f"{digits(min(found))} to {digits(max(found))}" if found else "-"
+        kept = "" if len(found) == own else f" ({len(found)} of {own})"
+        return f"**{text}**{kept}" if not found or min(found) < ASKED[preset] else text + kept
+
+    lines = [(peer, *(cell(preset, peer) for preset in PACKAGE)) for peer in peers_of(rows)]
+    return markdown(("peer", *PACKAGE), lines)
 
 
 def search_table(folder: Path) -> str:

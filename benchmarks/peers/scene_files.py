@@ -68,15 +68,10 @@ def scene_parameters() -> dict[str, Any]:
 
 
 def write_geometry(folder: Path) -> None:
-    """Write pinion and rack at pinion angle 0, housing frame: STL [mm] of each, GLB [m] of both."""
-    meshes = {}
+    """Write pinion and rack at pinion angle 0, housing frame [mm]."""
     for name, chord_error in CHORD_ERRORS.items():
         solid = assembled(scene.GEAR, chord_error=chord_error)[name]
-        meshes[name] = trimesh.Trimesh(solid.vertices, solid.faces, process=False)
-    with replacing(folder / "gear.glb") as partial:
-        partial.write_bytes(trimesh.Scene(meshes).export(file_type="glb"))
-    for name, mesh in meshes.items():
-        mesh.apply_scale(1e3)
+        mesh = trimesh.Trimesh(1e3 * solid.vertices, solid.faces, process=False)
         with replacing(folder / f"{name}.stl") as partial:
             partial.write_bytes(mesh.export(file_type="stl"))
 

@@ -1,10 +1,5 @@
-"""The problems in Exudyn: general contact of spheres and triangles, explicit steps.
+"""The problems in Exudyn: general contact of spheres and triangles, explicit steps."""
 
-Its friction grows in proportion to the sliding speed below a speed, the zone: a body that should stick
-creeps, on an incline by zone x tan(angle) / mu.
-"""
-
-from dataclasses import dataclass
 from time import process_time
 from typing import Any
 
@@ -12,6 +7,7 @@ import numpy as np
 
 from benchmarks.truth.problem_files import corners
 from benchmarks.truth.problems import ALONG, UP, Body, Box, Motion, Scene
+from benchmarks.truth.soft_feet import SoftFeet
 
 COORDINATES = {("slide", ALONG): 0, ("slide", UP): 2, ("hinge", UP): 5}
 """Freedom -> coordinate of a node: three places, three angles."""
@@ -20,13 +16,8 @@ FACES = [[0, 1, 2], [0, 2, 3]]  # of a plate's upper face
 HARDER = 1e3  # plates than feet, so that the feet's stiffness counts
 
 
-@dataclass(frozen=True)
-class Exudyn:
-    """Settings: zone [m/s], depth of the feet at rest [m], share of the stable step."""
-
-    zone: float = 1e-3
-    depth: float = 2e-6
-    share: float = 0.2
+class Exudyn(SoftFeet):
+    """Exudyn with settings."""
 
     def run(self, scene: Scene) -> tuple[Motion, float]:
         """Return the motion and the CPU time of its loop [s].
@@ -54,7 +45,7 @@ class Exudyn:
         settings.solution.file.write = False
         settings.solution.sensors.writePeriod = scene.seconds / RECORDED
         settings.timeIntegration.endTime = scene.seconds
-        settings.timeIntegration.numberOfSteps = int(np.ceil(scene.seconds / self._step(scene)))
+        settings.timeIntegration.numberOfSteps = int(np.ceil(scene.seconds / self.step(scene)))
         start = process_time()
         mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.VelocityVerlet)
         spent = process_time() - start
@@ -68,20 +59,6 @@ class Exudyn:
             force = scene.drive.stiffness * (ends - place) - scene.drive.damping * rate
         return Motion(time, place, rate, force), spent
 
-    def _stiffness(self, scene: Scene, body: Body) -> float:
-        """Stiffness of a foot that the weight of all bodies presses in by the depth [N/m]."""
-        load = sum(each.mass for each in scene.bodies) * float(np.linalg.norm(scene.gravity))
-        return load / len(body.feet) / self.depth
-
-    def _step(self, scene: Scene) -> float:
-        """A share of the largest stable step: vibration on the feet, and decay within the zone."""
-        fastest = 0.0
-        for body in scene.bodies:
-            on_feet = len(body.feet) * self._stiffness(scene, body)
-            sticking = scene.friction * on_feet * self.depth / self.zone
-            fastest = max(fastest, np.sqrt(on_feet / body.mass) + sticking / body.mass)
-        return self.share / fastest
-
     def _build(self, mbs: Any, scene: Scene) -> dict[str, int]:
         """Add bodies and contact; return the bodies' nodes."""
         from exudyn.itemInterface import MarkerBodyRigid, ObjectGround
@@ -94,7 +71,7 @@ class Exudyn:
         contact.SetSearchTreeBox(pMin=[-0.6, -0.1, -0.05], pMax=[0.6, 0.1, 0.1])
         contact.SetSearchTreeCellSize(numberOfCells=[40, 10, 10])
         nodes = {}
-        hardest = max(self._stiffness(scene, body) for body in scene.bodies)
+        hardest = max(self.stiffness(scene, body) for body in scene.bodies)
 
         def add_plates(boxes: tuple[Box, ...], frame: int) -> None:
             for box in boxes:
@@ -102,8 +79,8 @@ class Exudyn:
 
         for body in scene.bodies:
             nodes[body.name], number = _add(mbs, body, scene)
-            stiffness = self._stiffness(scene, body)
-            damping = 0.6 * np.sqrt(stiffness * body.mass / len(body.feet))
+            stiffness = self.stiffness(scene, body)
+            damping = self.damping(scene, body)
             for foot in body.feet:
                 marker = mbs.AddMarker(MarkerBodyRigid(bodyNumber=number, localPosition=foot))
                 contact.AddSphereWithMarker(marker, body.foot_radius, stiffness, damping, 0)

@@ -7,10 +7,7 @@ import numpy as np
 import pytest
 
 from benchmarks.accuracy_speed.measurement import Measurement, Point, load_measurement
-from benchmarks.accuracy_speed.tables import LIMITS, scaling_table
-from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.parameters.fidelity import Fidelity
-from verification.work_precision import Reference
 
 
 def point(step: float, cost: float, error: float, message: str = "") -> Point:
@@ -32,21 +29,14 @@ def point(step: float, cost: float, error: float, message: str = "") -> Point:
 @pytest.fixture
 def stopped() -> Measurement:
     """Lines of order 2 in the step; one point failed, one was not measured."""
-    time = np.linspace(0, 1, 20)
     points = [point(step, 1e-3 / step, 0.01 * step**2) for step in (1, 2, 4)]
     points += [point(5, 1e-3, 0.01, message="<no equilibrium>")]
     planned = [("quasi_static", f"step {step}") for step in (1, 2, 4, 5, 8)]
-    reference = Reference(Curve(time, 1 + 0 * time), 1e-5, {"one - another": 1e-5})
-    return Measurement("free-pinion-torque", reference, points, planned, {"date": "today"})
+    differences = {"one - another": 1e-5}
+    return Measurement("free-pinion-torque", 1e-5, differences, points, planned, {"date": "today"})
 
 
 def test_a_stopped_measurement_keeps_its_failures(stopped: Measurement, tmp_path: Path) -> None:
     stopped.save(tmp_path / "free-pinion-torque.h5")
     failed = [each for each in load_measurement(tmp_path / "free-pinion-torque.h5").points if not each.ok]
     assert [(each.status, each.message) for each in failed] == [("no-convergence", "<no equilibrium>")]
-
-
-def test_cost_grows_with_a_fitted_exponent(tmp_path: Path) -> None:
-    content = {"scaling": {"turns": [[1, 2, 4], [0.1, 0.4, 1.6]]}}
-    (tmp_path / LIMITS).write_text(json.dumps(content))
-    assert scaling_table(tmp_path).splitlines()[-1] == "| turns | 1 to 4 | 0.1 to 1.6 | 2.00 |"

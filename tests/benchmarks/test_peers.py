@@ -103,5 +103,5 @@ def test_published_files_belong_together() -> None:
     assert stored["scene"]["preload"] == GEAR.yoke.preload
     assert stored["scene"]["rack_travel_per_radian"] == pytest.approx(PAIR.gain)
     assert stored["reference"]["mean"] == pytest.approx(np.mean(TORQUE[:-1]), rel=1e-6)  # seven digits
-    for file in ("pinion.stl", "rack.stl", "gear.glb"):
+    for file in ("pinion.stl", "rack.stl"):
         assert (FOLDER / file).stat().st_size < 120_000

@@ -89,7 +89,9 @@ PICTURES: dict[str, Callable[[], Figure]] = {
     "overview": fronts,
     "other programs": compared,
 } | {
-    path.stem: lambda path=path: chart.work_precision_figure(load_measurement(path))  # type: ignore[misc]
+    path.stem: lambda path=path: chart.work_precision_figure(  # type: ignore[misc]
+        load_measurement(path), level_points.whole_runs(path.parent, path.stem)
+    )
     for path in sorted((RESULTS / "accuracy_speed").glob("*.h5"))
 }
 

@@ -91,6 +91,13 @@ def test_formulas_are_set_as_drawings_with_their_text() -> None:
     assert "arithmatex" not in content
 
 
+def test_options_stay_whole() -> None:
+    page = "<p>a -- b <code>fit --free rack.bow</code>, <code>--all</code></p>"
+    content = module_of("hooks").on_page_content(page)
+    assert content.count('<span class="option">') == 2
+    assert re.sub(r"</?span[^>]*>", "", content) == page
+
+
 def formulas() -> list[tuple[str, str, str]]:
     """Page, formula and tag of every formula of the pages, outside of code."""
     found = []
