@@ -30,7 +30,7 @@ from rps_exudyn.study.definition import Axis
 from rps_exudyn.study.effects import grid_effect
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable
-from shell import Command
+from shell import Command, refusal_of
 
 POINTS = [{"preload": 110.0 + 7 * at, "friction": 0.1 + 0.01 * (at % 3)} for at in range(12)]
 
@@ -341,15 +341,13 @@ def test_nothing_of_a_sheet_file_becomes_markup(tmp_path: Path, command: Command
         lambda sheet: sheet["sections"][0]["blocks"][2]["rows"][0].update(mark="x onload"),
     ],
 )
-def test_json_that_is_no_sheet_is_refused(
+def test_json_that_is_no_sheet_is_refusal_of(
     damage: Callable[[dict[str, object]], object], tmp_path: Path, command: Command
 ) -> None:
     sheet = _sheet("x")
     damage(sheet)
     (tmp_path / "s.json").write_text(json.dumps({"sheet": sheet}))
-    answer = command(["report", "s.json"])
-    assert answer.status == 2
-    assert "s.json holds no sheet" in answer.err
+    assert "s.json holds no sheet" in refusal_of(command(["report", "s.json"]))
 
 
 def test_gear_file_has_a_sheet(tmp_path: Path, command: Command) -> None:
@@ -372,9 +370,9 @@ def test_description_of_a_study_stands_for_its_folder(
 
 @pytest.mark.parametrize("name", ["r.png", "batch.csv", "r-animation.html"])
 def test_other_files_of_commands_are_refused(name: str, command: Command) -> None:
-    answer = command(["report", name])
-    assert answer.status == 2
-    assert "report takes folders of studies, results (.h5), sheets (.json) and gears (.toml)" in answer.err
+    assert "report takes folders of studies, results (.h5), sheets (.json) and gears (.toml)" in refusal_of(
+        command(["report", name])
+    )
 
 
 def test_several_results_stand_side_by_side(made_up_result: Result, tmp_path: Path, command: Command) -> None:

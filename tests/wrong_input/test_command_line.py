@@ -9,7 +9,7 @@ import pytest
 
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import free_pinion_torque
-from shell import Command
+from shell import Command, refusal_of
 
 
 @pytest.fixture(autouse=True)
@@ -97,26 +97,24 @@ def test_mistake_ends_in_one_sentence(arguments: str, sentence: str, command: Co
 
 
 def test_all_mistakes_of_the_settings_at_once(command: Command) -> None:
-    answer = command(["describe", "--set", "yoke.preload", "--set", "bush.drag=-1", "--set", "foo=2"])
-    assert answer.status == 2
-    assert [line.split()[1] for line in answer.err.splitlines()] == ["--set", "bush.drag", "foo"]
+    said = refusal_of(
+        command(["describe", "--set", "yoke.preload", "--set", "bush.drag=-1", "--set", "foo=2"])
+    )
+    assert [line.split()[1] for line in said.splitlines()] == ["--set", "bush.drag", "foo"]
 
 
 def test_mistakes_of_gear_and_fidelity_at_once(command: Command) -> None:
     wrong = ["yoke.preload=-1", "bush.inner_diameter=40mm", "fidelity.zone_ratio=0"]
     settings = [word for setting in wrong for word in ("--set", setting)]
-    answer = command(["run", *settings, "--fidelity", "closed-form", "--mesh", "general-contact"])
-    assert answer.status == 2
-    assert [line.split()[1] for line in answer.err.splitlines()] == [
+    said = refusal_of(command(["run", *settings, "--fidelity", "closed-form", "--mesh", "general-contact"]))
+    assert [line.split()[1] for line in said.splitlines()] == [
         "yoke.preload", "fidelity.zone_ratio", "fidelity.mesh", "bush.inner_diameter",
     ]  # fmt: skip
 
 
 def test_fidelity_is_no_matter_of_the_gears_file(command: Command) -> None:
     Path("gear.toml").write_text('[fidelity]\nmesh = "ratio"\n')
-    answer = command(["run", "--gear", "gear.toml"])
-    assert answer.status == 2
-    assert "gear.toml: fidelity is no table of a gear" in answer.err
+    assert "gear.toml: fidelity is no table of a gear" in refusal_of(command(["run", "--gear", "gear.toml"]))
 
 
 def test_unknown_table_of_a_file_is_not_pointed_to_fidelity(command: Command) -> None:
@@ -148,9 +146,9 @@ def test_read_only_folder_is_refused(command: Command, tmp_path: Path) -> None:
 def test_diff_draws_no_picture_without_common_angles(command: Command, made_up_result: Result) -> None:
     made_up_result.save("a.h5")
     dataclasses.replace(made_up_result, signals={}).save("b.h5")
-    answer = command(["diff", "a.h5", "b.h5", "--plot", "c.png"])
-    assert answer.status == 2
-    assert "c.png is not drawn: the two results share no range of the pinion angle." in answer.err
+    assert "c.png is not drawn: the two results share no range of the pinion angle." in refusal_of(
+        command(["diff", "a.h5", "b.h5", "--plot", "c.png"])
+    )
     assert sorted(os.listdir()) == ["a.h5", "b.h5"]
 
 

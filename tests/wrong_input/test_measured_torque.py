@@ -33,7 +33,7 @@ from rps_exudyn.inference.measured.reading import read_curve, read_measured_torq
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.solvers.closed_form import closed_form
-from shell import Command
+from shell import Command, refusal_of
 
 HEADER = "pinion_angle [deg], pinion_torque [N m]\n"
 
@@ -308,9 +308,8 @@ def test_run_draws_and_compares(command: Command, tmp_path: Path) -> None:
     assert "torque_mean" in done.out.split("Torque towards +X, pinion angles of -30 ° to 400 ° (")[1]
     assert "the simulated 0 ° to 360 ° stand for every turn" in done.out
     assert "difference: RMS 2.9" in done.out
-    refused = command(["run", "--measured", "none.csv"])
-    assert refused.status == 2
-    assert refused.err.startswith("rps-exudyn: none.csv cannot be read: there is no such file")
+    said = refusal_of(command(["run", "--measured", "none.csv"]))
+    assert said.startswith("rps-exudyn: none.csv cannot be read: there is no such file")
 
 
 def long_file(folder: Path, rows: int) -> Path:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from rps_exudyn.study.store import Store
-from shell import Command
+from shell import Command, refusal_of
 from study_files import write_grid
 
 START = 'scene = "free-pinion-torque"\nfidelity = "quasi-static"\n'
@@ -135,11 +135,10 @@ def test_mistake_in_the_file(command: Command, tmp_path: Path, name: str) -> Non
     (tmp_path / "in" / "link").symlink_to("/tmp")
     file = tmp_path / "in" / "s.toml"
     file.write_text(text)
-    answer = command(["study", str(file)])
-    assert answer.status == 2
-    assert sentence in answer.err
-    assert "s.toml" in answer.err
-    assert "Traceback" not in answer.err
+    said = refusal_of(command(["study", str(file)]))
+    assert sentence in said
+    assert "s.toml" in said
+    assert "Traceback" not in said
     assert not (tmp_path / "s").exists()
 
 
@@ -168,9 +167,9 @@ def test_folder_of_something_else(command: Command, tmp_path: Path) -> None:
     write_grid(tmp_path / "s.toml", 100)
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter.txt").write_text("dear")
-    answer = command(["study", "s.toml", "--out", "mine"])
-    assert answer.status == 2
-    assert "mine is no study's folder, and not empty" in answer.err
+    assert "mine is no study's folder, and not empty" in refusal_of(
+        command(["study", "s.toml", "--out", "mine"])
+    )
     assert "is a file" in command(["study", "s.toml", "--out", "s.toml"]).err
 
 
@@ -189,9 +188,7 @@ def test_foreign_newer_or_damaged_study(
     write_grid(tmp_path / "s.toml", 100)
     (tmp_path / "s").mkdir()
     (tmp_path / "s" / "study.json").write_text(content)
-    answer = command(["study", "s.toml"])
-    assert answer.status == 2
-    assert sentence in answer.err
+    assert sentence in refusal_of(command(["study", "s.toml"]))
     assert (tmp_path / "s" / "study.json").read_text() == content
 
 
