@@ -11,10 +11,10 @@ from rps_exudyn.base.files import PICTURES, check_writable, replacing
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import PAPER_GEAR, GearOptions, Jobs, Json
 from rps_exudyn.cli.output import DONE, present
+from rps_exudyn.results.sheet import Block, Grid, Line, Sheet, Text
 
 if TYPE_CHECKING:
     from rps_exudyn.inference.fitting.production import Limits, ProductionLot, Risks
-    from rps_exudyn.results.sheet import Block
 
 COLUMNS = (
     "gear", "level [N m]", "low [N m]", "high [N m]", "expected [N m]", "moving average [N m]", "P e [N mm]",
@@ -44,7 +44,6 @@ def judge_batch(
         plot: Picture (.png, .svg, .pdf) of the drift.
     """
     from rps_exudyn.inference.fitting.production import GUARD, judge_lot
-    from rps_exudyn.results.sheet import Sheet
     from rps_exudyn.simulate.cases.run_cases import checked_jobs
 
     limits = parse_tolerance(tolerance) if tolerance is not None else None
@@ -85,9 +84,8 @@ def judge_batch(
     return DONE
 
 
-def _text(found: "ProductionLot", risks: "Sequence[Risks]", rejected: list[str] | None) -> "Iterator[Block]":
+def _text(found: "ProductionLot", risks: "Sequence[Risks]", rejected: list[str] | None) -> Iterator[Block]:
     from rps_exudyn.inference.fitting.findings import shown
-    from rps_exudyn.results.sheet import Grid, Line, Text
 
     middle, low, high = (100 * each for each in found.scatter)
     yield Line(f"batch · {len(found.gears)} gears", is_bold=True)

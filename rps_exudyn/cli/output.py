@@ -19,10 +19,11 @@ from typing import TYPE_CHECKING, Any
 from rps_exudyn.base.errors import InputError, unwrapped_interrupts
 from rps_exudyn.base.files import number_existing
 from rps_exudyn.base.screen import silent
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.sheet import INDENT, Block, Grid, Line, Sheet, Text
 
 if TYPE_CHECKING:
     from rps_exudyn.results.result import Result
-    from rps_exudyn.results.sheet import Block, Sheet
 
 DONE, FAILED, WRONG_INPUT = 0, 1, 2
 """Exit statuses, beside that of Ctrl-C."""
@@ -148,7 +149,7 @@ def _finite(value: Any) -> Any:
 
 
 def present(
-    sheet: "Sheet",
+    sheet: Sheet,
     files: list[Path] | None = None,
     *,
     every: bool = True,
@@ -167,7 +168,6 @@ def present(
     Raises:
         InputError: the output cannot be written; it names a file.
     """
-    from rps_exudyn.results.sheet import INDENT
 
     names = [] if files is None else files
     with naming(names):
@@ -193,8 +193,7 @@ def present(
             print_line(f"{f'written: {written}' if names else 'nothing written'}  (--all: {sheet.more})")
 
 
-def _print_text(blocks: "Iterable[Block]") -> None:
-    from rps_exudyn.results.sheet import Grid, Line, Text
+def _print_text(blocks: Iterable[Block]) -> None:
 
     for block in blocks:
         if isinstance(block, Grid):
@@ -246,7 +245,6 @@ def naming(files: Sequence[Path]) -> Iterator[None]:
 
 def verdict(result: "Result") -> int:
     """Return the exit status of a simulation; of a failed one, print on standard error what to do."""
-    from rps_exudyn.results.outcome import Status
 
     if result.status is Status.OK:
         return DONE
@@ -294,7 +292,6 @@ def keep(result: "Result", files: Files, written: list[Path]) -> bool:
         KeyboardInterrupt: while the picture is drawn; it names the file that is written.
     """
     from rps_exudyn.parameters.gear import surfaces_of
-    from rps_exudyn.results.outcome import Status
 
     if result.status is not Status.OK:
         files = files.of_failed
