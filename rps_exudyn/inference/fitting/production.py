@@ -8,7 +8,7 @@ moving average (ISO 7870-6), whose limit is the quantile of lots of as many gear
 """
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -149,15 +149,9 @@ def measured_gear(path: Path, gear: SteeringGear) -> MeasuredGear:
     return MeasuredGear(path.stem, abs(level.value), level.data_sd, runout)
 
 
-def judge_lot(
-    folder: str | Path,
-    gear: SteeringGear | None = None,
-    *,
-    jobs: int = 1,
-    on_progress: Callable[[int, int], None] | None = None,
-) -> ProductionLot:
+def judge_lot(folder: str | Path, gear: SteeringGear | None = None, *, jobs: int = 1) -> ProductionLot:
     """Return what the free torques of a folder's files (text, MDF, TDMS, MAT) show, one gear a file, in the
-    order of their names; `gear` is what is expected of all, `on_progress` is called with files done and all.
+    order of their names; `gear` is what is expected of all.
 
     Raises:
         InputError: no such folder, or fewer than `FEWEST` files that can be read.
@@ -175,8 +169,6 @@ def judge_lot(
             found[number] = answer.returned()
         except InputError as error:
             refused[number] = " ".join(error.problems)
-        if on_progress is not None:
-            on_progress(len(found) + len(refused), len(files))
     if len(found) < FEWEST:
         why = f"; the first refusal: {refused[min(refused)]}" if refused else ""
         needed = f"{folder} holds {len(found)} curves that can be read; a batch needs at least {FEWEST}"
