@@ -104,7 +104,6 @@ class Plan:
 
     targets: Mapping[str, float]
     tests: tuple[PlannedTest, ...]
-    simulations: int
 
     @property
     def minutes(self) -> float:
@@ -151,7 +150,7 @@ def plan(
     chosen = whole = dict.fromkeys(tests, MOST_RUNS)
     if _reached(design.half_intervals(whole), targets):
         chosen = _exchanged(design, _reduced(design, whole, targets), targets)
-    return Plan(targets, tuple(_in_order(design, chosen, targets)), 2 * len(tests))
+    return Plan(targets, tuple(_in_order(design, chosen, targets)))
 
 
 def programme(
@@ -168,7 +167,7 @@ def programme(
         test, _ = named_test(f"{name.strip()}=none")
         runs[test] = runs.get(test, 0) + int(count or 1)
     design = _Design.of(gear or SteeringGear(), list(runs), minutes or MINUTES)
-    return Plan({}, tuple(_in_order(design, runs, {})), 2 * len(runs))
+    return Plan({}, tuple(_in_order(design, runs, {})))
 
 
 Runs = Mapping[BenchTest, int]
