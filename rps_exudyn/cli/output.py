@@ -5,7 +5,6 @@ does this too, but takes longer for the list of all parameters than Python takes
 """
 
 import json
-import math
 import os
 import shlex
 import sys
@@ -17,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rps_exudyn.base.errors import InputError, unwrapped_interrupts
-from rps_exudyn.base.files import number_existing
+from rps_exudyn.base.files import number_existing, strict
 from rps_exudyn.base.screen import silent
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.sheet import INDENT, Block, Grid, Line, Sheet, Text
@@ -137,15 +136,7 @@ def _width() -> int:
 
 def print_json(content: Mapping[str, Any]) -> None:
     """Print strict JSON on standard output; numbers that are not finite become null."""
-    print(json.dumps(_finite(content), indent=2, default=str))
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    print(json.dumps(strict(content), indent=2, default=str))
 
 
 def present(
