@@ -159,7 +159,6 @@ def present(
     Raises:
         InputError: the output cannot be written; it names a file.
     """
-
     names = [] if files is None else files
     with naming(names):
         try:
@@ -185,7 +184,6 @@ def present(
 
 
 def _print_text(blocks: Iterable[Block]) -> None:
-
     for block in blocks:
         if isinstance(block, Grid):
             if block.caption:
@@ -236,7 +234,6 @@ def naming(files: Sequence[Path]) -> Iterator[None]:
 
 def verdict(result: "Result") -> int:
     """Return the exit status of a simulation; of a failed one, print on standard error what to do."""
-
     if result.status is Status.OK:
         return DONE
     say(f"the simulation failed ({result.status}): {result.message.rstrip('.')}. {result.status.remedy}")

@@ -49,7 +49,6 @@ def plan_tests(
 
 
 def _text(wanted: Mapping[str, float], found: "Plan") -> Iterator[Block]:
-
     goals = ", ".join(f"{path} {_half(half)}" for path, half in wanted.items())
     yield Line(f"plan · wanted: {goals} · {found.minutes:.0f} minutes", is_bold=True)
     rows = [

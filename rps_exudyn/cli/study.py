@@ -144,7 +144,6 @@ def _list_cases(work: "StudyWork", jobs: int, json: bool) -> None:
 
 
 def _present_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:
-
     for path, sentence in tally.skipped[:SHOWN_SKIPPED]:
         say(f"{sentence} It was set aside as {path.stem}.set-aside.")
     if len(tally.skipped) > SHOWN_SKIPPED:
@@ -189,7 +188,6 @@ def _present_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:
 
 def group_lines(said: "Sequence[Group]") -> Iterator[Block]:
     """Causes of failure, then remarks, with the numbers of their cases; the commonest of each."""
-
     for failed in (True, False):
         lines = [f"  {group.line()}" for group in said if (group.status is not Status.OK) is failed]
         yield from map(Text, lines[:SHOWN_GROUPS])
