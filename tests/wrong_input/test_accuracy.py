@@ -30,8 +30,7 @@ def test_no_percentage(text: str) -> None:
     ],
 )
 def test_command_refuses_it(asked: list[str], said: str, command: Command) -> None:
-    said = refusal_of(command(["run", "--accuracy", "1%", *asked]))
-    assert said in " ".join(said.split())
+    assert said in " ".join(refusal_of(command(["run", "--accuracy", "1%", *asked])).split())
 
 
 @pytest.mark.parametrize(
