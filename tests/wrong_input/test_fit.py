@@ -206,7 +206,7 @@ def turned(path: Path, forth: float, back: float, *, reach: float = 180.0, falls
         (0.6, -0.6, False, r"passes in one direction .* opposite signs, 0.6 and -0.6 in SI"),
     ],
 )
-def test_torques_that_are_no_friction_about_zero_are_refusal_of(
+def test_torques_that_are_no_friction_about_zero_are_refused(
     forth: float, back: float, falls: bool, sentence: str, tmp_path: Path
 ) -> None:
     with pytest.raises(InputError, match=sentence):
