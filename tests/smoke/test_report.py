@@ -190,8 +190,8 @@ def test_effects_below_the_error_bars_are_named(
     assert "error bars (median ± 0.30 N m) are larger than the main effect of friction." in effects
 
 
-def test_best_and_worst_cases_are_listed(made_up_result: Result, tmp_path: Path, command: Command) -> None:
-    make_study(tmp_path / "s", made_up_result)
+@pytest.mark.usefixtures("study")
+def test_best_and_worst_cases_are_listed(command: Command) -> None:
     section = reported(command, "s", "--out", "r.html").sections["Best and worst cases"]
     assert re.search(r"lowest \(best\)\s+0\.100 ± 0\.001 N m\s+100 N\s+0\.1 ", section)
     assert re.search(r"highest \(worst\)\s+0\.800 ± 0\.001 N m\s+400 N\s+0\.2 ", section)
@@ -337,7 +337,7 @@ def test_nothing_of_a_sheet_file_becomes_markup(tmp_path: Path, command: Command
         lambda sheet: sheet["sections"][0]["blocks"][2]["rows"][0].update(mark="x onload"),
     ],
 )
-def test_json_that_is_no_sheet_is_refusal_of(
+def test_json_that_is_no_sheet_is_refused(
     damage: Callable[[dict[str, object]], object], tmp_path: Path, command: Command
 ) -> None:
     sheet = _sheet("x")
@@ -357,11 +357,9 @@ def test_gear_file_has_a_sheet(tmp_path: Path, command: Command) -> None:
     assert "img" in page.tags
 
 
-def test_description_of_a_study_stands_for_its_folder(
-    made_up_result: Result, tmp_path: Path, command: Command
-) -> None:
-    make_study(tmp_path / "grid", made_up_result)
-    assert command(["report", "grid/study.json"]).out == "written: grid/report.html\n"
+@pytest.mark.usefixtures("study")
+def test_description_of_a_study_stands_for_its_folder(command: Command) -> None:
+    assert command(["report", "s/study.json"]).out == "written: s/report.html\n"
 
 
 @pytest.mark.parametrize("name", ["r.png", "batch.csv", "r-animation.html"])
@@ -385,8 +383,8 @@ def test_several_results_stand_side_by_side(made_up_result: Result, tmp_path: Pa
     assert re.search(r"yoke\.preload\s+300 N\s+310 N", numbers)
 
 
-def test_same_study_gives_the_same_page(made_up_result: Result, tmp_path: Path, command: Command) -> None:
-    make_study(tmp_path / "s", made_up_result)
+@pytest.mark.usefixtures("study")
+def test_same_study_gives_the_same_page(tmp_path: Path, command: Command) -> None:
     command(["report", "s", "--out", "a.html"])
     command(["report", "s", "--out", "b.html"])
     assert (tmp_path / "a.html").read_bytes() == (tmp_path / "b.html").read_bytes()

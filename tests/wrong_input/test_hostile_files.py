@@ -14,18 +14,12 @@ import pytest
 
 import rps_exudyn as rps
 from edited import edited
-from made_up_study import make_study
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of
 from rps_exudyn.gears.solids import rack_solid
 from rps_exudyn.results.block import Block, CaseRecord, packed
 from rps_exudyn.study.study_file import read_study
 from shell import Command, refusal_of
-
-
-@pytest.fixture
-def study(made_up_result: rps.Result, tmp_path: Path) -> Path:
-    return make_study(tmp_path / "s", made_up_result)
 
 
 def linked(file: h5py.File, secret: Path) -> None:

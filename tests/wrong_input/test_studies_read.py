@@ -8,16 +8,10 @@ import pytest
 
 import rps_exudyn as rps
 from edited import edited, rewrite_study
-from made_up_study import make_study
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.results.result import Result
 from rps_exudyn.study.collected import read_table
 from shell import Command, refusal_of
-
-
-@pytest.fixture
-def study(made_up_result: Result, tmp_path: Path) -> Path:
-    return make_study(tmp_path / "s", made_up_result)
 
 
 @pytest.mark.parametrize("subcommand", ["collect", "report"])
