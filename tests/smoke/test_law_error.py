@@ -17,7 +17,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import MEASURED, error_of_law, law_error
 from rps_exudyn.results.outcome import Code
 from rps_exudyn.results.result import Result
-from shell import Command, refusal_of
+from shell import Command
 from verification.law_area import by_law
 
 # Mean free torque [N mm] and efficiency at 5, 10 and 30 N m: finite elements of whole teeth, law area
@@ -124,12 +124,6 @@ def test_formulas_say_that_they_take_another_law() -> None:
     )
     assert teeth.message == "mesh.law is teeth; the closed form takes loads per length as law line has them"
     assert (line.message, teeth.summary) == ("", line.summary)
-
-
-def test_general_contact_refuses_teeth_that_bend(command: Command) -> None:
-    assert "mesh.law is teeth, but fidelity.mesh = general-contact has only line" in refusal_of(
-        command(["run", "--fidelity", "full", "--set", "mesh.law=teeth"])
-    )
 
 
 # --- against the published elements ------------------------------------------------------------------

@@ -362,13 +362,6 @@ def test_description_of_a_study_stands_for_its_folder(command: Command) -> None:
     assert command(["report", "s/study.json"]).out == "written: s/report.html\n"
 
 
-@pytest.mark.parametrize("name", ["r.png", "batch.csv", "r-animation.html"])
-def test_other_files_of_commands_are_refused(name: str, command: Command) -> None:
-    assert "report takes folders of studies, results (.h5), sheets (.json) and gears (.toml)" in refusal_of(
-        command(["report", name])
-    )
-
-
 def test_several_results_stand_side_by_side(made_up_result: Result, tmp_path: Path, command: Command) -> None:
     made_up_result.save(tmp_path / "a.h5")
     other = dataclasses.replace(

@@ -2,6 +2,7 @@
 
 import dataclasses
 import os
+import shlex
 from pathlib import Path
 
 import h5py
@@ -24,6 +25,7 @@ def no_simulation(monkeypatch: pytest.MonkeyPatch) -> None:
     )
 
 
+OTHER_FILE = "report takes folders of studies, results (.h5), sheets (.json) and gears (.toml)"
 MISTAKES = {
     "runn": 'Unknown command "runn".',
     "run free-pinion-torque again": "again is not an argument of this command",
@@ -58,6 +60,23 @@ MISTAKES = {
     "run --set fidelity.step_angle=1mm": "fidelity.step_angle is '1mm', which is no quantity in rad",
     "run --set fidelity.step_angel=1": "fidelity.step_angel is no parameter; the nearest ones are",
     "run --set fidelity.name=mine": "fidelity.name cannot be set",
+    "run --set fidelity.step_angle=1e-9deg": "must be at least 0.001 deg",
+    "run --accuracy 1% --fidelity closed-form": "fidelity is closed-form, which has no ladder to climb",
+    "run --accuracy 1% --level 2": "accuracy chooses the level itself; leave out level",
+    "run --accuracy 1% --bush chain": "--accuracy chooses the model itself; leave out --bush",
+    "run --accuracy 1% --set fidelity.step_angle=0.1": "leave out --set fidelity.step_angle",
+    "run --accuracy 1% --metrics torque": "metrics has torque, which is no metric with an error bar; take",
+    "run --accuracy 1% --band 9": "--band makes many runs; leave out --accuracy",
+    "run --inputs series": "add --band",
+    "run --band 16 --robust": "leave out --robust",
+    "run --band 16 17": "takes one",
+    "run --band 16 --set 'yoke.preload=300 N +- -1 N'": "a deviation above 0",
+    "run --band 16 --inputs own": "no parameter carries a distribution",
+    "run --band x": "Invalid value for --band",
+    "report r.png": OTHER_FILE,
+    "report batch.csv": OTHER_FILE,
+    "report r-animation.html": OTHER_FILE,
+    "validate --only undercut-limit --out page.txt": "page.txt cannot be written: its name must end in",
     "geometry --set fidelity.mesh=flank": "fidelity is no table of parameters",
     "diff a.h5": "requires an argument",
     "diff missing.h5 other.h5": "missing.h5 cannot be read: there is no such file.",
@@ -86,7 +105,7 @@ MISTAKES = {
 
 @pytest.mark.parametrize(("arguments", "sentence"), MISTAKES.items(), ids=lambda text: text[:60])
 def test_mistake_ends_in_one_sentence(arguments: str, sentence: str, command: Command) -> None:
-    answer = command(arguments.split())
+    answer = command(shlex.split(arguments))
     assert answer.status == 2
     assert answer.out == ""
     assert answer.err.count("\n") == 1

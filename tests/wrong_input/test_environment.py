@@ -56,12 +56,6 @@ def test_number_beyond_all_sizes(path: str, value: float) -> None:
         Setup().replace({path: value})
 
 
-def test_step_so_small_that_no_memory_holds_its_record(command: Command) -> None:
-    assert "must be at least 0.001 deg" in refusal_of(
-        command(["run", "--set", "fidelity.step_angle=1e-9 deg"])
-    )
-
-
 def test_rerun_does_not_replace_the_result_that_it_repeats(command: Command) -> None:
     assert command(["run", "--fidelity", "closed-form", "--out", "a.h5"]).status == 0
     assert "name another file" in refusal_of(command(["rerun", "a.h5", "--out", "a.h5"]))
