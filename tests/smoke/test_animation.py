@@ -149,7 +149,7 @@ def test_nothing_of_a_file_becomes_markup(pitch: Result) -> None:
     assert "<img src=x" not in page(named)
 
 
-def test_gear_without_deflections_says_so(command: Command, tmp_path: Path) -> None:
+def test_gear_without_deflections_says_so() -> None:
     result = rps.run("free-pinion-torque", fidelity="closed-form")
     assert "has no deflections and no lines of contact" in page(result)
 

@@ -131,9 +131,7 @@ def test_remarks_and_causes_are_counted_and_linked(
     assert len(curves) == 4  # cases that ended ok
 
 
-def test_charts_do_not_join_both_sides_of_a_limit(
-    made_up_result: Result, tmp_path: Path, command: Command
-) -> None:
+def test_charts_do_not_join_both_sides_of_a_limit(made_up_result: Result, tmp_path: Path) -> None:
     """Contours and lines where all cases are on one side; none where a level has cases on both."""
     everywhere = {at: STOPPED.format(15, 3) for at in range(6)}
     lines, diamonds = {}, {}

@@ -85,7 +85,7 @@ def test_tables_are_checked_for_type_and_version(
 
 
 def test_sensitivity_without_salib_says_what_to_install(
-    study: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, command: Command
+    study: Path, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     for module in ("SALib", "SALib.analyze.morris"):
         monkeypatch.setitem(sys.modules, module, None)
