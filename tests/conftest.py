@@ -21,6 +21,7 @@ import pytest
 from hypothesis import settings
 
 from cpu_limit import CpuLimit
+from made_up_study import make_study
 from rps_exudyn.cli.main import main
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
@@ -210,6 +211,12 @@ def made_up_result() -> Result:
         cpu_s=1.5,
         wall_s=2.0,
     )
+
+
+@pytest.fixture
+def study(made_up_result: Result, tmp_path: Path) -> Path:
+    """Folder `s` of a made-up study that has ended."""
+    return make_study(tmp_path / "s", made_up_result)
 
 
 @pytest.fixture

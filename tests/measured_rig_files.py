@@ -17,7 +17,6 @@ from rps_exudyn.parameters.gear import SteeringGear
 
 HEAD = "angle [deg];torque [Nm]\n"
 HALF = 73  # rows of the way forth
-WAY = np.where(np.arange(ANGLE.size) < HALF, 1, -1)
 TRAVEL = 1e3 * float(GearPair.of(SteeringGear()).gain) * np.radians(ANGLE)  # [mm]
 SWEPT = 36 * np.diff(ANGLE, prepend=-185) / 5  # [deg/s]
 FINE = np.concatenate([np.arange(-180.0, 181.0), np.arange(179.0, -181.0, -1.0)])  # [deg]

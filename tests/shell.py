@@ -24,6 +24,13 @@ class Answer(NamedTuple):
 Command = Callable[[Sequence[str]], Answer]
 
 
+def refusal_of(answer: Answer) -> str:
+    """Return what a command has said on standard error, which must have refused its input."""
+    assert answer.status == 2, answer
+    assert "Traceback" not in answer.err
+    return answer.err
+
+
 def reader_environment() -> dict[str, str]:
     """Return the variables of a reader's terminal: home, language, and this Python's commands in the path."""
     commands = Path(sys.executable).parent

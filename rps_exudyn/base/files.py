@@ -1,9 +1,10 @@
 """Files: written so that they are complete or absent, read as tables of JSON, checked by a checksum."""
 
 import json
+import math
 import os
 import stat
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from itertools import count
 from pathlib import Path
@@ -88,14 +89,23 @@ def replacing(path: str | Path) -> Iterator[Path]:
         partial.unlink(missing_ok=True)
 
 
+def strict(value: Any) -> Any:
+    """Return content for JSON, which has no numbers that are not finite: None stands for them."""
+    if isinstance(value, Mapping):
+        return {key: strict(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [strict(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
 def write_json(path: str | Path, content: Any) -> None:
-    """Write content as JSON of one value a line.
+    """Write content as strict JSON of one value a line.
 
     Raises:
         InputError: the file cannot be written.
     """
     with replacing(path) as partial:
-        partial.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+        partial.write_text(json.dumps(strict(content), indent=1) + "\n", encoding="utf-8")
 
 
 def check_writable(path: str | Path, suffixes: Sequence[str] = ()) -> Path:

@@ -5,6 +5,7 @@ from pathlib import Path
 from rps_exudyn.base.files import check_writable
 from rps_exudyn.cli.output import DONE, present, say
 from rps_exudyn.cli.study import SHOWN_SKIPPED, group_lines
+from rps_exudyn.results.sheet import Sheet, Text
 
 
 def collect(folder: Path, /, *, out: Path | None = None) -> int:
@@ -15,7 +16,6 @@ def collect(folder: Path, /, *, out: Path | None = None) -> int:
         out: Table (.h5, .csv, .parquet, .mat), or netCDF over the axes (.nc); default: table.h5
             in the folder.
     """
-    from rps_exudyn.results.sheet import Sheet, Text
     from rps_exudyn.study.case_progress import groups
     from rps_exudyn.study.collected import SUFFIXES, write_table
     from rps_exudyn.study.store import Store

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, Any
 
 from rps_exudyn.cli.options import PAPER_SETUP, Json, SetupOptions
 from rps_exudyn.cli.output import DONE, present
+from rps_exudyn.results.sheet import Block, Grid, Sheet, Text
 
 if TYPE_CHECKING:
     from rps_exudyn.parameters.declaration import Declared
     from rps_exudyn.parameters.gear import Setup
-    from rps_exudyn.results.sheet import Block
 
 
 def describe(path: str = "", /, *, setup: SetupOptions = PAPER_SETUP, json: Json = False) -> int:
@@ -19,7 +19,6 @@ def describe(path: str = "", /, *, setup: SetupOptions = PAPER_SETUP, json: Json
         path: Parameter such as yoke.preload, or table such as yoke or fidelity; default: all.
     """
     from rps_exudyn.parameters.gear import Setup
-    from rps_exudyn.results.sheet import Sheet
 
     items = Setup.declared_at(path)
     table = setup.load()
@@ -27,9 +26,8 @@ def describe(path: str = "", /, *, setup: SetupOptions = PAPER_SETUP, json: Json
     return DONE
 
 
-def _text(table: "Setup", items: "list[Declared]") -> "Iterator[Block]":
+def _text(table: "Setup", items: "list[Declared]") -> Iterator[Block]:
     from rps_exudyn.results.law_error import law_error
-    from rps_exudyn.results.sheet import Grid, Text
 
     rows = [(item.path, item.show(table.value_at(item.path)), item.meaning, item.source) for item in items]
     yield Grid(("parameter", "value", "meaning", "source"), rows)

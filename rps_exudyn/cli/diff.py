@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 from rps_exudyn.base.files import PICTURES, check_writable
 from rps_exudyn.cli.options import Json
 from rps_exudyn.cli.output import DONE, present
+from rps_exudyn.results.sheet import Block, Grid, Line, Sheet, Text
 
 if TYPE_CHECKING:
     from rps_exudyn.analysis.result_comparison import ResultComparison
-    from rps_exudyn.results.sheet import Block
 
 
 def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Json = False) -> int:
@@ -23,7 +23,6 @@ def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Json =
     """
     from rps_exudyn.analysis.result_comparison import compare
     from rps_exudyn.pages.charts.analyses import draw_comparison
-    from rps_exudyn.results.sheet import Sheet
     from rps_exudyn.study.case_blocks import load
 
     if plot:
@@ -37,9 +36,8 @@ def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Json =
     return DONE
 
 
-def _text(comparison: "ResultComparison", names: tuple[str, str]) -> "Iterator[Block]":
+def _text(comparison: "ResultComparison", names: tuple[str, str]) -> Iterator[Block]:
     from rps_exudyn.parameters.gear import Setup
-    from rps_exudyn.results.sheet import Grid, Line, Text
 
     for name, scene, status in zip(names, comparison.scene, comparison.status, strict=True):
         yield Line(f"{name}: {scene} · status {status}", is_bold=True)

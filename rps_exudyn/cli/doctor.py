@@ -12,6 +12,7 @@ from rps_exudyn.base.files import check_writable
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import Flag
 from rps_exudyn.cli.output import DONE, FAILED
+from rps_exudyn.results.outcome import Status
 
 PUBLISHED = 0.6199
 """Mean free pinion torque of the default gear by `quasi-static` [N m], as the README states it."""
@@ -87,7 +88,6 @@ def _code() -> Iterator[tuple[str, str, bool]]:
 
 def _reference(loaded: float) -> tuple[str, str, bool]:
     """The default gear's torque, against the published one; how long the start took, by part."""
-    from rps_exudyn.results.outcome import Status
     from rps_exudyn.scenes.free_pinion_torque import SCENE
     from rps_exudyn.simulate.run import run
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from rps_exudyn.base.files import check_writable
 from rps_exudyn.cli.options import PAPER_GEAR, Flag, GearOptions, Json
 from rps_exudyn.cli.output import DONE, present
+from rps_exudyn.results.sheet import Grid, Sheet, Text
 
 
 def export(
@@ -30,7 +31,6 @@ def export(
     from rps_exudyn.fmu.export import WRITERS
     from rps_exudyn.fmu.export import export as write
     from rps_exudyn.gears.geometry_report import check_gear
-    from rps_exudyn.results.sheet import Grid, Sheet, Text
 
     check_writable(path, tuple(WRITERS))
     chosen = gear.load()

@@ -6,6 +6,7 @@ from pathlib import Path
 from rps_exudyn.base.files import PICTURES, check_writable
 from rps_exudyn.cli.options import PAPER_GEAR, Flag, GearOptions, Json
 from rps_exudyn.cli.output import DONE, present
+from rps_exudyn.results.sheet import Block, Grid, Sheet, Text
 
 
 def geometry(
@@ -21,7 +22,6 @@ def geometry(
     from rps_exudyn.gears.geometry_report import COURSE_TABLE, geometry_report
     from rps_exudyn.gears.surface_report import compared, contradictions, placed_surfaces
     from rps_exudyn.results.quantities import GEOMETRY
-    from rps_exudyn.results.sheet import Block, Grid, Sheet, Text
 
     chosen = gear.load()
     if out:

@@ -11,10 +11,11 @@ from rps_exudyn.base.files import PICTURES, check_writable, replacing
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import PAPER_GEAR, GearOptions, Jobs, Json
 from rps_exudyn.cli.output import DONE, present
+from rps_exudyn.results.sheet import Block, Grid, Line, Sheet, Text
 
 if TYPE_CHECKING:
-    from rps_exudyn.inference.fitting.production import Limits, ProductionLot, Risks
-    from rps_exudyn.results.sheet import Block
+    from rps_exudyn.inference.fitting.production import ProductionLot, Risks
+    from rps_exudyn.results.limit import Limit
 
 COLUMNS = (
     "gear", "level [N m]", "low [N m]", "high [N m]", "expected [N m]", "moving average [N m]", "P e [N mm]",
@@ -43,8 +44,7 @@ def judge_batch(
         out: Table of the gears (.csv).
         plot: Picture (.png, .svg, .pdf) of the drift.
     """
-    from rps_exudyn.inference.fitting.production import GUARD, judge_lot
-    from rps_exudyn.results.sheet import Sheet
+    from rps_exudyn.inference.fitting.production import GUARD, accepted_within, judge_lot
     from rps_exudyn.simulate.cases.run_cases import checked_jobs
 
     limits = parse_tolerance(tolerance) if tolerance is not None else None
@@ -55,7 +55,7 @@ def judge_batch(
         found = judge_lot(folder, gear.load(), jobs=checked_jobs(jobs))
     guard = GUARD * found.sd
     risks = [] if limits is None else [found.risks(limits, each) for each in (0.0, guard)]
-    accepted = limits and limits.guarded(guard)
+    accepted = limits and accepted_within(limits, guard)
     rows = list(_rows(found, accepted))
     if out is not None:
         with replacing(out) as partial:
@@ -75,7 +75,7 @@ def judge_batch(
             "parameters": found.parameters,
             "scatter_alone": found.alone,
             "drift_alarms": [found.gears[i].name for i in found.drift.alarms],
-            "risks": [vars(each) | {"limits": [each.limits.low, each.limits.high]} for each in risks],
+            "risks": [vars(each) | {"limits": [each.limits.least, each.limits.most]} for each in risks],
             "refused": list(found.refused),
         }
 
@@ -85,9 +85,8 @@ def judge_batch(
     return DONE
 
 
-def _text(found: "ProductionLot", risks: "Sequence[Risks]", rejected: list[str] | None) -> "Iterator[Block]":
+def _text(found: "ProductionLot", risks: "Sequence[Risks]", rejected: list[str] | None) -> Iterator[Block]:
     from rps_exudyn.inference.fitting.findings import shown
-    from rps_exudyn.results.sheet import Grid, Line, Text
 
     middle, low, high = (100 * each for each in found.scatter)
     yield Line(f"batch · {len(found.gears)} gears", is_bold=True)
@@ -105,7 +104,7 @@ def _text(found: "ProductionLot", risks: "Sequence[Risks]", rejected: list[str] 
     yield Grid(heads, cells)
     for name, each in zip(("without guard bands", "with guard bands"), risks, strict=False):
         yield Text(
-            f"limits {name}, {each.limits.low:.4g} to {each.limits.high:.4g} N m: consumer's risk "
+            f"limits {name}, {each.limits.least:.4g} to {each.limits.most:.4g} N m: consumer's risk "
             f"{100 * each.consumer:.2g} %, producer's risk {100 * each.producer:.2g} %"
         )
     if rejected is not None:
@@ -116,13 +115,13 @@ def _text(found: "ProductionLot", risks: "Sequence[Risks]", rejected: list[str] 
     yield from (Text(f"note: left out: {sentence}") for sentence in found.refused)
 
 
-def parse_tolerance(text: str) -> "Limits":
+def parse_tolerance(text: str) -> "Limit":
     """Return limits [N m] of "LOW to HIGH"; either may be left out.
 
     Raises:
         InputError: it is no tolerance.
     """
-    from rps_exudyn.inference.fitting.production import Limits
+    from rps_exudyn.results.limit import Limit
 
     found = _TOLERANCE.fullmatch(text.strip())
     inf = float("inf")
@@ -132,8 +131,8 @@ def parse_tolerance(text: str) -> "Limits":
         )
     except ValueError:
         low = high = None
-    limits = Limits(-inf if low is None else low, inf if high is None else high)
-    if (low is None and high is None) or not limits.low < limits.high:
+    limits = Limit(-inf if low is None else low, inf if high is None else high, "the tolerance")
+    if (low is None and high is None) or not limits.least < limits.most:
         raise InputError(
             f'--tolerance {text} is no tolerance; write for instance --tolerance "0.5 N*m to 0.8 N*m", or '
             '"to 0.8 N*m".'
@@ -141,13 +140,13 @@ def parse_tolerance(text: str) -> "Limits":
     return limits
 
 
-def _rows(found: "ProductionLot", accepted: "Limits | None") -> Iterator[tuple[str, ...]]:
+def _rows(found: "ProductionLot", accepted: "Limit | None") -> Iterator[tuple[str, ...]]:
     """The row of each gear, by `COLUMNS`; the verdict is that of limits of acceptance."""
     alarms = set(found.drift.alarms.tolist())
     for i, each in enumerate(found.gears):
         runout, verdict = each.runout, ""
         if accepted is not None:
-            verdict = "accepted" if accepted.low <= each.level <= accepted.high else "rejected"
+            verdict = "accepted" if accepted.keeps(each.level) else "rejected"
         numbers = (each.level, *each.interval, found.expected[i], found.drift.average[i])
         yield (
             each.name,

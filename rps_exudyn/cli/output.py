@@ -5,7 +5,6 @@ does this too, but takes longer for the list of all parameters than Python takes
 """
 
 import json
-import math
 import os
 import shlex
 import sys
@@ -17,12 +16,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rps_exudyn.base.errors import InputError, unwrapped_interrupts
-from rps_exudyn.base.files import number_existing
+from rps_exudyn.base.files import number_existing, strict
 from rps_exudyn.base.screen import silent
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.sheet import INDENT, Block, Grid, Line, Sheet, Text
 
 if TYPE_CHECKING:
     from rps_exudyn.results.result import Result
-    from rps_exudyn.results.sheet import Block, Sheet
 
 DONE, FAILED, WRONG_INPUT = 0, 1, 2
 """Exit statuses, beside that of Ctrl-C."""
@@ -136,19 +136,11 @@ def _width() -> int:
 
 def print_json(content: Mapping[str, Any]) -> None:
     """Print strict JSON on standard output; numbers that are not finite become null."""
-    print(json.dumps(_finite(content), indent=2, default=str))
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    print(json.dumps(strict(content), indent=2, default=str))
 
 
 def present(
-    sheet: "Sheet",
+    sheet: Sheet,
     files: list[Path] | None = None,
     *,
     every: bool = True,
@@ -167,8 +159,6 @@ def present(
     Raises:
         InputError: the output cannot be written; it names a file.
     """
-    from rps_exudyn.results.sheet import INDENT
-
     names = [] if files is None else files
     with naming(names):
         try:
@@ -193,9 +183,7 @@ def present(
             print_line(f"{f'written: {written}' if names else 'nothing written'}  (--all: {sheet.more})")
 
 
-def _print_text(blocks: "Iterable[Block]") -> None:
-    from rps_exudyn.results.sheet import Grid, Line, Text
-
+def _print_text(blocks: Iterable[Block]) -> None:
     for block in blocks:
         if isinstance(block, Grid):
             if block.caption:
@@ -246,8 +234,6 @@ def naming(files: Sequence[Path]) -> Iterator[None]:
 
 def verdict(result: "Result") -> int:
     """Return the exit status of a simulation; of a failed one, print on standard error what to do."""
-    from rps_exudyn.results.outcome import Status
-
     if result.status is Status.OK:
         return DONE
     say(f"the simulation failed ({result.status}): {result.message.rstrip('.')}. {result.status.remedy}")
@@ -294,7 +280,6 @@ def keep(result: "Result", files: Files, written: list[Path]) -> bool:
         KeyboardInterrupt: while the picture is drawn; it names the file that is written.
     """
     from rps_exudyn.parameters.gear import surfaces_of
-    from rps_exudyn.results.outcome import Status
 
     if result.status is not Status.OK:
         files = files.of_failed

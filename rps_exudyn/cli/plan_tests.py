@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import PAPER_GEAR, GearOptions, Json
 from rps_exudyn.cli.output import DONE, FAILED, present
+from rps_exudyn.results.sheet import Block, Grid, Line, Sheet, Text
 
 if TYPE_CHECKING:
     from rps_exudyn.inference.fitting.plan import Plan
-    from rps_exudyn.results.sheet import Block
 
 
 def plan_tests(
@@ -26,7 +26,6 @@ def plan_tests(
         minutes: TOML file of the bench's times: [free], setup = 5, run = 5, in minutes.
     """
     from rps_exudyn.inference.fitting.plan import MINUTES, parse_targets, plan, read_minutes
-    from rps_exudyn.results.sheet import Sheet
 
     wanted = parse_targets(targets)
     times = read_minutes(minutes) if minutes else MINUTES
@@ -49,9 +48,7 @@ def plan_tests(
     return FAILED if found.missed else DONE
 
 
-def _text(wanted: Mapping[str, float], found: "Plan") -> "Iterator[Block]":
-    from rps_exudyn.results.sheet import Grid, Line, Text
-
+def _text(wanted: Mapping[str, float], found: "Plan") -> Iterator[Block]:
     goals = ", ".join(f"{path} {_half(half)}" for path, half in wanted.items())
     yield Line(f"plan · wanted: {goals} · {found.minutes:.0f} minutes", is_bold=True)
     rows = [

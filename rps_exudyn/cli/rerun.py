@@ -5,16 +5,13 @@ from collections.abc import Iterator
 from contextlib import redirect_stdout
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import RESULT_FILES, check_writable
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import All, Json
 from rps_exudyn.cli.output import note, present, verdict
-
-if TYPE_CHECKING:
-    from rps_exudyn.results.sheet import Block
+from rps_exudyn.results.sheet import Block, Grid, Sheet, Text
 
 
 def rerun(file: Path, /, *, out: Path | None = None, every: All = False, json: Json = False) -> int:
@@ -29,7 +26,6 @@ def rerun(file: Path, /, *, out: Path | None = None, every: All = False, json: J
     from rps_exudyn.parameters.fidelity import Fidelity
     from rps_exudyn.parameters.gear import SteeringGear
     from rps_exudyn.parameters.retired import gone
-    from rps_exudyn.results.sheet import Grid, Sheet, Text
     from rps_exudyn.simulate.run import simulate
     from rps_exudyn.study.case_blocks import load
 
@@ -47,7 +43,7 @@ def rerun(file: Path, /, *, out: Path | None = None, every: All = False, json: J
         new.save(out)
     differing, (quantity, size) = differing_numbers(old, new), largest_difference(old, new)
 
-    def compared() -> "Iterator[Block]":
+    def compared() -> Iterator[Block]:
         if not differing:
             yield Text(f"Every number equals that of {file}, bit for bit.")
             return

@@ -26,6 +26,7 @@ from rps_exudyn.cli.options import (
     chosen_columns,
 )
 from rps_exudyn.cli.output import DONE, FAILED, Files, keep, note, present, printing, verdict
+from rps_exudyn.results.outcome import Interrupted
 from rps_exudyn.scenes import SCENE_NAMES
 
 if TYPE_CHECKING:
@@ -90,7 +91,6 @@ def run(
         raise InputError(f"--no-plot draws no picture; leave out --plot {plot}.")
     from rps_exudyn.analysis.measured import compared_with_own
     from rps_exudyn.pages.report.result_sheet import sheet_of
-    from rps_exudyn.results.outcome import Interrupted
     from rps_exudyn.simulate.cases.time_limit import TimeLimit
     from rps_exudyn.simulate.run import simulate
 

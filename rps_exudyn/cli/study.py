@@ -10,9 +10,10 @@ from rps_exudyn.base.progress import duration
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import Flag, Json
 from rps_exudyn.cli.output import DONE, FAILED, present, say
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.sheet import Block, Line, Sheet, Text
 
 if TYPE_CHECKING:
-    from rps_exudyn.results.sheet import Block
     from rps_exudyn.simulate.cases.task import Executor
     from rps_exudyn.study.case_progress import Group
     from rps_exudyn.study.runner import StudyWork, Tally
@@ -56,7 +57,6 @@ def study(
     if dry_run:
         _list_cases(work, processes, json)
         return DONE
-    from rps_exudyn.results.outcome import Status
     from rps_exudyn.simulate.cases.processes import Processes, StartError
     from rps_exudyn.study.runner import StorageError, run_study
 
@@ -111,7 +111,6 @@ def _kept(work: "StudyWork") -> str:
 
 
 def _list_cases(work: "StudyWork", jobs: int, json: bool) -> None:
-    from rps_exudyn.results.sheet import Sheet, Text
     from rps_exudyn.study.case_progress import estimate
     from rps_exudyn.study.table import show_value
     from rps_exudyn.study.task_queue import group_plan_of
@@ -122,7 +121,7 @@ def _list_cases(work: "StudyWork", jobs: int, json: bool) -> None:
     missing = {case.hash for case in work.missing}
     cases = work.description.cases
 
-    def text() -> "Iterator[Block]":
+    def text() -> Iterator[Block]:
         for case in cases:
             state = "to do" if case.hash in missing else "done "
             values = (f"{axis.name} = {show_value(axis, case.values[axis.name])}" for axis in work.study.axes)
@@ -145,15 +144,13 @@ def _list_cases(work: "StudyWork", jobs: int, json: bool) -> None:
 
 
 def _present_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:
-    from rps_exudyn.results.sheet import Line, Sheet, Text
-
     for path, sentence in tally.skipped[:SHOWN_SKIPPED]:
         say(f"{sentence} It was set aside as {path.stem}.set-aside.")
     if len(tally.skipped) > SHOWN_SKIPPED:
         say(f"{len(tally.skipped) - SHOWN_SKIPPED} more such files.")
     folder, count = work.store.path, sum(tally.statuses.values())
 
-    def text() -> "Iterator[Block]":
+    def text() -> Iterator[Block]:
         from rps_exudyn.pages.report.study_rows import range_rows
         from rps_exudyn.study.table import CaseTable
 
@@ -189,11 +186,8 @@ def _present_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:
     present(Sheet(text=text(), data=data), json=json)
 
 
-def group_lines(said: "Sequence[Group]") -> "Iterator[Block]":
+def group_lines(said: "Sequence[Group]") -> Iterator[Block]:
     """Causes of failure, then remarks, with the numbers of their cases; the commonest of each."""
-    from rps_exudyn.results.outcome import Status
-    from rps_exudyn.results.sheet import Text
-
     for failed in (True, False):
         lines = [f"  {group.line()}" for group in said if (group.status is not Status.OK) is failed]
         yield from map(Text, lines[:SHOWN_GROUPS])

@@ -67,7 +67,7 @@ def test_geometry_quantities_are_those_of_the_report() -> None:
     assert list(geometry_report(SteeringGear()).numbers) == list(GROUPS["geometry"])
 
 
-def test_page_lists_every_key_of_a_study(made_up_result: Result) -> None:
+def test_page_lists_every_key_of_a_study() -> None:
     keys = json.loads(description(grid_points()).to_json())
     assert {name for name, *_ in rows("`study.json`")} == {f"`{name}`" for name in keys}
     assert {name for name, *_ in rows("Axes of `study.json`")} == {f"`{name}`" for name in keys["axes"][0]}

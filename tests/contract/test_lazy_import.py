@@ -27,8 +27,6 @@ def test_import_loads_nothing_heavy_and_no_numpy() -> None:
         ["--help"],
         ["run", "--help"],
         ["fit", "--help"],
-        ["describe"],
-        ["describe", "--json"],
         ["geometry", "--help"],
     ],
 )

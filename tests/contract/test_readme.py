@@ -129,15 +129,6 @@ def test_page_lists_every_command() -> None:
     assert sorted(listed) == sorted(name for name in app if not name.startswith("-"))
 
 
-def test_layout_lists_the_folders_from_the_ground_up() -> None:
-    page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    listed = re.findall(r"^      (\w+)/ ", page[page.index("## Layout") :], re.M)
-    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    layers = settings["tool"]["importlinter"]["contracts"][0]["layers"]
-    assert sorted(listed) == sorted(layers)
-    assert listed == layers[::-1]
-
-
 @pytest.mark.parametrize(
     ("model", "row", "stated"),
     [

@@ -62,6 +62,8 @@ def test_printed_gear_names_what_differs_from_the_default() -> None:
     assert "yoke.preload 400 N" in changed._repr_html_()
 
 
-def test_printed_fidelity_is_its_name() -> None:
-    fidelity = Fidelity.preset("full").replace({"bush": "rigid"})
-    assert "full with bush rigid" in repr(fidelity)
+def test_printed_fidelity_is_its_name_which_hides_no_change() -> None:
+    changed = Fidelity.preset("full").replace({"bush": "rigid"})
+    assert "full with bush rigid" in repr(changed)
+    assert changed.replace({"step_angle": "0.1 deg"}).name == "full with bush rigid, step_angle 0.1 deg"
+    assert changed.replace({}) == changed

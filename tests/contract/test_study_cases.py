@@ -187,21 +187,3 @@ def test_kept_signals_are_thinned_evenly_with_both_ends(made_up_result: Result) 
     assert np.array_equal(thin["time"], made_up_result["time"][::12])
     assert not Keep(()).of(made_up_result).signals
     assert Keep().of(made_up_result).signals.keys() == made_up_result.signals.keys()
-
-
-def everything(path: Path) -> dict[str, object]:
-    """All that an HDF5 file says, as plain values."""
-    import h5py
-
-    found: dict[str, object] = {}
-
-    def note(name: str, item: h5py.Group | h5py.Dataset) -> None:
-        found[name] = {key: str(value) for key, value in item.attrs.items() if "REFERENCE" not in key}
-        if isinstance(item, h5py.Dataset):
-            found[f"{name} content"] = (str(item.dtype), item[()].tolist())
-            found[f"{name} scales"] = [list(dimension) for dimension in item.dims]
-
-    with h5py.File(path) as file:
-        file.visititems(note)
-        found["/"] = {key: str(value) for key, value in file.attrs.items()}
-    return found

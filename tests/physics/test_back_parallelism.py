@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import rps_exudyn as rps
-from rps_exudyn.base.errors import InputError
 
 SLOPE = 0.5e-3
 STIFF = {
@@ -50,10 +49,3 @@ def test_no_work_without_friction() -> None:
     spring = np.ptp(signals["stored_energy"])
     assert spring > 1e-3
     assert abs(signals["work_drive"][-1] - signals["stored_energy"][-1]) < 0.01 * spring
-
-
-@pytest.mark.quick
-def test_a_slope_beyond_a_back_is_one_sentence() -> None:
-    with pytest.raises(InputError, match=r"rack\.back_parallelism") as error:
-        rps.SteeringGear().replace({"rack.back_parallelism": "1 deg"})
-    assert len(error.value.problems) == 1

@@ -5,7 +5,6 @@ import pytest
 
 import rps_exudyn as rps
 from part_law import PartLaw, alone
-from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.force_element import ELASTIC_ENERGY
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.solvers.gear_forces import gear_forces
@@ -86,18 +85,3 @@ def test_dynamics_turn_a_loose_bar_as_equilibria_do(changes: dict[str, object]) 
     assert fast.status.value == slow.status.value == "ok"
     assert fast.summary["torque_mean"] == pytest.approx(slow.summary["torque_mean"], rel=1e-3)
     assert abs(slow.summary["energy_residual"]) < 1e-4
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize(
-    ("changes", "sentence"),
-    [
-        ({"bush.clearance": "-1 um"}, "bush.clearance is '-1 um'; it must be at least 0 mm"),
-        ({"bush.clearance": "20 um", "bush.interference": "10 um"}, "one of them must be 0 mm"),
-        ({"housing.mount_stiffness": -1.0}, "housing.mount_stiffness"),
-    ],
-)
-def test_wrong_room_is_one_sentence(changes: dict[str, object], sentence: str) -> None:
-    with pytest.raises(InputError, match=sentence) as error:
-        rps.SteeringGear().replace(changes)
-    assert len(error.value.problems) == 1

@@ -251,21 +251,6 @@ def test_formulas_refuse_a_viscous_drag_at_changing_speed() -> None:
     assert "constant speed" in result.message
 
 
-@pytest.mark.parametrize(
-    ("settings", "words"),
-    [
-        ({"conditions.temperature": "-60 degC"}, "at least -40 degC and at most 100 degC"),
-        ({"conditions.temperature": 20.0}, "at least -40 degC"),
-        ({"conditions.steering_cycles": -1}, "at least 0"),
-        ({"grease.base_oil": "honey"}, "PAO 32"),
-        ({"yoke.liner": "oak"}, "ptfe"),
-    ],
-)
-def test_conditions_outside_their_laws(settings: dict[str, object], words: str) -> None:
-    with pytest.raises(InputError, match=words):
-        GEAR.replace(settings)
-
-
 def test_a_distribution_of_temperatures_has_its_width_in_kelvin() -> None:
     drawn = Distribution.read("20 degC +- 10 degC", "K")
     assert (drawn.first, drawn.second) == pytest.approx((293.15, 10.0))

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import rps_exudyn as rps
-from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.bush import bush_chain, housing_station
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
@@ -108,20 +107,6 @@ def test_clearance_shows_in_the_lift() -> None:
         for gap in ("50 um", "100 um")
     ]
     assert lifts[1] - lifts[0] == pytest.approx(50e-6, rel=0.02)
-
-
-@pytest.mark.parametrize(
-    ("change", "reason"),
-    [
-        ({"solver": "closed-form"}, "needs equilibria of a free or flexible rack"),
-        ({"rack": "guided"}, "needs equilibria of a free or flexible rack"),
-    ],
-)
-@pytest.mark.parametrize("scene", ["radial-play", "rack-lift"])
-def test_model_that_knows_no_play_is_refused(scene: str, change: dict[str, str], reason: str) -> None:
-    model = Fidelity.preset("quasi-static").replace(change)
-    with pytest.raises(InputError, match=reason):
-        rps.run(scene, GEAR, fidelity=model)
 
 
 def test_more_stations_of_the_seat_change_nothing(play: Result, monkeypatch: pytest.MonkeyPatch) -> None:

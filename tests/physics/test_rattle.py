@@ -5,7 +5,6 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.analysis.impacts import describe_rattle, split_at_repeats
-from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.external_load import RoadForce
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -172,12 +171,6 @@ def test_threshold_lies_between_forces_that_do_not_hit_and_forces_that_do() -> N
 
 
 @pytest.mark.quick
-def test_model_without_inertia_is_refused() -> None:
-    with pytest.raises(InputError, match="equilibria have no impacts"):
-        rps.run("rattle", GEAR, fidelity="quasi-static")
-
-
-@pytest.mark.quick
 def test_a_growing_force_on_a_gear_that_finds_no_start_keeps_its_cause(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -187,9 +180,3 @@ def test_a_growing_force_on_a_gear_that_finds_no_start_keeps_its_cause(
     growing = FAST | {"test.road_shape": "growing-sine"}
     result = rps.run("rattle", GEAR.replace(growing))
     assert (result.status, result.message) == (Status.NO_CONVERGENCE, "no start was found")
-
-
-@pytest.mark.quick
-def test_band_upside_down_is_refused() -> None:
-    with pytest.raises(InputError, match=r"test.band_low is 2000 Hz; it must be below"):
-        GEAR.replace({"test.band_low": "2 kHz"})

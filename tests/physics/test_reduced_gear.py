@@ -164,15 +164,6 @@ def test_scenes_agree_with_the_dynamics_within_both_bars(scene: str, names: tupl
         assert apart <= reduced.errors[name] + flank.errors[name], name
 
 
-@pytest.mark.parametrize(
-    "scene", ["free-pinion-torque", "load-test", "rack-push", "yoke-impact", "input-shaft-play", "rattle"]
-)
-def test_a_scene_that_it_does_not_have_is_refused(scene: str) -> None:
-    with pytest.raises(rps.InputError, match=r"fidelity\.solver is reduced") as refused:
-        rps.run(scene, fidelity="reduced")
-    assert len(refused.value.problems) == 1
-
-
 def test_a_load_that_the_teeth_do_not_carry_ends_the_table() -> None:
     soft = SteeringGear().replace({**TYRES, "test.steer_torque": "60 N*m", "test.tyre_stiffness": "600 N/mm"})
     result = rps.run("steering-torque", soft, fidelity="reduced")

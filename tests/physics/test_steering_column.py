@@ -8,7 +8,6 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.analysis.wheel_metrics import describe_feel
-from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.multibody.column import jointed_forces, jointed_tangent
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -174,11 +173,6 @@ def test_metrics_of_a_made_up_loop() -> None:
     assert metrics["feel_angle_hysteresis"] == pytest.approx(1.9 * running / stiffness, rel=1e-3)
     assert metrics["feel_area"] == pytest.approx(4 * running * (amplitude - running / stiffness), rel=1e-3)
     assert metrics["breakaway_ratio"] == pytest.approx(1.0, rel=1e-6)
-
-
-def test_formulas_know_no_column() -> None:
-    with pytest.raises(InputError, match="has no steering column"):
-        rps.run("steering-feel", fidelity="closed-form")
 
 
 def test_column_at_rest_changes_no_other_scene() -> None:

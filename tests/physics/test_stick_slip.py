@@ -13,7 +13,6 @@ from rps_exudyn.analysis.friction_oscillator import (
     describe_stick_slip,
     sticking_speed,
 )
-from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
@@ -154,11 +153,6 @@ def test_bars_cover_what_a_wide_zone_does_to_the_amplitude() -> None:
     wide, narrow = (run(1.5, (("zone_ratio", ratio),)) for ratio in (0.2, 0.005))
     for name in ("stick_slip_amplitude", "stick_slip_torque"):
         assert abs(wide.summary[name] - narrow.summary[name]) <= wide.errors[name]
-
-
-def test_equilibria_cannot_slip() -> None:
-    with pytest.raises(InputError, match="equilibria have no slip"):
-        rps.run("stick-slip", STEEL, fidelity="quasi-static")
 
 
 def test_metrics_of_a_made_up_record() -> None:

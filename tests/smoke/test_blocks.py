@@ -173,7 +173,7 @@ def test_any_flipped_byte_is_named_and_its_block_done_again(twins: tuple[Store, 
         rps.open_study(store.path).load()
 
 
-def test_case_done_again_counts_once_and_anew(twins: tuple[Store, Store], made_up_result: Result) -> None:
+def test_case_done_again_counts_once_and_anew(twins: tuple[Store, Store]) -> None:
     _, store = twins
     failed = next(case for case, row in store.rows() if row.status is not Status.OK)
     mended = dataclasses.replace(store.result(failed), status=Status.OK, message="mended")

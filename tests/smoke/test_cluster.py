@@ -14,7 +14,7 @@ import pytest
 from reader import Server
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.study.store import Store
-from shell import Command
+from shell import Command, refusal_of
 from study_files import write_grid, write_stand_in
 
 LOCAL = "--host 127.0.0.1 --no-dashboard"
@@ -105,6 +105,6 @@ def test_missing_cluster_is_reported(
 ) -> None:
     monkeypatch.setattr("rps_exudyn.simulate.cases.cluster.CONNECTING", 1)
     file = write_grid(tmp_path / "s.toml", 100)
-    answer = command(["study", str(file), "--cluster", "tcp://127.0.0.1:9"])
-    assert answer.status == 2
-    assert "--cluster tcp://127.0.0.1:9: no scheduler answers" in answer.err
+    assert "--cluster tcp://127.0.0.1:9: no scheduler answers" in refusal_of(
+        command(["study", str(file), "--cluster", "tcp://127.0.0.1:9"])
+    )

@@ -14,7 +14,7 @@ import pytest
 import rps_exudyn.cli.run_band  # noqa: F401, what takes `simulate` at its import takes it before it is replaced
 from rps_exudyn import load
 from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
-from rps_exudyn.parameters.gear import Setup
+from rps_exudyn.parameters.gear import Setup, SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import GEOMETRY, SUMMARY
 from rps_exudyn.results.result import Result
@@ -112,32 +112,29 @@ def test_interrupt_while_the_picture_is_drawn_names_the_file_that_is_there(
         assert not Path("a.png").exists()
 
 
-def test_run_hands_over_scene_and_gear(
+def test_run_hands_over_scene_gear_and_fidelity(
     command: Command, monkeypatch: pytest.MonkeyPatch, simulated: Result
 ) -> None:
-    seen = {}
+    seen: list[tuple[str, SteeringGear, Fidelity]] = []
 
-    def record(scene: str, gear: object, *_: object, **__: object) -> Result:
-        seen.update(scene=scene, gear=gear)
+    def record(scene: str, gear: SteeringGear, fidelity: Fidelity, **_: object) -> Result:
+        seen.append((scene, gear, fidelity))
         return simulated
 
     monkeypatch.setattr("rps_exudyn.simulate.run.simulate", record)
-    arguments = ["run", "free-pinion-torque", "--set", "yoke.preload=0.4 kN", "--set", "test.direction=-1"]
-    assert command([*arguments, "--out", "a.h5", "--plot", "b.svg"]).status == 0
-    assert seen["scene"] == "free-pinion-torque"
-    assert seen["gear"].yoke.preload == 400
-    assert seen["gear"].test.direction == -1
+    settings = ["yoke.preload=0.4 kN", "test.direction=-1", "fidelity.step_angle=0.5 deg"]
+    chosen = ["--fidelity", "full", "--bush", "rigid", *(f"--set={each}" for each in settings)]
+    for more in ([], chosen):
+        assert command(["run", *more, "--overwrite", "--out", "a.h5", "--plot", "b.svg"]).status == 0
+    (_, _, usual), (scene, gear, fidelity) = seen
+    assert (scene, usual) == ("free-pinion-torque", Fidelity.preset("flank"))
+    assert gear == SteeringGear().replace({"yoke.preload": 400, "test.direction": -1})
+    assert fidelity == Fidelity.preset("full").replace({"step_angle": "0.5 deg", "bush": "rigid"})
+    assert fidelity.name == "full with bush rigid, step_angle 0.5 deg"
     assert sorted(path.name for path in Path().iterdir()) == ["a.h5", "b.svg"]
 
 
-def test_run_prints_json(command: Command, simulated: Result) -> None:
-    answer = command(["run", "--json", "--out", "a.h5"])
-    assert answer.json["status"] == "ok"
-    assert answer.json["summary"]["torque_mean"] == 0.6
-    assert answer.json["files"] == ["a.h5", "a.png"]
-
-
-def test_what_libraries_print_does_not_disturb_the_json(
+def test_json_is_printed_undisturbed_by_what_libraries_print(
     command: Command, monkeypatch: pytest.MonkeyPatch, made_up_result: Result
 ) -> None:
     def talkative(*_: object, **__: object) -> Result:
@@ -145,8 +142,9 @@ def test_what_libraries_print_does_not_disturb_the_json(
         return made_up_result
 
     monkeypatch.setattr("rps_exudyn.simulate.run.simulate", talkative)
-    answer = command(["run", "--json"])
-    assert answer.json["status"] == "ok"
+    answer = command(["run", "--json", "--out", "a.h5"])
+    assert (answer.json["status"], answer.json["summary"]["torque_mean"]) == ("ok", 0.6)
+    assert answer.json["files"] == ["a.h5", "a.png"]
     assert "NOTE" in answer.err
 
 
@@ -185,24 +183,6 @@ def test_show_prints_what_run_printed(command: Command, simulated: Result) -> No
     assert shown.status == 0
     assert printed_by_run.startswith(shown.out)
     assert command(["show", "a.h5", "--json"]).json["summary"] == simulated.summary
-
-
-def test_run_hands_over_the_fidelity(
-    command: Command, monkeypatch: pytest.MonkeyPatch, simulated: Result
-) -> None:
-    seen = []
-
-    def record(scene: str, gear: object, fidelity: Fidelity, **_: object) -> Result:
-        seen.append(fidelity)
-        return simulated
-
-    monkeypatch.setattr("rps_exudyn.simulate.run.simulate", record)
-    step = ["--set", "fidelity.step_angle=0.5 deg"]
-    assert command(["run"]).status == 0
-    assert command(["run", "--fidelity", "full", "--bush", "rigid", *step]).status == 0
-    assert seen[0] == Fidelity.preset("flank")
-    assert seen[1] == Fidelity.preset("full").replace({"step_angle": "0.5 deg", "bush": "rigid"})
-    assert seen[1].name == "full with bush rigid, step_angle 0.5 deg"
 
 
 def test_help_of_run_names_every_scene_preset_and_choice(command: Command) -> None:
@@ -288,6 +268,9 @@ def test_describe_the_fidelity_of_a_preset(command: Command) -> None:
     described = command(["describe", "fidelity", "--fidelity", "full", "--json"]).json
     assert described["fidelity.mesh"]["value"] == "general-contact"
     assert "fidelity.name" not in described
+    assert all(path.startswith("fidelity.") for path in described)
+    length = command(["describe", "bush", "--json"]).json["bush.length"]
+    assert (length["value"], length["unit"]) == (0.03, "m")
     assert list(command(["describe", "--json"]).json)[-len(described) :] == list(described)
 
 
@@ -300,13 +283,6 @@ def test_describe_says_what_the_gear_has_for_a_value_that_is_not_given(command: 
     assert "for this gear" not in given.out
     choices = command(["describe", "fidelity", "--json"]).json
     assert {choice["source"] for choice in choices.values()} == {"choice"}
-
-
-def test_describe_a_table_as_json(command: Command) -> None:
-    described = command(["describe", "bush", "--json"]).json
-    assert described["bush.length"]["value"] == 0.03
-    assert described["bush.length"]["unit"] == "m"
-    assert all(path.startswith("bush.") for path in described)
 
 
 def test_module_is_the_command() -> None:

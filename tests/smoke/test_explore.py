@@ -80,11 +80,16 @@ def asked(server: Explorer, method: str, path: str, body: Any = None, **headers:
     return found
 
 
-def test_curve_is_that_of_the_command(server: Explorer) -> None:
-    status, content = asked(server, "POST", "/curve", {"state": {"yoke.preload": 400}, "number": 1})
-    result = rps.run("free-pinion-torque", GEAR.replace({"yoke.preload": 400}), fidelity="quasi-static")
-    found = json.loads(content)
+def posted(server: Explorer, path: str, content: Any) -> Any:
+    """What the page gets."""
+    status, answered = asked(server, "POST", path, content)
     assert status == 200
+    return json.loads(answered)
+
+
+def test_curve_is_that_of_the_command(server: Explorer) -> None:
+    found = posted(server, "/curve", {"state": {"yoke.preload": 400}, "number": 1})
+    result = rps.run("free-pinion-torque", GEAR.replace({"yoke.preload": 400}), fidelity="quasi-static")
     (curve,) = found["curves"]
     np.testing.assert_allclose(curve["y"], result["pinion_torque"], atol=1e-6)  # as it is rounded
     assert sum(share for _, _, share in found["losses"]) == pytest.approx(100, abs=0.1)
@@ -92,9 +97,8 @@ def test_curve_is_that_of_the_command(server: Explorer) -> None:
 
 def test_what_follows_from_a_slider_follows(server: Explorer) -> None:
     """Teeth alone: the tip diameter goes with them, and the gear file says so."""
-    status, content = asked(server, "POST", "/gear", {"state": {"pinion.teeth": 8, "pinion.runout": 12}})
-    assert status == 200
-    Path("gear.toml").write_text(json.loads(content)["file"], encoding="utf-8")
+    found = posted(server, "/gear", {"state": {"pinion.teeth": 8, "pinion.runout": 12}})
+    Path("gear.toml").write_text(found["file"], encoding="utf-8")
     gear = rps.SteeringGear.from_toml("gear.toml")
     assert gear == GEAR.replace({"pinion.teeth": 8, "pinion.runout": "12 um"})
     assert gear.pinion.tip_diameter > 0.022
@@ -162,13 +166,7 @@ def test_other_states_are_refused(state: Any, sentence: str) -> None:
         ("GET", "/", None, {"Host": "127.0.0.1:rebound.example"}, 421),
         ("GET", "/", None, {"Host": "localhost:80"}, 200),
         ("GET", "/", None, {"Host": "[::1]:80"}, 200),
-        (
-            "POST",
-            "/curve",
-            {"state": {}},
-            {"Content-Type": "text/plain"},
-            415,
-        ),  # as forms of other sites send
+        ("POST", "/curve", {"state": {}}, {"Content-Type": "text/plain"}, 415),  # as forms of other sites
         ("GET", "/../../etc/passwd", None, {}, 404),
         ("GET", "/answer.py", None, {}, 404),
         ("POST", "/shutdown", {"state": {}}, {}, 404),
@@ -232,9 +230,7 @@ def test_typed_limits_are_read_as_those_of_a_file_in_the_units_of_the_page(serve
         "torque_peak_to_peak": {"most": "300 N"},
         "torque_on_centre": {"least": "2", "most": "1 N m"},
     }
-    status, content = asked(server, "POST", "/limits", {"state": {}, "limits": typed})
-    found = json.loads(content)["limits"]
-    assert status == 200
+    found = posted(server, "/limits", {"state": {}, "limits": typed})["limits"]
     assert found["torque_mean"] == {"least": 0.8, "most": 1.8, "shown": "at least 0.8 N m, at most 1.8 N m"}
     assert found["rack_gain"] == {"least": None, "most": pytest.approx(0.036), "shown": "at most 36 mm"}
     assert found["efficiency_forward"]["least"] == pytest.approx(0.46)
@@ -262,8 +258,8 @@ def test_window_is_that_of_the_state_and_the_typed_limits(server: Explorer) -> N
     """Its ends, their errors and what limits them are those of the function, with limits in SI."""
 
     def found(typed: Answer) -> Answer:
-        request = {"state": {"yoke.preload": 400, "mesh.friction": 0.12}, "limits": typed}
-        return dict(json.loads(asked(server, "POST", "/window", request)[1]))
+        state = {"yoke.preload": 400, "mesh.friction": 0.12}
+        return dict(posted(server, "/window", {"state": state, "limits": typed}))
 
     answered = found({"torque_mean": {"most": "1200 N mm"}, "torque_peak_to_peak": {"most": "0.3"}})
     gear = GEAR.replace({"yoke.preload": 400, "mesh.friction": 0.12})
@@ -280,7 +276,7 @@ def test_window_is_that_of_the_state_and_the_typed_limits(server: Explorer) -> N
 def test_without_a_function_there_are_no_windows() -> None:
     with Explorer(GEAR) as plain:
         Thread(target=plain.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True).start()
-        assert json.loads(asked(plain, "POST", "/sliders", {"state": {}})[1])["window"] == ""
+        assert posted(plain, "/sliders", {"state": {}})["window"] == ""
         assert asked(plain, "POST", "/window", {"state": {}})[0] == 404
         plain.shutdown()
 
@@ -304,9 +300,8 @@ def test_crowd_is_answered_beside_a_slow_state(server: Explorer) -> None:
     def one(number: int) -> tuple[float, Any]:
         began = monotonic()
         state = {"yoke.preload": 999 if number == 0 else 100 + number}
-        status, content = asked(server, "POST", "/curve", {"state": state, "tab": str(number), "number": 1})
-        assert status == 200
-        return monotonic() - began, json.loads(content)
+        found = posted(server, "/curve", {"state": state, "tab": str(number), "number": 1})
+        return monotonic() - began, found
 
     with ThreadPoolExecutor(CROWD) as crowd:
         (slow, sentence), *others = crowd.map(one, range(CROWD))
@@ -353,10 +348,7 @@ def test_long_curves_keep_their_peaks() -> None:
 def test_simulation_is_cancelled_and_stops_no_other_tab(server: Explorer) -> None:
     """It reports how far it is; its tab and others are answered beside it, also with simulations."""
     watched_tab = {"state": {}, "tab": "dynamic", "of": "simulation"}
-
-    def post(path: str, content: Any) -> Any:
-        return json.loads(asked(server, "POST", path, content)[1])
-
+    post = partial(posted, server)
     post("/simulation", {"state": {}, "scene": "stick-slip", "tab": "other"})
     with ThreadPoolExecutor(1) as crowd:
         long = crowd.submit(post, "/simulation", {"state": {}, "scene": "rattle", "tab": "dynamic"})
@@ -411,19 +403,17 @@ def test_dropped_file_with_the_racks_travel_takes_the_gear_of_the_page_and_doubt
 
 
 def test_sheet_picture_and_pattern_are_those_of_the_state(server: Explorer) -> None:
-    status, content = asked(server, "POST", "/sheet", {"state": {"yoke.preload": 400}})
-    page = json.loads(content)["page"]
-    assert status == 200
+    page = posted(server, "/sheet", {"state": {"yoke.preload": 400}})["page"]
     assert "preload 400 N" in page
     assert 'class="gear"' in page
-    picture = json.loads(asked(server, "POST", "/picture", {"state": {"yoke.preload": 400}})[1])
+    picture = posted(server, "/picture", {"state": {"yoke.preload": 400}})
     assert picture["image"].startswith("data:image/webp;base64,")
     assert [label["value"] for label in picture["labels"] if label["name"] == "yoke"] == [
         "presses with 400 N"
     ]
-    pattern = json.loads(asked(server, "POST", "/pattern", {"state": {}})[1])
+    pattern = posted(server, "/pattern", {"state": {}})
     assert pattern["image"].startswith("data:image/svg+xml;base64,")
-    undercut = json.loads(asked(server, "POST", "/picture", {"state": {"yoke.preload": -1}})[1])
+    undercut = posted(server, "/picture", {"state": {"yoke.preload": -1}})
     assert undercut["problems"] == ["yoke.preload is -1; it must be from 0 to 1000."]
 
 

@@ -18,6 +18,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.pages.charts import style
 from rps_exudyn.pages.charts.curves import AT_REVERSAL, NOT_SIMULATED
 from rps_exudyn.pages.charts.scene_figures import draw, load_test_figure, torque_figure
+from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import MeasuredTorque, Result, content_of
 from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.study.case_blocks import load
@@ -69,15 +70,17 @@ def test_failed_and_simple_results_are_drawn_too(
     scene: str, case: str, there_and_back: Result, tmp_path: Path
 ) -> None:
     """Warnings are errors here: matplotlib must be spared what it cannot draw."""
-    signals = {name: values.copy() for name, values in there_and_back.signals.items()}
+    signals, summary = {name: values.copy() for name, values in there_and_back.signals.items()}, {}
     if case in ("nan", "huge"):
         for name in signals.keys() - {"time"}:
             signals[name][60:] = np.nan if case == "nan" else -1e30
+        summary = {"torque_mean": np.inf if case == "huge" else np.nan}
     elif case == "mean values only":
         signals = {name: values for name, values in signals.items() if name != "rack_y"}
     else:
         signals = {name: values[: int(case == "one sample")] for name, values in signals.items()}
-    draw(dataclasses.replace(there_and_back, scene=scene, signals=signals), tmp_path / "a.png")
+    failed = {"status": Status.DIVERGED, "summary": there_and_back.summary | summary}
+    draw(dataclasses.replace(there_and_back, scene=scene, signals=signals, **failed), tmp_path / "a.png")
 
 
 def test_both_directions_are_drawn_against_their_motion(there_and_back: Result) -> None:

@@ -41,23 +41,6 @@ def test_signal_that_the_fidelity_lacks_gets_no_panel(made_up_result: Result) ->
     assert len(torque_figure(dataclasses.replace(made_up_result, signals=signals)).axes) == 2
 
 
-@pytest.mark.parametrize("value", [np.nan, np.inf, -1e30])
-def test_diverged_signals_are_drawn_as_far_as_they_go(
-    value: float, failed_result: Result, tmp_path: Path
-) -> None:
-    """Warnings are errors here: matplotlib must be spared what it cannot draw."""
-    signals = {name: values.copy() for name, values in failed_result.signals.items()}
-    signals["pinion_torque"][60:] = value
-    summary = failed_result.summary | {"torque_mean": value}
-    draw(dataclasses.replace(failed_result, signals=signals, summary=summary), tmp_path / "a.png")
-
-
-@pytest.mark.parametrize("samples", [0, 1])
-def test_record_without_a_span_is_drawn(samples: int, failed_result: Result, tmp_path: Path) -> None:
-    signals = {name: values[:samples] for name, values in failed_result.signals.items()}
-    draw(dataclasses.replace(failed_result, signals=signals), tmp_path / "a.png")
-
-
 @pytest.mark.parametrize("from_zero", [False, True])
 def test_torque_begins_at_zero_on_request_and_says_if_not(from_zero: bool, made_up_result: Result) -> None:
     torque, lift, _ = draw(made_up_result, from_zero=from_zero).axes

@@ -126,11 +126,3 @@ def test_time_limit_ends_a_run_from_outside() -> None:
     result = simulate(TORQUE, GEAR, STILL.replace({"step_angle": "0.01 deg"}), time_limit=TimeLimit(0.001))
     assert result.status is Status.TIMEOUT
     assert "time limit of 0.001 s" in result.message
-
-
-def test_run_within_its_time_limit_is_the_same_run() -> None:
-    gear = SteeringGear().replace({"test.turns": 1 / 6})
-    result = simulate(TORQUE, gear, STILL, time_limit=TimeLimit(60.0))
-    assert result.summary["torque_mean"] == pytest.approx(
-        run(TORQUE, gear, fidelity=STILL).summary["torque_mean"]
-    )

@@ -18,7 +18,7 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.simulate.cases.processes import Processes
 from rps_exudyn.simulate.cases.task import Task
 from rps_exudyn.study.store import Store
-from shell import Command
+from shell import Command, refusal_of
 from study_files import write_grid, write_stand_in
 
 
@@ -109,9 +109,7 @@ def test_second_runner_is_refused_and_the_first_undisturbed(
     file = write_grid(tmp_path / "s.toml", 911, 912)
     with Running(file, 1.5, monkeypatch) as first:
         wait_for(lambda: (tmp_path / "s" / "study.json").exists())
-        answer = command(["study", str(file)])
-        assert answer.status == 2
-        assert f"s is in use by process {first.pid}" in answer.err
+        assert f"s is in use by process {first.pid}" in refusal_of(command(["study", str(file)]))
         assert first.wait(300) == 0
     assert len(rows(tmp_path / "s")) == 2
 
@@ -178,10 +176,9 @@ def test_storing_that_fails_ends_the_study_in_a_sentence(
     monkeypatch.setattr("rps_exudyn.base.files.os.fsync", full)
     file = write_grid(tmp_path / "s.toml", 100, 200, 300, 400)
     file.write_text(f"{file.read_text()}[keep]\nblocks = false\n")
-    answer = command(["study", str(file), "--jobs", "1"])
-    assert answer.status == 2
-    assert "A result cannot be stored" in answer.err
-    assert "No space left on device. Finished cases are kept in s" in answer.err
+    said = refusal_of(command(["study", str(file), "--jobs", "1"]))
+    assert "A result cannot be stored" in said
+    assert "No space left on device. Finished cases are kept in s" in said
     assert len(rows(tmp_path / "s")) == 2
 
 
@@ -254,9 +251,8 @@ def test_study_whose_workers_never_start_stops_in_a_sentence(
     command(["study", str(file), "--jobs", "1"])
     _end_at_once(tmp_path, "1000", monkeypatch)
     write_grid(file, 100, 200)
-    answer = command(["study", str(file), "--jobs", "1"])
-    assert answer.status == 2
-    assert answer.err == (
+    said = refusal_of(command(["study", str(file), "--jobs", "1"]))
+    assert said == (
         "rps-exudyn: 8 processes in a row ended before they had done anything (its process was ended by "
         "SIGKILL); s/messages.log holds their output. Finished cases are kept in s; the same command "
         "runs the others.\n"

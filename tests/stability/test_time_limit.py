@@ -26,7 +26,7 @@ from rps_exudyn.simulate.cases.processes import Processes
 from rps_exudyn.simulate.cases.task import Task, answer_to
 from rps_exudyn.simulate.cases.time_limit import TimeLimit, alarm, place_of
 from rps_exudyn.simulate.run import simulate
-from shell import Command
+from shell import Command, refusal_of
 from verification.stability import cpu_time_limit
 
 # Half a million equilibria or time steps: minutes, wherever the tests run
@@ -169,10 +169,9 @@ def test_plan_that_no_memory_holds_is_refused_before_it_starts(
     monkeypatch.setattr(before_run, "free_memory", lambda: 5e8)
     words = [word for name, value in settings.items() for word in ("--set", f"{name}={value}")]
     scene = "reversal" if "test.cycles" in settings else "free-pinion-torque"
-    answer = command(["run", scene, *words])
-    assert answer.status == 2
-    assert "GB of memory; 0.5 GB are free" in answer.err
-    assert answer.err.count("\n") == 1
+    said = refusal_of(command(["run", scene, *words]))
+    assert "GB of memory; 0.5 GB are free" in said
+    assert said.count("\n") == 1
 
 
 def test_memory_that_is_enough_is_not_refused() -> None:

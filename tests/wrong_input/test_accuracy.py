@@ -8,7 +8,6 @@ import rps_exudyn as rps
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.simulate.by_accuracy import percent
-from shell import Command
 
 
 @pytest.mark.parametrize("text", ["1", "", "%", "-1%", "0%", "nan%", "1e999%", "one%"])
@@ -16,23 +15,6 @@ def test_no_percentage(text: str) -> None:
     with pytest.raises(InputError, match="a percentage greater than 0, for instance 1%"):
         percent(text)
     assert percent("0.1 %") == 0.1
-
-
-@pytest.mark.parametrize(
-    ("asked", "said"),
-    [
-        (["--fidelity", "closed-form"], "fidelity is closed-form, which has no ladder to climb"),
-        (["--level", "2"], "accuracy chooses the level itself; leave out level"),
-        (["--bush", "chain"], "--accuracy chooses the model itself; leave out --bush"),
-        (["--set", "fidelity.step_angle=0.1"], "leave out --set fidelity.step_angle"),
-        (["--metrics", "torque"], "metrics has torque, which is no metric with an error bar; take "),
-        (["--band", "9"], "leave out"),
-    ],
-)
-def test_command_refuses_it(asked: list[str], said: str, command: Command) -> None:
-    answer = command(["run", "--accuracy", "1%", *asked])
-    assert answer.status == 2
-    assert said in " ".join(answer.err.split())
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 import dataclasses
 import os
+import shlex
 from pathlib import Path
 
 import h5py
@@ -9,7 +10,7 @@ import pytest
 
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import free_pinion_torque
-from shell import Command
+from shell import Command, refusal_of
 
 
 @pytest.fixture(autouse=True)
@@ -24,6 +25,7 @@ def no_simulation(monkeypatch: pytest.MonkeyPatch) -> None:
     )
 
 
+OTHER_FILE = "report takes folders of studies, results (.h5), sheets (.json) and gears (.toml)"
 MISTAKES = {
     "runn": 'Unknown command "runn".',
     "run free-pinion-torque again": "again is not an argument of this command",
@@ -58,6 +60,23 @@ MISTAKES = {
     "run --set fidelity.step_angle=1mm": "fidelity.step_angle is '1mm', which is no quantity in rad",
     "run --set fidelity.step_angel=1": "fidelity.step_angel is no parameter; the nearest ones are",
     "run --set fidelity.name=mine": "fidelity.name cannot be set",
+    "run --set fidelity.step_angle=1e-9deg": "must be at least 0.001 deg",
+    "run --accuracy 1% --fidelity closed-form": "fidelity is closed-form, which has no ladder to climb",
+    "run --accuracy 1% --level 2": "accuracy chooses the level itself; leave out level",
+    "run --accuracy 1% --bush chain": "--accuracy chooses the model itself; leave out --bush",
+    "run --accuracy 1% --set fidelity.step_angle=0.1": "leave out --set fidelity.step_angle",
+    "run --accuracy 1% --metrics torque": "metrics has torque, which is no metric with an error bar; take",
+    "run --accuracy 1% --band 9": "--band makes many runs; leave out --accuracy",
+    "run --inputs series": "add --band",
+    "run --band 16 --robust": "leave out --robust",
+    "run --band 16 17": "takes one",
+    "run --band 16 --set 'yoke.preload=300 N +- -1 N'": "a deviation above 0",
+    "run --band 16 --inputs own": "no parameter carries a distribution",
+    "run --band x": "Invalid value for --band",
+    "report r.png": OTHER_FILE,
+    "report batch.csv": OTHER_FILE,
+    "report r-animation.html": OTHER_FILE,
+    "validate --only undercut-limit --out page.txt": "page.txt cannot be written: its name must end in",
     "geometry --set fidelity.mesh=flank": "fidelity is no table of parameters",
     "diff a.h5": "requires an argument",
     "diff missing.h5 other.h5": "missing.h5 cannot be read: there is no such file.",
@@ -86,7 +105,7 @@ MISTAKES = {
 
 @pytest.mark.parametrize(("arguments", "sentence"), MISTAKES.items(), ids=lambda text: text[:60])
 def test_mistake_ends_in_one_sentence(arguments: str, sentence: str, command: Command) -> None:
-    answer = command(arguments.split())
+    answer = command(shlex.split(arguments))
     assert answer.status == 2
     assert answer.out == ""
     assert answer.err.count("\n") == 1
@@ -97,26 +116,24 @@ def test_mistake_ends_in_one_sentence(arguments: str, sentence: str, command: Co
 
 
 def test_all_mistakes_of_the_settings_at_once(command: Command) -> None:
-    answer = command(["describe", "--set", "yoke.preload", "--set", "bush.drag=-1", "--set", "foo=2"])
-    assert answer.status == 2
-    assert [line.split()[1] for line in answer.err.splitlines()] == ["--set", "bush.drag", "foo"]
+    said = refusal_of(
+        command(["describe", "--set", "yoke.preload", "--set", "bush.drag=-1", "--set", "foo=2"])
+    )
+    assert [line.split()[1] for line in said.splitlines()] == ["--set", "bush.drag", "foo"]
 
 
 def test_mistakes_of_gear_and_fidelity_at_once(command: Command) -> None:
     wrong = ["yoke.preload=-1", "bush.inner_diameter=40mm", "fidelity.zone_ratio=0"]
     settings = [word for setting in wrong for word in ("--set", setting)]
-    answer = command(["run", *settings, "--fidelity", "closed-form", "--mesh", "general-contact"])
-    assert answer.status == 2
-    assert [line.split()[1] for line in answer.err.splitlines()] == [
+    said = refusal_of(command(["run", *settings, "--fidelity", "closed-form", "--mesh", "general-contact"]))
+    assert [line.split()[1] for line in said.splitlines()] == [
         "yoke.preload", "fidelity.zone_ratio", "fidelity.mesh", "bush.inner_diameter",
     ]  # fmt: skip
 
 
 def test_fidelity_is_no_matter_of_the_gears_file(command: Command) -> None:
     Path("gear.toml").write_text('[fidelity]\nmesh = "ratio"\n')
-    answer = command(["run", "--gear", "gear.toml"])
-    assert answer.status == 2
-    assert "gear.toml: fidelity is no table of a gear" in answer.err
+    assert "gear.toml: fidelity is no table of a gear" in refusal_of(command(["run", "--gear", "gear.toml"]))
 
 
 def test_unknown_table_of_a_file_is_not_pointed_to_fidelity(command: Command) -> None:
@@ -148,9 +165,9 @@ def test_read_only_folder_is_refused(command: Command, tmp_path: Path) -> None:
 def test_diff_draws_no_picture_without_common_angles(command: Command, made_up_result: Result) -> None:
     made_up_result.save("a.h5")
     dataclasses.replace(made_up_result, signals={}).save("b.h5")
-    answer = command(["diff", "a.h5", "b.h5", "--plot", "c.png"])
-    assert answer.status == 2
-    assert "c.png is not drawn: the two results share no range of the pinion angle." in answer.err
+    assert "c.png is not drawn: the two results share no range of the pinion angle." in refusal_of(
+        command(["diff", "a.h5", "b.h5", "--plot", "c.png"])
+    )
     assert sorted(os.listdir()) == ["a.h5", "b.h5"]
 
 

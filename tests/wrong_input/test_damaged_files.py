@@ -7,19 +7,12 @@ import pytest
 
 from benchmarks.bad_inputs.damaged_files import COLUMNS, damaged_table, run, trial
 from edited import edited
-from made_up_study import make_study
 from rps_exudyn import load
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import CHECKSUM_SIZE, fits_checksum, with_checksum, without_checksum
-from rps_exudyn.results.result import Result
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable
 from shell import Command
-
-
-@pytest.fixture
-def study(made_up_result: Result, tmp_path: Path) -> Path:
-    return make_study(tmp_path / "s", made_up_result)
 
 
 def test_no_random_damage_goes_unnoticed_or_ends_in_a_traceback(study: Path) -> None:

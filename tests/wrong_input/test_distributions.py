@@ -10,9 +10,6 @@ from rps_exudyn.inference.uncertainty.input_sets import carried, uncertain_input
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.study.study_file import read_study
-from shell import Command
-
-CLOSED_FORM = ("--fidelity", "closed-form", "--out", "r.h5")
 
 
 @pytest.mark.parametrize(
@@ -72,24 +69,6 @@ def test_too_many_failures_end_with_their_cause() -> None:
         InputError, match=r"[34] of 8 samples failed, too many for a band; .* formulas have no"
     ):
         band_of_runs("free-pinion-torque", gear, Fidelity.preset("closed-form"), own, samples=8)
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (("--inputs", "series"), "add --band"),
-        (("--band", "16", "--robust"), "leave out --robust"),
-        (("--band", "16", "17"), "takes one"),
-        (("--band", "16", "--set", "yoke.preload=300 N +- -1 N"), "a deviation above 0"),
-        (("--band", "16", "--inputs", "own"), "no parameter carries a distribution"),
-        (("--band", "x"), "x"),
-    ],
-)
-def test_option_band(command: Command, options: tuple[str, ...], said: str) -> None:
-    answer = command(["run", *CLOSED_FORM, *options])
-    assert answer.status == 2
-    assert said in answer.err
-    assert not list(Path().glob("r.*"))
 
 
 def test_study_names_what_is_uncertain(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.gear import Setup
-from shell import Command, in_fresh_process
+from shell import Command, in_fresh_process, refusal_of
 
 NUMBERS = [item.path for item in Setup.declared() if item.field.annotation is float]
 
@@ -56,17 +56,9 @@ def test_number_beyond_all_sizes(path: str, value: float) -> None:
         Setup().replace({path: value})
 
 
-def test_step_so_small_that_no_memory_holds_its_record(command: Command) -> None:
-    answer = command(["run", "--set", "fidelity.step_angle=1e-9 deg"])
-    assert answer.status == 2
-    assert "must be at least 0.001 deg" in answer.err
-
-
 def test_rerun_does_not_replace_the_result_that_it_repeats(command: Command) -> None:
     assert command(["run", "--fidelity", "closed-form", "--out", "a.h5"]).status == 0
-    answer = command(["rerun", "a.h5", "--out", "a.h5"])
-    assert answer.status == 2
-    assert "name another file" in answer.err
+    assert "name another file" in refusal_of(command(["rerun", "a.h5", "--out", "a.h5"]))
 
 
 ONLY_POSIX = """

@@ -19,7 +19,7 @@ from rps_exudyn.inference.fitting.production import measured_gear
 from rps_exudyn.inference.fitting.series import read_series
 from rps_exudyn.inference.measured.reading import read_measured_torque
 from rps_exudyn.parameters.gear import SteeringGear
-from shell import Command
+from shell import Command, refusal_of
 
 HEADER = "pinion_angle [deg], pinion_torque [N m]\n"
 
@@ -184,10 +184,9 @@ def test_command_refuses_in_one_sentence(command: Command, short: Path) -> None:
         ([str(short), "--like", "deep.json"], "deep.json is not a file that fit --series wrote"),
         ([str(short), "--prior", "x"], "--prior x: x cannot be fitted"),
     ):
-        answer = command(["fit", *arguments])
-        assert answer.status == 2
-        assert sentence in answer.err
-        assert answer.err.count("\n") == 1
+        said = refusal_of(command(["fit", *arguments]))
+        assert sentence in said
+        assert said.count("\n") == 1
 
 
 def turned(path: Path, forth: float, back: float, *, reach: float = 180.0, falls: bool = True) -> Path:

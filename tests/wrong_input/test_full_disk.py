@@ -8,9 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from made_up_study import make_study
 from rps_exudyn import load
-from rps_exudyn.results.result import Result
 from shell import Command
 
 FIT = """
@@ -110,10 +108,9 @@ def test_summary_that_cannot_be_printed_says_where_the_result_is(tmp_path: Path)
 
 
 @pytest.mark.parametrize("subcommand", ["collect", "report"])
-def test_studies_are_left_as_they_are(subcommand: str, made_up_result: Result, tmp_path: Path) -> None:
-    folder = make_study(tmp_path / "s", made_up_result)
-    before = sorted(path.name for path in folder.rglob("*"))
+def test_studies_are_left_as_they_are(subcommand: str, study: Path, tmp_path: Path) -> None:
+    before = sorted(path.name for path in study.rglob("*"))
     answer = limited([subcommand, "s"], tmp_path, 3000)
     assert answer.returncode == 2
     assert re.fullmatch(r"rps-exudyn: .+ cannot be written: File too large\..*\n", answer.stderr)
-    assert sorted(path.name for path in folder.rglob("*")) == before
+    assert sorted(path.name for path in study.rglob("*")) == before

@@ -14,6 +14,9 @@ from rps_exudyn.parameters.gear import SteeringGear
 
 TABLES = ", ".join(SteeringGear.model_fields)
 
+TEMPERATURES = "it must be at least -40 degC and at most 100 degC."
+CLASSES = 'write "ISO 1328 class 8, seed 3", with a class of 1 to 11 and a whole number as seed.'
+
 # path, value, what the sentence says behind the path
 ONE_PROBLEM = [
     ("yoke.preloda", 3, "is no parameter; the nearest one is yoke.preload."),
@@ -39,16 +42,25 @@ ONE_PROBLEM = [
     ("pinion.axial_float", "-1 um", "is '-1 um'; it must be at least 0 mm and at most 10 mm."),
     ("yoke.seat_clearance", "-1 um", "is '-1 um'; it must be at least 0 mm and at most 1 mm."),
     ("yoke.seat_form", "oval", "is 'oval'; it must be round or gothic."),
+    ("conditions.temperature", "-60 degC", f"is '-60 degC'; {TEMPERATURES}"),
+    ("conditions.temperature", "150 degC", f"is '150 degC'; {TEMPERATURES}"),
+    ("conditions.temperature", 20.0, f"is 20.0; {TEMPERATURES}"),
+    ("conditions.steering_cycles", -1, "is -1; it must be at least 0 and at most 1e+08."),
+    ("grease.base_oil", "honey", "is 'honey'; it must be none or PAO 32 or VG 68 or VG 100 or VG 150."),
+    ("yoke.liner", "oak", "is 'oak'; it must be ptfe or pom or none."),
+    ("pinion.pitch_errors", "ISO 1328 class 14, seed 1", f"is 'ISO 1328 class 14, seed 1'; {CLASSES}"),
+    ("rack.pitch_errors", "ISO 1328 class 8", f"is 'ISO 1328 class 8'; {CLASSES}"),
+    ("rack.pitch_errors", ["1 mm"], "has the number 0.001; each must be at most 0.0001 m either way."),
+    ("rack.pitch_errors", "8 kg", "is '8 kg', which is no quantity in m; write for instance \"1.83 mm\"."),
     (
-        "conditions.temperature",
-        "-60 degC",
-        "is '-60 degC'; it must be at least -40 degC and at most 100 degC.",
+        "rack.back_parallelism",
+        "1 deg",
+        "is '1 deg'; it must be at least -0.286479 deg and at most 0.286479 deg.",
     ),
-    (
-        "conditions.temperature",
-        "150 degC",
-        "is '150 degC'; it must be at least -40 degC and at most 100 degC.",
-    ),
+    ("bush.clearance", "-1 um", "is '-1 um'; it must be at least 0 mm and at most 1 mm."),
+    ("housing.mount_stiffness", -1.0, "is -1.0; it must be at least 0 N/mm."),
+    ("housing.seat_stiffness", [1e8, 1e8], "has 2 numbers; it must have 6 or 36."),
+    ("test.band_low", "2 kHz", "is 2000 Hz; it must be below test.band_high = 1000 Hz."),
     ("pinion.lead_error", "-1 mm", "is '-1 mm'; it must be at least -0.1 mm and at most 0.1 mm."),
     (
         "pinion.shaft_length",
@@ -105,6 +117,11 @@ MISFITS: list[tuple[dict[str, object], str]] = [
         {"bearing.lower_position": "10 mm"},
         "bearing.upper_position is 25 mm and bearing.lower_position 10 mm; the bearings must stand on both "
         "sides of the mesh, the upper one above 0 mm and the lower one below.",
+    ),
+    (
+        {"bush.clearance": "20 um", "bush.interference": "10 um"},
+        "bush.clearance is 0.02 mm and bush.interference 0.01 mm; the bar has room in the bush or is pressed "
+        "by it: one of them must be 0 mm.",
     ),
     (
         {"pinion.axial_float": "2 mm"},

@@ -9,7 +9,6 @@ import rps_exudyn as rps
 from measured_grids import pinion_axes, rack_axes, write_grid
 from rps_exudyn.gears.flank_grid import measured_flanks
 from rps_exudyn.parameters.gear import SteeringGear
-from shell import Command
 
 GEAR = SteeringGear()
 HEAD = "roll [mm],face [mm],deviation [um]\n"
@@ -48,7 +47,7 @@ WRONG = {
 
 @pytest.mark.parametrize(("content", "said"), WRONG.values(), ids=WRONG)
 def test_file_that_is_no_grid_of_this_gear_is_refused(
-    content: str | bytes, said: str, tmp_path: Path, command: Command
+    content: str | bytes, said: str, tmp_path: Path
 ) -> None:
     file = tmp_path / "g.csv"
     file.write_bytes(content if isinstance(content, bytes) else content.encode())
@@ -90,7 +89,7 @@ def test_missing_and_changed_files_are_named(tmp_path: Path) -> None:
 
 
 def test_file_is_sought_beside_the_gear_and_kept_in_its_result(
-    tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "gears").mkdir()
     write_grid(tmp_path / "gears" / "g.csv", pinion_axes(GEAR, 5, 5), lambda q, z: 0 * q + 1e-6)

@@ -8,16 +8,10 @@ import pytest
 
 import rps_exudyn as rps
 from edited import edited, rewrite_study
-from made_up_study import make_study
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.results.result import Result
 from rps_exudyn.study.collected import read_table
-from shell import Command
-
-
-@pytest.fixture
-def study(made_up_result: Result, tmp_path: Path) -> Path:
-    return make_study(tmp_path / "s", made_up_result)
+from shell import Command, refusal_of
 
 
 @pytest.mark.parametrize("subcommand", ["collect", "report"])
@@ -34,10 +28,9 @@ def test_foreign_newer_and_damaged_studies(
 ) -> None:
     rewrite_study(study, **changes)
     before = sorted(study.iterdir())
-    answer = command([subcommand, "s"])
-    assert answer.status == 2
-    assert answer.err.count("\n") == 1
-    assert sentence in answer.err
+    said = refusal_of(command([subcommand, "s"]))
+    assert said.count("\n") == 1
+    assert sentence in said
     assert sorted(study.iterdir()) == before
 
 
@@ -49,9 +42,8 @@ def test_folder_without_a_study(read: object, tmp_path: Path) -> None:
 
 def test_report_names_all_wrong_paths(study: Path, tmp_path: Path, command: Command) -> None:
     (tmp_path / "foreign.h5").write_bytes(b"no HDF5")
-    answer = command(["report", "s", "foreign.h5", "missing.h5", "--out", "r.html"])
-    assert answer.status == 2
-    assert [line.split(" ")[1] for line in answer.err.splitlines()] == ["foreign.h5", "missing.h5"]
+    said = refusal_of(command(["report", "s", "foreign.h5", "missing.h5", "--out", "r.html"]))
+    assert [line.split(" ")[1] for line in said.splitlines()] == ["foreign.h5", "missing.h5"]
     assert not (tmp_path / "r.html").exists()
 
 
@@ -66,10 +58,9 @@ def test_report_names_all_wrong_paths(study: Path, tmp_path: Path, command: Comm
     ],
 )
 def test_wrong_arguments(arguments: list[str], sentence: str, study: Path, command: Command) -> None:
-    answer = command(arguments)
-    assert answer.status == 2
-    assert sentence in answer.err
-    assert answer.err.count("\n") == 1
+    said = refusal_of(command(arguments))
+    assert sentence in said
+    assert said.count("\n") == 1
 
 
 def test_tables_are_checked_for_type_and_version(
@@ -94,7 +85,7 @@ def test_tables_are_checked_for_type_and_version(
 
 
 def test_sensitivity_without_salib_says_what_to_install(
-    study: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, command: Command
+    study: Path, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     for module in ("SALib", "SALib.analyze.morris"):
         monkeypatch.setitem(sys.modules, module, None)

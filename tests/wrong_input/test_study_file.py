@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from rps_exudyn.study.store import Store
-from shell import Command
+from shell import Command, refusal_of
 from study_files import write_grid
 
 START = 'scene = "free-pinion-torque"\nfidelity = "quasi-static"\n'
@@ -25,8 +25,8 @@ def no_process(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rps_exudyn.results.provenance.git_hash", lambda: "")
 
 
-def axis(text: str) -> str:
-    return f"{START}[[axis]]\n{text}\n"
+def axis(text: str, path: str = "yoke.preload") -> str:
+    return f'{START}[[axis]]\npath = "{path}"\n{text}\n'
 
 
 MISTAKES = {
@@ -44,41 +44,29 @@ MISTAKES = {
     ),
     "no axis": (START, "axis is missing: a study varies something"),
     "axis no table": ("axis = 3", "axis must be tables, each under [[axis]]"),
-    "unknown axis": (
-        axis('path = "yoke.preloat"\nvalues = [1]'),
-        "yoke.preloat is no parameter; the nearest",
-    ),
-    "a table": (axis('path = "yoke"\nvalues = [1]'), "yoke is a table; name one of its parameters"),
-    "no path": (axis("values = [1]"), "axis 1 needs path or paths"),
-    "unknown axis key": (axis('path = "yoke.preload"\nrange = [1, 2]'), "axis 1 has range, which is no key"),
-    "wrong unit": (
-        axis('path = "yoke.preload"\nvalues = ["3 kg"]'),
-        "axis 1 (yoke.preload) is '3 kg', which is no quantity in N",
-    ),
-    "wrong axis unit": (
-        axis('path = "yoke.preload"\nunit = "mm"\nvalues = [1]'),
-        "which is no quantity in N",
-    ),
-    "empty axis": (axis('path = "yoke.preload"\nvalues = []'), "axis 1 (yoke.preload) is empty"),
-    "value twice": (axis('path = "yoke.preload"\nvalues = [1, "1 N"]'), "has a value twice"),
-    "no list": (axis('path = "yoke.preload"\nvalues = 3'), "has values = 3; it must be a list"),
-    "not a number": (axis('path = "yoke.preload"\nvalues = [nan]'), "it must be finite"),
-    "one shape": (
-        axis('path = "yoke.preload"\nvalues = [1]\nlinspace = [1, 2, 3]'),
-        "it has values and linspace",
-    ),
-    "linspace": (axis('path = "yoke.preload"\nlinspace = [1, 2]'), "it must be [first, last, number]"),
-    "logspace from 0": (axis('path = "yoke.preload"\nlogspace = [0, 2, 3]'), "both ends must be above 0"),
+    "unknown axis": (axis("values = [1]", "yoke.preloat"), "yoke.preloat is no parameter; the nearest"),
+    "a table": (axis("values = [1]", "yoke"), "yoke is a table; name one of its parameters"),
+    "no path": (f"{START}[[axis]]\nvalues = [1]", "axis 1 needs path or paths"),
+    "unknown axis key": (axis("range = [1, 2]"), "axis 1 has range, which is no key"),
+    "wrong unit": (axis('values = ["3 kg"]'), "axis 1 (yoke.preload) is '3 kg', which is no quantity in N"),
+    "wrong axis unit": (axis('unit = "mm"\nvalues = [1]'), "which is no quantity in N"),
+    "empty axis": (axis("values = []"), "axis 1 (yoke.preload) is empty"),
+    "value twice": (axis('values = [1, "1 N"]'), "has a value twice"),
+    "no list": (axis("values = 3"), "has values = 3; it must be a list"),
+    "not a number": (axis("values = [nan]"), "it must be finite"),
+    "one shape": (axis("values = [1]\nlinspace = [1, 2, 3]"), "it has values and linspace"),
+    "linspace": (axis("linspace = [1, 2]"), "it must be [first, last, number]"),
+    "logspace from 0": (axis("logspace = [0, 2, 3]"), "both ends must be above 0"),
     "out of limits": (
-        axis('path = "mesh.friction"\nvalues = [0.1, -1]'),
+        axis("values = [0.1, -1]", "mesh.friction"),
         "axis mesh.friction: mesh.friction is -1.0; it must be at least 0 and at most 1.",
     ),
     "does not fit the base": (
-        axis('path = "bush.inner_diameter"\nvalues = ["35 mm"]'),
+        axis('values = ["35 mm"]', "bush.inner_diameter"),
         "axis bush.inner_diameter: bush.inner_diameter is 35 mm; it must be smaller than bush.outer_diameter",
     ),
     "do not fit each other": (
-        axis('path = "bush.inner_diameter"\nvalues = ["25 mm", "29 mm"]')
+        axis('values = ["25 mm", "29 mm"]', "bush.inner_diameter")
         + '[[axis]]\npath = "bush.outer_diameter"\nvalues = ["28 mm", "30 mm"]\n',
         "the case bush.inner_diameter = 0.029, bush.outer_diameter = 0.028: bush.inner_diameter is 29 mm",
     ),
@@ -92,25 +80,19 @@ MISTAKES = {
     ),
     "wrong base": (f'{START}[set]\nmesh.friction = "3 N"\n{AXIS}', "mesh.friction is '3 N'"),
     "unknown base": (f"{START}[set]\nmesh.frition = 3\n{AXIS}", "set: mesh.frition is no parameter"),
-    "reserved name": (
-        axis('name = "status"\npath = "yoke.preload"\nvalues = [1]'),
-        "axis 1.name is 'status'",
-    ),
+    "reserved name": (axis('name = "status"\nvalues = [1]'), "axis 1.name is 'status'"),
     "different units": (
-        axis('paths = ["yoke.preload", "mesh.friction"]\nvalues = [1]'),
+        f'{START}[[axis]]\npaths = ["yoke.preload", "mesh.friction"]\nvalues = [1]',
         "different units; use along",
     ),
     "along too short": (
-        axis('path = "yoke.preload"\nvalues = [1, 2]\nalong.mesh.friction = [0.1]'),
+        axis("values = [1, 2]\nalong.mesh.friction = [0.1]"),
         "moves mesh.friction along with 1 values; it needs one for each of its own",
     ),
-    "drawn on a grid": (axis('path = "yoke.preload"\nuniform = [1, 2]'), "has uniform, which only a sampled"),
-    "grid in a sample": (
-        SAMPLED + axis('path = "yoke.preload"\nlinspace = [1, 2, 3]'),
-        "has linspace; a sampled",
-    ),
-    "uniform reversed": (SAMPLED + axis('path = "yoke.preload"\nuniform = [2, 1]'), "least below most"),
-    "normal out of limits": (SAMPLED + axis('path = "mesh.friction"\nnormal = [0.1, 0.1]'), "at least 0"),
+    "drawn on a grid": (axis("uniform = [1, 2]"), "has uniform, which only a sampled"),
+    "grid in a sample": (SAMPLED + axis("linspace = [1, 2, 3]"), "has linspace; a sampled"),
+    "uniform reversed": (SAMPLED + axis("uniform = [2, 1]"), "least below most"),
+    "normal out of limits": (SAMPLED + axis("normal = [0.1, 0.1]", "mesh.friction"), "at least 0"),
     "unknown design": (f'design = "circle"\n{START}{AXIS}', "design is 'circle'; it must be one of grid"),
     "samples missing": (f'design = "sobol"\n{START}{AXIS}', "samples is missing"),
     "samples of a grid": (f"samples = 3\n{START}{AXIS}", "samples has no meaning for a grid"),
@@ -121,10 +103,7 @@ MISTAKES = {
     "absolute path": (f'gear = "/etc/passwd"\n{START}{AXIS}', "it must lie in the study file's folder"),
     "through a link": (f'gear = "link/gear.toml"\n{START}{AXIS}', "it must lie in the study file's folder"),
     "gear missing": (f'gear = "none.toml"\n{START}{AXIS}', "none.toml cannot be read: there is no such file"),
-    "too many cases": (
-        axis('path = "yoke.preload"\nlinspace = [1, 2, 6000]'),
-        "more than 5000 are run with --yes",
-    ),
+    "too many cases": (axis("linspace = [1, 2, 6000]"), "more than 5000 are run with --yes"),
 }
 
 
@@ -135,11 +114,10 @@ def test_mistake_in_the_file(command: Command, tmp_path: Path, name: str) -> Non
     (tmp_path / "in" / "link").symlink_to("/tmp")
     file = tmp_path / "in" / "s.toml"
     file.write_text(text)
-    answer = command(["study", str(file)])
-    assert answer.status == 2
-    assert sentence in answer.err
-    assert "s.toml" in answer.err
-    assert "Traceback" not in answer.err
+    said = refusal_of(command(["study", str(file)]))
+    assert sentence in said
+    assert "s.toml" in said
+    assert "Traceback" not in said
     assert not (tmp_path / "s").exists()
 
 
@@ -168,9 +146,9 @@ def test_folder_of_something_else(command: Command, tmp_path: Path) -> None:
     write_grid(tmp_path / "s.toml", 100)
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter.txt").write_text("dear")
-    answer = command(["study", "s.toml", "--out", "mine"])
-    assert answer.status == 2
-    assert "mine is no study's folder, and not empty" in answer.err
+    assert "mine is no study's folder, and not empty" in refusal_of(
+        command(["study", "s.toml", "--out", "mine"])
+    )
     assert "is a file" in command(["study", "s.toml", "--out", "s.toml"]).err
 
 
@@ -189,9 +167,7 @@ def test_foreign_newer_or_damaged_study(
     write_grid(tmp_path / "s.toml", 100)
     (tmp_path / "s").mkdir()
     (tmp_path / "s" / "study.json").write_text(content)
-    answer = command(["study", "s.toml"])
-    assert answer.status == 2
-    assert sentence in answer.err
+    assert sentence in refusal_of(command(["study", "s.toml"]))
     assert (tmp_path / "s" / "study.json").read_text() == content
 
 

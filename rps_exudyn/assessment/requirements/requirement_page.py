@@ -1,7 +1,6 @@
 """The sheet of a gear's requirements: how many are kept, and each on its scale."""
 
 from collections.abc import Iterator, Sequence
-from math import isnan
 from typing import Any
 
 from rps_exudyn.assessment.requirements.judging import ASSURED, RequirementRow, law_of_sheet
@@ -78,28 +77,23 @@ def _text(sheet: Sequence[RequirementRow], gear: SteeringGear, torque: float) ->
 
 
 def _as_dict(sheet: Sequence[RequirementRow], gear: SteeringGear, margins: bool) -> dict[str, Any]:
-    """For JSON, which has no nan: None stands for what is missing."""
     rows = {
         each.name: {
             "verdict": each.verdict,
-            "nominal": _known(each.value),
-            "error": _known(each.error) if each.is_known else None,
-            "band": [_known(each.low), _known(each.high)],
+            "nominal": each.value,
+            "error": each.error if each.is_known else None,
+            "band": [each.low, each.high],
             "unit": quantity_of(each.name).unit,
             "limit": each.limit.show(quantity_of(each.name)),
             "share": each.share,
             "source": each.limit.source,
             "remark": each.remark,
-            **({"margin": _known(each.margin)} if margins else {}),
+            **({"margin": each.margin} if margins else {}),
         }
         for each in sheet
     }
     kept = all(each.verdict == "pass" for each in sheet)
     return {"all_kept": kept, "contact_law": law_of_sheet(gear), "requirements": rows}
-
-
-def _known(value: float) -> float | None:
-    return None if isnan(value) else value
 
 
 def _missed(each: RequirementRow) -> str:

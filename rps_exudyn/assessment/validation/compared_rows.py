@@ -78,9 +78,9 @@ class ComparedRow(JudgedRow):
         return self.verdict in COUNTED
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the row for a JSON file, which has no nan: None stands for what is missing."""
+        """Return the row for JSON."""
         row, data = self.row, self.row.data
-        content = {
+        return {
             **{name: getattr(row, name) for name in ("name", "title", "kind", "source", "note")},
             "quantity": data.quantity,
             "unit": data.shown_as.unit,
@@ -99,7 +99,6 @@ class ComparedRow(JudgedRow):
             "verdict": self.verdict.value,
             "message": self.remark,
         }
-        return {name: None if value != value else value for name, value in content.items()}  # nan
 
 
 def compared_row(row: ValidationRow, found: Simulated) -> ComparedRow:

@@ -8,7 +8,7 @@ Optimum Experimental Designs, ch. 12). The order is that of the largest gain of 
 (D-optimal) per minute.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
@@ -104,7 +104,6 @@ class Plan:
 
     targets: Mapping[str, float]
     tests: tuple[PlannedTest, ...]
-    simulations: int
 
     @property
     def minutes(self) -> float:
@@ -126,8 +125,6 @@ def plan(
     targets: Mapping[str, float],
     gear: SteeringGear | None = None,
     minutes: Mapping[str, Minutes] | None = None,
-    tests: Sequence[BenchTest] | None = None,
-    on_progress: Callable[[int, int], None] | None = None,
 ) -> Plan:
     """Return the cheapest programme that brings parameters to their wanted half intervals.
 
@@ -137,9 +134,6 @@ def plan(
         targets: path -> half of the 95 % interval, of the value.
         gear: what is expected.
         minutes: of each kind of test.
-        tests: that the bench can make; free turning, of which one run is always made, and
-            `identifiability.candidates` by default.
-        on_progress: called with simulations done and all.
 
     Raises:
         InputError: a gear that has no equilibrium in a test.
@@ -151,12 +145,12 @@ def plan(
     """
     gear = gear or SteeringGear()
     check_constant_ratio(gear, "a plan of tests")
-    tests = list(tests) if tests is not None else [BenchTest("free"), *candidates(gear)]
-    design = _Design.of(gear, tests, minutes or MINUTES, on_progress)
+    tests = [BenchTest("free"), *candidates(gear)]  # of free turning, one run is always made
+    design = _Design.of(gear, tests, minutes or MINUTES)
     chosen = whole = dict.fromkeys(tests, MOST_RUNS)
     if _reached(design.half_intervals(whole), targets):
         chosen = _exchanged(design, _reduced(design, whole, targets), targets)
-    return Plan(targets, tuple(_in_order(design, chosen, targets)), 2 * len(tests))
+    return Plan(targets, tuple(_in_order(design, chosen, targets)))
 
 
 def programme(
@@ -172,8 +166,8 @@ def programme(
         name, _, count = text.partition(" x ")
         test, _ = named_test(f"{name.strip()}=none")
         runs[test] = runs.get(test, 0) + int(count or 1)
-    design = _Design.of(gear or SteeringGear(), list(runs), minutes or MINUTES, None)
-    return Plan({}, tuple(_in_order(design, runs, {})), 2 * len(runs))
+    design = _Design.of(gear or SteeringGear(), list(runs), minutes or MINUTES)
+    return Plan({}, tuple(_in_order(design, runs, {})))
 
 
 Runs = Mapping[BenchTest, int]
@@ -195,13 +189,12 @@ class _Design:
         gear: SteeringGear,
         tests: Sequence[BenchTest],
         minutes: Mapping[str, Minutes],
-        on_progress: Callable[[int, int], None] | None,
     ) -> "_Design":
         unknowns = [*unknowns_of(gear, LEVEL, {}), *nuisance_unknowns([BY_LOAD, WITHOUT_YOKE])]
         u = np.array([each.before for each in unknowns])
         other = gear.replace({"mesh.law": "line" if gear.mesh.law == "teeth" else "teeth"})
         means, by_law = {}, {}
-        for number, test in enumerate(tests):
+        for test in tests:
             prediction = Prediction.of([test])
             (block,) = prediction.blocks
             try:
@@ -209,8 +202,6 @@ class _Design:
             except NoPredictionError as error:
                 raise InputError(f"no plan for the expected gear: {error}.") from None
             means[test], by_law[test] = expected.tolist(), changed - expected
-            if on_progress is not None:
-                on_progress(number + 1, len(tests))
         rows = expected_rows(means, dict.fromkeys(tests, 1))
         model = LevelModel.of(rows, unknowns, gear).corrected(u, rows.values)
         return cls(model, means, model.slopes(u), rows.of_means(by_law), minutes)

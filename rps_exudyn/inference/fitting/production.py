@@ -8,8 +8,8 @@ moving average (ISO 7870-6), whose limit is the quantile of lots of as many gear
 """
 
 import re
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -26,6 +26,7 @@ from rps_exudyn.inference.fitting.prediction import formula_means
 from rps_exudyn.inference.fitting.unknowns import LEVEL
 from rps_exudyn.inference.measured.reading import TORQUE, read_curve
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.limit import Limit
 from rps_exudyn.simulate.cases.run_cases import run_cases
 from rps_exudyn.simulate.cases.task import Task
 
@@ -54,26 +55,16 @@ class MeasuredGear:
         return self.level - half, self.level + half
 
 
-@dataclass(frozen=True)
-class Limits:
-    """Tolerance of the free torque [N m]; an open end is infinite."""
-
-    low: float
-    high: float
-
-    def holds(self, value: np.ndarray) -> np.ndarray:
-        return (value >= self.low) & (value <= self.high)
-
-    def guarded(self, guard: float) -> "Limits":
-        """The limits of acceptance, a guard band [N m] inside the tolerance."""
-        return Limits(self.low + guard, self.high - guard)
+def accepted_within(tolerance: Limit, guard: float) -> Limit:
+    """Return the limits of acceptance, a guard band [N m] inside the tolerance of the free torque."""
+    return replace(tolerance, least=tolerance.least + guard, most=tolerance.most - guard)
 
 
 @dataclass(frozen=True)
 class Risks:
     """Probabilities of JCGM 106 for a gear of the lot."""
 
-    limits: Limits  # of acceptance
+    limits: Limit  # of acceptance
     consumer: float  # accepted and out of tolerance
     producer: float  # rejected and within tolerance
 
@@ -110,17 +101,17 @@ class ProductionLot:
         """Usual deviation of a gear's measurement [N m]."""
         return float(np.median([each.sd for each in self.gears]))
 
-    def risks(self, tolerance: Limits, guard: float) -> Risks:
+    def risks(self, tolerance: Limit, guard: float) -> Risks:
         """Return the risks of limits that lie a guard band [N m] inside the tolerance.
 
         Raises:
             InputError: the tolerance is smaller than the guard bands.
         """
-        accepted = tolerance.guarded(guard)
-        if not accepted.low < accepted.high:
+        accepted = accepted_within(tolerance, guard)
+        if not accepted.least < accepted.most:
             raise InputError(
-                f"tolerance {tolerance.low:.4g} to {tolerance.high:.4g} N m is smaller than the guard bands "
-                f"({guard:.3g} N m each); widen it, or measure each gear more often."
+                f"tolerance {tolerance.least:.4g} to {tolerance.most:.4g} N m is smaller than the guard "
+                f"bands ({guard:.3g} N m each); widen it, or measure each gear more often."
             )
         from scipy.special import ndtr
 
@@ -130,8 +121,8 @@ class ProductionLot:
         weights = np.exp(-(deviations**2) / 2)
         weights /= weights.sum()
         sd = np.hypot(self.sd, CALIBRATION * self.mean)
-        taken = ndtr((accepted.high - true) / sd) - ndtr((accepted.low - true) / sd)
-        good = tolerance.holds(true)
+        taken = ndtr((accepted.most - true) / sd) - ndtr((accepted.least - true) / sd)
+        good = tolerance.keeps(true)
         return Risks(accepted, float(weights @ (taken * ~good)), float(weights @ ((1 - taken) * good)))
 
 
@@ -149,15 +140,9 @@ def measured_gear(path: Path, gear: SteeringGear) -> MeasuredGear:
     return MeasuredGear(path.stem, abs(level.value), level.data_sd, runout)
 
 
-def judge_lot(
-    folder: str | Path,
-    gear: SteeringGear | None = None,
-    *,
-    jobs: int = 1,
-    on_progress: Callable[[int, int], None] | None = None,
-) -> ProductionLot:
+def judge_lot(folder: str | Path, gear: SteeringGear | None = None, *, jobs: int = 1) -> ProductionLot:
     """Return what the free torques of a folder's files (text, MDF, TDMS, MAT) show, one gear a file, in the
-    order of their names; `gear` is what is expected of all, `on_progress` is called with files done and all.
+    order of their names; `gear` is what is expected of all.
 
     Raises:
         InputError: no such folder, or fewer than `FEWEST` files that can be read.
@@ -175,8 +160,6 @@ def judge_lot(
             found[number] = answer.returned()
         except InputError as error:
             refused[number] = " ".join(error.problems)
-        if on_progress is not None:
-            on_progress(len(found) + len(refused), len(files))
     if len(found) < FEWEST:
         why = f"; the first refusal: {refused[min(refused)]}" if refused else ""
         needed = f"{folder} holds {len(found)} curves that can be read; a batch needs at least {FEWEST}"

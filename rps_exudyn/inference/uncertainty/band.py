@@ -8,7 +8,7 @@ the error bars of its runs, and the error of the contact law.
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import astuple, dataclass, field, replace
 from functools import cached_property
@@ -112,7 +112,7 @@ class Band:
             "figures": {
                 name: {
                     "nominal": self.nominal.summary.get(name),
-                    "nominal_error": _plain([self.nominal.errors.get(name, np.nan)])[0],
+                    "nominal_error": self.nominal.errors.get(name),
                     "quantiles": each.values.tolist(),
                     "standard_errors": each.errors.tolist(),
                     **self._numerical(name),
@@ -125,7 +125,7 @@ class Band:
             },
             "effects": {
                 name: {
-                    path: dict(zip(("slope", "error", "elasticity"), _plain(astuple(effect)), strict=True))
+                    path: dict(zip(("slope", "error", "elasticity"), astuple(effect), strict=True))
                     for path, effect in each.effects.items()
                 }
                 for name, each in self.contributions.items()
@@ -136,14 +136,14 @@ class Band:
                 "pinion_angle": self.nominal.signals.get("pinion_angle", np.zeros(0)).tolist(),
                 self.curves.signal: self.curves.quantiles.tolist(),
             },
-            "values": {path: _plain(column) for path, column in values.items()},
+            "values": {path: column.tolist() for path, column in values.items()},
         }
 
     def _numerical(self, name: str) -> dict[str, Any]:
         if (found := self.drawn.numerical.get(name)) is None:
             return {}
-        of_sample, *of_quantiles = _plain([found.of_sample, *found.of_quantiles])
-        return {"numerical_error": of_sample, "numerical_errors_of_quantiles": of_quantiles}
+        of_quantiles = found.of_quantiles.tolist()
+        return {"numerical_error": found.of_sample, "numerical_errors_of_quantiles": of_quantiles}
 
 
 def band_of_runs(
@@ -336,8 +336,3 @@ def contributions_of(drawn: Drawn) -> dict[str, Contributions]:
         if each := fitted[key].contributions(numbers[known]):
             found[name] = each
     return found
-
-
-def _plain(column: Iterable[float]) -> list[float | None]:
-    """Numbers for JSON, which has no nan."""
-    return [float(value) if np.isfinite(value) else None for value in column]

@@ -15,13 +15,14 @@ from matplotlib.figure import Figure
 from rps_exudyn.analysis.measured import residuals
 from rps_exudyn.analysis.passes import passes, turning_points
 from rps_exudyn.inference.fitting.fitted import Fit, FittedPass
-from rps_exudyn.inference.fitting.production import Limits, ProductionLot
+from rps_exudyn.inference.fitting.production import ProductionLot
 from rps_exudyn.inference.fitting.unknowns import LEVEL
 from rps_exudyn.inference.uncertainty.band import Band
 from rps_exudyn.inference.uncertainty.statistics import LEVELS, Contributions
 from rps_exudyn.pages.charts import curves, style
 from rps_exudyn.pages.charts.style import scene_of
 from rps_exudyn.results.judged_row import Verdict
+from rps_exudyn.results.limit import Limit
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.results.rounding import rounded_range
 from rps_exudyn.scenes import scene_named
@@ -123,7 +124,7 @@ def _draw_contributions(figure: Figure, shares: Contributions) -> None:
 # --- A production batch
 
 
-def drift_figure(batch: ProductionLot, limits: Limits | None) -> Figure:
+def drift_figure(batch: ProductionLot, limits: Limit | None) -> Figure:
     """The levels of all gears in their order with their intervals, and below their moving average with the
     limits that 1 % of batches without drift exceed; `limits` of acceptance where a tolerance was given."""
     figure, (levels, average) = style.panels([2.8, 2.4])
@@ -131,7 +132,7 @@ def drift_figure(batch: ProductionLot, limits: Limits | None) -> Figure:
     known, halves = [each.level for each in batch.gears], [WIDE * each.sd for each in batch.gears]
     look: Any = {"fmt": "o", "markersize": 3, "linewidth": 0.8, "label": "a gear, 95 % of its measurement"}
     levels.errorbar(place, known, yerr=halves, color=colour, **look)
-    for end in (limits.low, limits.high) if limits else ():
+    for end in (limits.least, limits.most) if limits else ():
         if np.isfinite(end):
             levels.axhline(end, **style.REFERENCE_LINE)
     levels.set_ylabel("mean free torque\n[N m]")
