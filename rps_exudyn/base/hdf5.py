@@ -38,8 +38,7 @@ def write_dataset(
     scales: Iterable[Any] = (),
     **how: Any,
 ) -> h5py.Dataset:
-    """Write a dataset, numbers or texts of the kind "U", with the attributes `about` and scales of its
-    dimensions."""
+    """Write a dataset, numbers or texts of the kind "U", with attributes and scales of its dimensions."""
     if isinstance(values, np.ndarray) and values.dtype.kind == "U":
         values, how = values.astype(object), {"dtype": h5py.string_dtype()}
     dataset = group.create_dataset(name, data=values, **how)

@@ -46,21 +46,13 @@ FINEST = 1e-3  # least gap between planes of a family, in the surface's size
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """A rigid transform from a file's numbers to a frame of the package.
+    """A rigid transform from a file's numbers to a frame of the package."""
 
-    Attributes:
-        unit: name of the file's unit.
-        scale: its size [m].
-        axes: those of the frame as rows, in the file, shape (3, 3).
-        origin: that of the frame in the file [m], shape (3,).
-        form_error: root mean square distance of the flanks from the fitted surface [m].
-    """
-
-    unit: str
-    scale: float
-    axes: np.ndarray
-    origin: np.ndarray
-    form_error: float
+    unit: str  # name of the file's unit
+    scale: float  # its size [m]
+    axes: np.ndarray  # those of the frame as rows, in the file, shape (3, 3)
+    origin: np.ndarray  # that of the frame in the file [m], shape (3,)
+    form_error: float  # root mean square distance of the flanks from the fitted surface [m]
 
     def place(self, points: np.ndarray) -> np.ndarray:
         """Return points of the file (..., 3) in the frame [m]."""
@@ -85,25 +77,15 @@ class PinionPlacement(Placement):
 
 @dataclass(frozen=True, eq=False)
 class RackPlacement(Placement):
-    """Of a rack: tooth 0 in the middle of all is centred at X = 0; X points to the longer end.
+    """Of a rack: tooth 0 in the middle of all is centred at X = 0; X points to the longer end."""
 
-    Attributes:
-        teeth: whole teeth.
-        pitch: along X [m].
-        tooth_angle: of the traces to the cross direction [rad].
-        pressure_angles: of flanks that drive to +X and to -X [rad].
-        addendum: of the tips above the line where tooth and space are equal [m].
-        bar_diameter: of the round part; None without one [m].
-        reference_height: of that line above the bar's axis, or of the drawing's without a bar [m].
-    """
-
-    teeth: int
-    pitch: float
-    tooth_angle: float
-    pressure_angles: tuple[float, float]
-    addendum: float
-    bar_diameter: float | None
-    reference_height: float
+    teeth: int  # whole teeth
+    pitch: float  # along X [m]
+    tooth_angle: float  # of the traces to the cross direction [rad]
+    pressure_angles: tuple[float, float]  # of flanks that drive to +X and to -X [rad]
+    addendum: float  # of the tips above the line where tooth and space are equal [m]
+    bar_diameter: float | None  # of the round part; None without one [m]
+    reference_height: float  # of that line above the bar's axis, or of the drawing's without a bar [m]
 
 
 # --- pinion ----------------------------------------------------------------------------------------

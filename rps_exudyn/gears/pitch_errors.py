@@ -39,8 +39,7 @@ def pinion_errors(gear: SteeringGear) -> np.ndarray:
 
 
 def rack_errors(gear: SteeringGear) -> np.ndarray:
-    """Return the displacements of the rack's teeth along X, in order of X, (n,) [m]; (0,) if none is
-    given.
+    """Return the displacements of the rack's teeth along X, in order of X, (n,) [m]; (0,) without errors.
 
     Raises:
         InputError: a list of another length, or more teeth than errors can have.

@@ -129,8 +129,7 @@ class RackBar:
         )
 
     def outline(self, chord_error: float) -> np.ndarray:
-        """Return what the cutter leaves of the teeth and takes away below them: polygon (u, -Y), shape (n, 2)
-        [m].
+        """Return what the cutter leaves of the teeth and takes away below them: polygon (u, -Y) [m], (n, 2).
 
         Teeth from root middle to root middle, closed outside the bar; counter-clockwise.
         """

@@ -149,8 +149,7 @@ def shapes_of(
     color: str,
     rotation: np.ndarray | None = None,
 ) -> list[Any]:
-    """Return graphics data of a body, its solid turned by `rotation` (3, 3); none of a model without
-    pictures."""
+    """Return graphics data of a body, its solid turned by `rotation` (3, 3); none without pictures."""
     if not model.pictured:
         return []
     from exudyn import graphics

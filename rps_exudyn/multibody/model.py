@@ -115,8 +115,7 @@ def build_model(
 
 
 def _add_drive(model: SteeringModel) -> None:
-    """Prescribe a coordinate of pinion, rack or wheel by a rheonomic constraint; or turn the wheel by a
-    torque."""
+    """Prescribe a coordinate of pinion, rack or wheel by a rheonomic constraint, or turn the wheel."""
     if isinstance(model.drive, WheelTorque):
         add_wheel_torque(model, model.drive)
         return
@@ -205,8 +204,7 @@ def _add_forces_together(model: SteeringModel) -> None:
 
 
 def _add_sensors(model: SteeringModel) -> None:
-    """Add sensors for the coordinates of pinion, rack and plunger, stored internally:
-    `mbs.PlotSensor(model.sensors["rack"])`."""
+    """Add sensors of pinion, rack and plunger: `mbs.PlotSensor(model.sensors["rack"])`."""
     from exudyn import OutputVariableType
     from exudyn.itemInterface import SensorNode
 

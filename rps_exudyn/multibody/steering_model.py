@@ -24,29 +24,22 @@ if TYPE_CHECKING:
 
 @dataclass
 class SteeringModel:
-    """An Exudyn system of the gear; nodes, bodies and sensors map names to the numbers of items.
-
-    Attributes:
-        mbs: the system, to go on with as usual; SC is its container.
-        start: equilibrium in which it starts, in its only row.
-        segments: nodes of the bush's segments, from the housing on.
-        constraint: moves the driven body; its multiplier is the drive's torque or force.
-    """
+    """An Exudyn system of the gear; nodes, bodies and sensors map names to the numbers of items."""
 
     gear: SteeringGear
     fidelity: Fidelity
     forces: GearForces
     drive: Drive
     SC: Any
-    mbs: "exudyn.MainSystem"
-    start: EquilibriumPath
+    mbs: "exudyn.MainSystem"  # the system, to go on with as usual; SC is its container
+    start: EquilibriumPath  # equilibrium in which it starts, in its only row
     contacts: GeneralContacts | None = None
     nodes: dict[str, Any] = field(default_factory=dict)
     bodies: dict[str, Any] = field(default_factory=dict)
     sensors: dict[str, Any] = field(default_factory=dict)
-    segments: list[Any] = field(default_factory=list)
+    segments: list[Any] = field(default_factory=list)  # nodes of the bush's segments, from the housing on
     pulse: TimedForce | None = None
-    constraint: Any = None
+    constraint: Any = None  # moves the driven body; its multiplier is the drive's torque or force
     column: ColumnModel | None = None  # where the rig turns the wheel; its node is "wheel"
     pictured: bool = True  # bodies have the shapes that Exudyn's viewer shows
 

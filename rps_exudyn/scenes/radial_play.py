@@ -38,8 +38,7 @@ def radial_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
 
 
 def play_metrics(signals: Signals) -> dict[str, float]:
-    """Return how far the largest force each way moves the rack's end from where it rests; {} of a record
-    that ends before."""
+    """Return how far the largest force each way moves the rack's end from rest; {} of a shorter record."""
     metrics = {}
     for axis, names in WAYS.items():
         force, place = signals[f"end_force_{axis}"], signals[f"rack_end_{axis}"]

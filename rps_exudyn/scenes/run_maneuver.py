@@ -80,8 +80,7 @@ def run_maneuver(
     maneuvers: Maneuver | Sequence[Maneuver],
     options: RunOptions = DEFAULT_OPTIONS,
 ) -> SceneRun:
-    """Make one maneuver, or several one after the other until one fails, joined to one record; their run has
-    no summary yet.
+    """Make maneuvers one after the other until one fails, joined to one record; the run has no summary yet.
 
     Raises:
         InputError: the fidelity's solver cannot make one, or no memory holds its record.

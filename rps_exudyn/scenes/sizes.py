@@ -14,8 +14,7 @@ RUBBING = 0.1  # coefficient of friction by which the force on the teeth gives a
 
 
 def sizes(signals: Signals, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the sizes of force, torque, work and stiffness in a record with its metrics, by unit; of many
-    gears arrays (n,).
+    """Return the sizes of force, torque, work and stiffness in a record, by unit; of many gears (n,).
 
     They are what teeth with the coefficient of friction `RUBBING` would take under their mean normal force.
     A gear without friction has them too, while its mean torque is zero but for rounding.

@@ -41,17 +41,11 @@ HALVED = 0.5  # what a level makes of all that steps decide
 
 @dataclass(frozen=True)
 class AccuracyGoal:
-    """The accuracy that a climb of the ladder shall reach.
+    """The accuracy that a climb of the ladder shall reach."""
 
-    Attributes:
-        accuracy: largest share of each metric's size that 1.5 bars may be.
-        metrics: names; none stands for the scene's own.
-        preset: the only one that is taken; "" if any may be.
-    """
-
-    accuracy: float
-    metrics: tuple[str, ...] = ()
-    preset: str = ""
+    accuracy: float  # largest share of each metric's size that 1.5 bars may be
+    metrics: tuple[str, ...] = ()  # names; none stands for the scene's own
+    preset: str = ""  # the only one that is taken; "" if any may be
 
     @classmethod
     def of(

@@ -181,23 +181,14 @@ def table_of_metrics(scene: str, gear: SteeringGear, fidelity: Fidelity, table: 
 
 @dataclass(frozen=True, eq=False)
 class TableAtLevel:
-    """What the gears of a table share in a scene at a level of the ladder, and each one's constants.
+    """What the gears of a table share in a scene at a level of the ladder, and each one's constants."""
 
-    Attributes:
-        scene: that they run.
-        shared_maneuvers: one for each maneuver.
-        recorded: how many of them make the record; the others go beside.
-        rows: of the table, of gears that can exist, (n,).
-        records: their constants, (n,).
-        alike: whether all have the same masses.
-    """
-
-    scene: Scene
-    shared_maneuvers: list[SharedManeuver]
-    recorded: int
-    rows: np.ndarray
-    records: np.ndarray
-    alike: bool
+    scene: Scene  # that they run
+    shared_maneuvers: list[SharedManeuver]  # one for each maneuver
+    recorded: int  # how many of them make the record; the others go beside
+    rows: np.ndarray  # of the table, of gears that can exist, (n,)
+    records: np.ndarray  # their constants, (n,)
+    alike: bool  # whether all have the same masses
 
     @classmethod
     def of(
@@ -326,21 +317,13 @@ def can_exist(gear: SteeringGear, fidelity: Fidelity, settings: Mapping[str, flo
 
 @dataclass(frozen=True, eq=False)
 class _GearsAtLevel:
-    """Gears of a table that were computed together and pass all checks.
+    """Gears of a table that were computed together and pass all checks."""
 
-    Attributes:
-        table: they are of.
-        chosen: which of its gears, (n,).
-        gears: each of them.
-        record: of all of them.
-        counters: what it took, (n,) each.
-    """
-
-    table: TableAtLevel
-    chosen: np.ndarray
-    gears: list[SteeringGear]
-    record: SteadyRecord
-    counters: dict[str, np.ndarray]
+    table: TableAtLevel  # they are of
+    chosen: np.ndarray  # which of its gears, (n,)
+    gears: list[SteeringGear]  # each of them
+    record: SteadyRecord  # of all of them
+    counters: dict[str, np.ndarray]  # what it took, (n,) each
 
     @classmethod
     def of(cls, table: TableAtLevel, chosen: np.ndarray, gears: list[SteeringGear]) -> "_GearsAtLevel":

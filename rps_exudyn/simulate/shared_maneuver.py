@@ -216,21 +216,13 @@ def _singly(
 # --- records of some gears -------------------------------------------------------------------------
 @dataclass(frozen=True, eq=False)
 class FollowedGears:
-    """Some gears of a table over one maneuver; arrays have one row for each gear.
+    """Some gears of a table over one maneuver; arrays have one row for each gear."""
 
-    Attributes:
-        shared: what they have in common with all gears of the table.
-        records: their constants.
-        found: whether there is an equilibrium at all instants, (n,).
-        period: signals over the record's first period, (n, m), time (m,).
-        counts: what it took to follow them, name -> (n,), by the names of `quantities`.
-    """
-
-    shared: SharedManeuver
-    records: np.ndarray
-    found: np.ndarray
-    period: Signals
-    counts: dict[str, np.ndarray]
+    shared: SharedManeuver  # what they have in common with all gears of the table
+    records: np.ndarray  # their constants
+    found: np.ndarray  # whether there is an equilibrium at all instants, (n,)
+    period: Signals  # signals over the record's first period, (n, m), time (m,)
+    counts: dict[str, np.ndarray]  # what it took to follow them, name -> (n,), by the names of `quantities`
 
     @classmethod
     def of(cls, shared: SharedManeuver, records: np.ndarray, chosen: np.ndarray) -> "FollowedGears":

@@ -93,8 +93,7 @@ def closed_form(gear: SteeringGear) -> ClosedForm:
 
 
 def load_test(gear: SteeringGear, mass: float | None = None) -> LoadTest:
-    """Return the load test with `mass` [kg], default `test.load_mass`; beyond `unloading_force` one flank
-    lifts."""
+    """Return the load test with `mass` [kg], default `test.load_mass`; up to `unloading_force`."""
     load = GRAVITY * (gear.test.load_mass if mass is None else mass)
     return LoadTest(
         load=load,
@@ -203,8 +202,7 @@ def runout_harmonics(gear: SteeringGear) -> tuple[float, float]:
 
 
 def tilting_stiffness(gear: SteeringGear) -> float:
-    """Return force along Y at the mesh over the rack's lift there [N/m], of bush and seat, which hold it
-    straight."""
+    """Return force over the rack's lift at the mesh [N/m], of bush and seat, which hold it straight."""
     bush = bush_chain(gear)
     to_fit = housing_station(gear, bush.end_station)
     k = bush.lateral_stiffness[np.ix_([0, 3], [0, 3])]  # along y, about z
@@ -274,8 +272,7 @@ def static_surplus(gear: SteeringGear) -> float:
 
 # --- balance of the rack -------------------------------------------------------------------------
 def mean_state(gear: SteeringGear, direction: int, load: float) -> MeanState:
-    """Return the mean forces while the rack moves along `direction` (+1 or -1) X, the load pulling towards -X
-    [N].
+    """Return the mean forces while the rack moves along `direction` (+1 or -1) X, the load pulling to -X [N].
 
     Where the balance would need a flank to pull, that flank has lifted; the yoke then yields until
     the other flank alone carries the load.

@@ -44,26 +44,16 @@ GUIDED = tuple(range(RACK + 2, RACK + 6))  # what a guided rack lacks: sideways 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class GearForces(Balance):
-    """The forces of a gear to be balanced, its bush as modelled: if it is a chain, its last segment follows
-    in the stack.
+    """The forces of a gear with its bush as modelled: the last segment of a chain follows in the stack."""
 
-    Attributes:
-        condensed: record of the fit in a bush whose static stiffness is condensed into it.
-        chain: the bush.
-        friction_zone: [m/s].
-        bar: of the rack, where it bends or is not straight.
-        ideal: record of the gear without friction and runout in the mesh, by which the yoke is adjusted.
-        valid_to: outputs above which the contact law does not hold any more, and their bounds.
-        spheres: of general contact.
-    """
-
-    condensed: np.record
-    chain: Chain
-    friction_zone: float
-    bar: BentBar | None
+    condensed: np.record  # record of the fit in a bush whose static stiffness is condensed into it
+    chain: Chain  # the bush
+    friction_zone: float  # [m/s]
+    bar: BentBar | None  # of the rack, where it bends or is not straight
+    # record of the gear without friction and runout in the mesh, by which the yoke is adjusted
     ideal: np.ndarray
-    valid_to: dict[str, float]
-    spheres: SampledContactData | None = None
+    valid_to: dict[str, float]  # outputs above which the contact law does not hold any more, and their bounds
+    spheres: SampledContactData | None = None  # of general contact
 
     @property
     def gear(self) -> np.record:

@@ -148,8 +148,7 @@ def _gear(reference: SteeringGear, table: Table, row: int) -> SteeringGear:
 
 
 def _spread(values: np.ndarray, number: int) -> tuple[float, ...]:
-    """Some values of a parameter by its number, in other order than of other parameters, between the ends of
-    all."""
+    """Some values of a parameter between the ends of all, in another order than of other parameters."""
     places = (np.arange(CHECKED) / CHECKED + TURN * number) % 1
     some = np.sort(values)[np.rint(places * (len(values) - 1)).astype(int)]
     return float(np.min(values)), *some.tolist(), float(np.max(values))
@@ -309,19 +308,12 @@ class Found:
 
 @dataclass(frozen=True, eq=False)
 class GearSeries:
-    """Gears of one design under one motion of the rig; a driven rack moves as the pinion would move it.
+    """Gears of one design under one motion of the rig; a driven rack moves as the pinion would move it."""
 
-    Attributes:
-        forces: of the reference gear.
-        pair: its geometry.
-        speed: of the pinion, with its sense [rad/s].
-        body: that the rig moves.
-    """
-
-    forces: GearForces
-    pair: GearPair
-    speed: float
-    body: DrivenBody = "pinion"
+    forces: GearForces  # of the reference gear
+    pair: GearPair  # its geometry
+    speed: float  # of the pinion, with its sense [rad/s]
+    body: DrivenBody = "pinion"  # that the rig moves
 
     @property
     def share(self) -> float:

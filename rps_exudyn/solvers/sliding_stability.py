@@ -81,19 +81,12 @@ def linearised_damping(gear: SteeringGear, fidelity: Fidelity) -> float:
 
 @dataclass(frozen=True, eq=False)
 class SlidingVibration:
-    """A gear behind its column, linearised at instants of steady sliding over a tooth pitch.
+    """A gear behind its column, linearised at instants of steady sliding over a tooth pitch."""
 
-    Attributes:
-        mass: of all coordinates, (n, n).
-        by_place: forces by coordinates at the instants, (k, n, n), the column's spring among them.
-        by_rate: forces by rates, the column's damping not among them.
-        averaged: instants of `PERIODS` natural periods, at most all.
-    """
-
-    mass: np.ndarray
-    by_place: np.ndarray
-    by_rate: np.ndarray
-    averaged: int
+    mass: np.ndarray  # of all coordinates, (n, n)
+    by_place: np.ndarray  # forces by coordinates at the instants, (k, n, n), the column's spring among them
+    by_rate: np.ndarray  # forces by rates, the column's damping not among them
+    averaged: int  # instants of `PERIODS` natural periods, at most all
 
     @classmethod
     def of(cls, gear: SteeringGear, fidelity: Fidelity) -> "SlidingVibration | None":

@@ -127,8 +127,7 @@ def operating_gear(gear: SteeringGear) -> OperatingGear | None:
 
 
 def is_new(gear: SteeringGear) -> bool:
-    """Return whether a gear is new, at 20 degC and without a base oil, so that its parameters hold as they
-    are."""
+    """Return whether a gear is new, at 20 degC, without a base oil: its parameters hold as they are."""
     conditions = gear.conditions
     aged = conditions.steering_cycles or conditions.spring_set
     return conditions.temperature == REFERENCE_TEMPERATURE and not aged and gear.grease.base_oil == "none"

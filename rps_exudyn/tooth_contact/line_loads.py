@@ -65,8 +65,7 @@ class LoadsData(NamedTuple):
 
 
 def loads_data(gear: SteeringGear, stations: int = STATIONS) -> LoadsData:
-    """Return the constants of a gear for `line_loads`, by its law and so many stations on a segment of a
-    line."""
+    """Return the constants of a gear for `line_loads`, with so many stations on a segment of a line."""
     flank = pack(gear, along=stations, across=1)
     made = np.zeros(1, MESH)
     made["flank"], made["teeth"], made["most_lines"] = flank, teeth_data(gear, flank), most_lines(flank)

@@ -51,27 +51,17 @@ MOST_POWER = 20.0  # of e, that a sentence states
 
 @dataclass(frozen=True, eq=False)
 class RuleInput:
-    """What rules measure: a plan, and of a run its record; of many gears signals are (n, t), numbers (n,).
+    """What rules measure: a plan, and of a run its record; of many gears signals are (n, t), numbers (n,)."""
 
-    Attributes:
-        gear: the gear, or what many have in common.
-        fidelity: of a plan.
-        motion: of a plan.
-        signals: of a run.
-        record: of a single run.
-        axis_offset: of the pinion's axis from its nominal place [m], by default the gear's.
-        valid_to: signals above which the contact's law does not hold, with their bounds.
-        numbers: of a run with error bars, by name.
-    """
-
-    gear: SteeringGear
-    fidelity: Fidelity | None = None
-    motion: Motion = "steady"
-    signals: Signals = field(default_factory=dict)
-    record: Record | None = None
-    axis_offset: Any = None
+    gear: SteeringGear  # the gear, or what many have in common
+    fidelity: Fidelity | None = None  # of a plan
+    motion: Motion = "steady"  # of a plan
+    signals: Signals = field(default_factory=dict)  # of a run
+    record: Record | None = None  # of a single run
+    axis_offset: Any = None  # of the pinion's axis from its nominal place [m], by default the gear's
+    # signals above which the contact's law does not hold, with their bounds
     valid_to: Mapping[str, float] = field(default_factory=dict)
-    numbers: Mapping[str, Any] = field(default_factory=dict)
+    numbers: Mapping[str, Any] = field(default_factory=dict)  # of a run with error bars, by name
 
     @property
     def model(self) -> Fidelity:
@@ -98,25 +88,17 @@ class RuleInput:
 
 @dataclass(frozen=True, eq=False)
 class Rule:
-    """One limit.
+    """One limit."""
 
-    Attributes:
-        code: what its breach is about.
-        measured: the quantity, a number or over the instants (t,), of many gears (n,) or (n, t).
-        sentence: about a breach, without a full stop.
-        limit: the largest allowed value.
-        applies: whether there is anything to measure.
-        repair: choices of the fidelity that meet the limit.
-        status: of a run that breaks it; ok: its sentence is a remark.
-    """
-
-    code: Code
+    code: Code  # what its breach is about
+    # the quantity, a number or over the instants (t,), of many gears (n,) or (n, t)
     measured: Callable[[RuleInput], Any]
-    sentence: Callable[["Breach"], str]
-    limit: Callable[[RuleInput], Any] = lambda given: 0.0
-    applies: Callable[[RuleInput], bool] = lambda given: True
+    sentence: Callable[["Breach"], str]  # about a breach, without a full stop
+    limit: Callable[[RuleInput], Any] = lambda given: 0.0  # the largest allowed value
+    applies: Callable[[RuleInput], bool] = lambda given: True  # whether there is anything to measure
+    # choices of the fidelity that meet the limit
     repair: Callable[["Breach"], dict[str, Any]] = lambda breach: {}
-    status: Status = Status.INVALID
+    status: Status = Status.INVALID  # of a run that breaks it; ok: its sentence is a remark
 
     def breach(self, given: RuleInput) -> "Breach | None":
         """Return what breaks the rule."""
@@ -231,8 +213,7 @@ def _is_chain(given: RuleInput) -> bool:
 
 
 def _least_profile_samples(gear: SteeringGear) -> int:
-    """Return the spheres along the path of contact such that `SPACING` strips of contact lie between two of
-    them."""
+    """Return the least spheres along the path of contact: two are at most `SPACING` strips apart."""
     pair = GearPair.of(gear)
     curvature_radius = float(pair.reference_radius * np.sin(pair.alpha_t) / np.cos(pair.beta_p) ** 2)
     strip = 2 * np.sqrt(2 * curvature_radius * max(mean_depth(gear), 1e-9))
@@ -373,8 +354,7 @@ def _touching(given: RuleInput) -> float:
 
 
 def _displaced(given: RuleInput) -> float:
-    """How far the rack stands from where its teeth are pressed in by the mean depth, over the path of
-    contact."""
+    """How far the rack is displaced from teeth pressed in by the mean depth, over the path of contact."""
     pair = GearPair.of(given.gear)
     axis = pair.axis_offset + pair.runout * np.cos(given.signals["pinion_angle"] + pair.runout_angle)
     raised = float(np.mean(given.signals["rack_y"] - axis)) + rack_approach(pair, mean_depth(given.gear))
