@@ -33,7 +33,7 @@ from rps_exudyn.scenes.maneuver import maneuvers_of_test, swing_maneuver
 from rps_exudyn.scenes.steering_torque import torque_maneuver
 from rps_exudyn.scenes.stick_slip import set_off
 from rps_exudyn.scenes.yoke_impact import shaken
-from rps_exudyn.solvers.closed_form import closed_form
+from rps_exudyn.solvers.closed_form import free_torque
 from verification.ranges import Range, range_of, scaled, within
 from verification.stability import ScenePlan
 from verification.stated_ranges import (
@@ -145,7 +145,7 @@ def _drawn_gear(rng: np.random.Generator) -> SteeringGear:
         path: within(items[path], scaled(items[path], value, scale)) for path, value in values.items()
     }
     gear = with_teeth(SteeringGear().replace(settings), shift, tip)
-    return gear.replace({"test.steer_torque": of_friction * abs(closed_form(gear).free_torque)})
+    return gear.replace({"test.steer_torque": of_friction * abs(free_torque(gear))})
 
 
 def with_teeth(gear: SteeringGear, margin: float, fraction: float) -> SteeringGear:

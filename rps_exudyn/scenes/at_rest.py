@@ -133,7 +133,7 @@ def _equilibria(
     forces = gear_forces(gear, fidelity)
     bent = moved_by_modes(gear, fidelity, place)
     outside = loads.generalised(place, bent, len(forces.supported))
-    balance = forces.statics.with_(outside=outside)
+    balance = replace(forces.statics, outside=outside)
     try:
         if loads.shaft is None:
             path = equilibrium_path(balance, GearPair.of(gear), drive, loads.time)
@@ -177,7 +177,7 @@ def _under_shaft_loads(
     for k in range(1, len(loads.shaft)):
         gears = balance.gears.copy()
         ShaftLoad.of(gear, loads.shaft[k]).on(gears[0]["support"])
-        path = equilibrium_path(balance.with_(gears=gears), pair, drive, loads.time[: k + 1], path)
+        path = equilibrium_path(replace(balance, gears=gears), pair, drive, loads.time[: k + 1], path)
         if not path.converged:
             break
     assert path is not None

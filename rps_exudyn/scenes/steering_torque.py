@@ -21,7 +21,7 @@ from rps_exudyn.scenes.metrics import metrics_of_motion
 from rps_exudyn.scenes.run_maneuver import run_maneuver, run_swing
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.solvers.closed_form import closed_form
+from rps_exudyn.solvers.closed_form import free_torque
 from rps_exudyn.solvers.steering_column import GrowingTorque, TyreSpring, WheelTorque
 
 PER_CYCLE = 400  # steps
@@ -58,7 +58,7 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
 
     make = run_maneuver if grows else run_swing
     run = make(gear.replace({"test.speed": speed}), fidelity, maneuver, options).described(metrics, gear)
-    friction = abs(closed_form(gear).free_torque)
+    friction = abs(free_torque(gear))
     if test.steer_torque <= friction:
         run = run.noting(
             Remark(

@@ -24,10 +24,9 @@ from rps_exudyn.results.outcome import Code, Interrupted, Remark, Status, each_o
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.error_bars import FACTOR
+from rps_exudyn.scenes.error_bars import FACTOR, size_of, sizes
 from rps_exudyn.scenes.ladder import FINEST
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, Scene
-from rps_exudyn.scenes.sizes import size_of, sizes
 from rps_exudyn.scenes.two_levels import Levels
 from rps_exudyn.simulate.cases.task import hand_over
 from rps_exudyn.simulate.cases.time_limit import TimeLimit

@@ -3,7 +3,7 @@ pinion's supports."""
 
 from collections.abc import Callable
 from ctypes import c_double
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -103,10 +103,6 @@ class Balance:
         made.factor_q.value, made.factor_v.value = factor_q, factor_v
         made.call()
         return made
-
-    def with_(self, **changes: Any) -> "Balance":
-        """Return the same with other masses or forces from outside."""
-        return replace(self, **changes)
 
 
 class _Evaluation:

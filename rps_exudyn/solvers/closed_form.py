@@ -6,7 +6,7 @@ costs mu N |v_s|, with the sliding speed over the pinion speed as the friction's
 
 `first_order_torque`  the sum of the losses, flanks equally loaded and friction small:
     T_0 = mu P / sin(alpha_n) * mean lever + s' (D_bush + kappa mu_p P) + T_bearing
-`closed_form`         the rack's balance along X and Y with the mean forces of both flanks, friction included,
+`mean_state`          the rack's balance along X and Y with the mean forces of both flanks, friction included,
                       and the torque from the power they take; the means weighted as the contact law
                       distributes the load along a line (derived here).
 
@@ -52,44 +52,10 @@ class MeanState:
     bush_loss: float
     bearing_loss: float
 
-    @property
-    def losses(self) -> float:
-        """All losses per radian of pinion [N m]."""
-        return self.mesh_loss + self.plunger_loss + self.bush_loss + self.bearing_loss
 
-
-@dataclass(frozen=True)
-class ClosedForm:
-    """The gear in mean values; SI units."""
-
-    rack_gain: float  # rack travel per radian of pinion [m/rad]
-    forward: MeanState  # free of load, towards +X
-    backward: MeanState  # towards -X
-    friction_lever: float  # mean sliding speed over pinion speed [m]
-    torque_per_preload: float  # dT_0 / dP [m]
-    unloading_force: float  # load on the rack above which one flank lifts [N]
-    runout_cosine: float  # torque ~ .. + runout_cosine cos(phi) + runout_sine sin(phi) [N m],
-    runout_sine: float  # with phi counted from where the gear centre stands towards the rack
-
-    @property
-    def free_torque(self) -> float:
-        """Mean free pinion torque towards +X [N m]."""
-        return self.forward.torque
-
-
-def closed_form(gear: SteeringGear) -> ClosedForm:
-    """Return the gear without load: torques, losses, limits."""
-    pair, harmonics = GearPair.of(gear), runout_harmonics(gear)
-    return ClosedForm(
-        rack_gain=float(pair.gain),
-        forward=mean_state(gear, +1, 0.0),
-        backward=mean_state(gear, -1, 0.0),
-        friction_lever=mean_lever(pair),
-        torque_per_preload=torque_per_preload(gear),
-        unloading_force=unloading_force(gear),
-        runout_cosine=harmonics[0],
-        runout_sine=harmonics[1],
-    )
+def free_torque(gear: SteeringGear) -> float:
+    """Return the mean free pinion torque towards +X [N m]."""
+    return mean_state(gear, +1, 0.0).torque
 
 
 def load_test(gear: SteeringGear, mass: float | None = None) -> LoadTest:
@@ -100,7 +66,7 @@ def load_test(gear: SteeringGear, mass: float | None = None) -> LoadTest:
         ideal_torque=float(load * GearPair.of(gear).gain),
         torque_forward=mean_state(gear, +1, load).torque,
         torque_reverse=mean_state(gear, -1, load).torque,
-        free_torque=mean_state(gear, +1, 0.0).torque,
+        free_torque=free_torque(gear),
     )
 
 

@@ -258,7 +258,7 @@ def mass_matrix(gear: SteeringGear, forces: GearForces, place: np.ndarray) -> np
 
 def accelerated(gear: SteeringGear, forces: GearForces) -> Balance:
     """Return the balance of forces in which all masses are accelerated, as at the middle of the travel."""
-    return forces.statics.with_(masses=mass_matrix(gear, forces, np.zeros(forces.statics.size)))
+    return replace(forces.statics, masses=mass_matrix(gear, forces, np.zeros(forces.statics.size)))
 
 
 def spheres_of(gear: SteeringGear, fidelity: Fidelity, zone: float) -> SampledContactData:
