@@ -110,8 +110,7 @@ def yoke_set(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sce
     as_set = setting.of(gear).replace({"test.path": path})
     maneuvers = maneuvers_of_test(as_set, "pinion", fidelity.step_angle, options.least_steps)
     pressing = Remark(
-        Code.CAP_PRESSES,
-        "the cap still presses the plunger: test.back_off is smaller than its compression",
+        Code.CAP_PRESSES, "the cap still presses the plunger: test.back_off is smaller than its compression"
     )
     of_setting = {
         "cap_force": setting.cap_force,

@@ -92,11 +92,7 @@ class SharedManeuver:
     @classmethod
     @lru_cache(maxsize=12)
     def _followed(
-        cls,
-        whole: Maneuver,
-        gear: SteeringGear,
-        fidelity: Fidelity,
-        steps: tuple[tuple[Ends, float], ...],
+        cls, whole: Maneuver, gear: SteeringGear, fidelity: Fidelity, steps: tuple[tuple[Ends, float], ...]
     ) -> "SharedManeuver | None":
         """Learn from gears `steps` above and below the reference."""
         pair, maneuver, drive = GearPair.of(gear), whole.one_period(), whole.drive
@@ -131,9 +127,7 @@ class SharedManeuver:
         motion[0], start = first
         for i in np.flatnonzero(~found.found[1:]) + 1:  # as where a contact's quadrature jumps
             own = replace(
-                series,
-                forces=gear_forces(gears[i], fidelity, maneuver.rack_load),
-                pair=GearPair.of(gears[i]),
+                series, forces=gear_forces(gears[i], fidelity, maneuver.rack_load), pair=GearPair.of(gears[i])
             )
             alone = _singly(maneuver, own, records[i : i + 1], angles)
             if alone is None:

@@ -192,12 +192,7 @@ def _alike(quick: np.ndarray, exact: np.ndarray, error: float) -> bool:
 
 
 def _by_polynomials(
-    reference: SteeringGear,
-    fidelity: Fidelity,
-    table: Table,
-    ranges: Table,
-    weighted: bool,
-    packing: Packing,
+    reference: SteeringGear, fidelity: Fidelity, table: Table, ranges: Table, weighted: bool, packing: Packing
 ) -> np.ndarray | None:
     """Records as sums of polynomials of single parameters; None where other things than numbers change."""
     count = len(next(iter(table.values())))

@@ -386,12 +386,7 @@ def of_column(record: Record) -> dict[str, np.ndarray]:
 def under_torque(record: Record, column: ColumnModel, drive: WheelTorque, wheel: np.ndarray) -> Record:
     """Return the record of a pinion as that of the wheel with its angles and rates (n, 2) [rad, rad/s]."""
     return replace(
-        record,
-        drive=drive.torque(record.time),
-        driven="wheel",
-        wheel=wheel,
-        column=column,
-        tyre=drive.tyre,
+        record, drive=drive.torque(record.time), driven="wheel", wheel=wheel, column=column, tyre=drive.tyre
     )
 
 
