@@ -54,11 +54,7 @@ def opened(path: str | Path, filetype: str, what: str, version: tuple[int, int])
 
     Whatever goes wrong while it is read in the `with` block is the damage of a file without a checksum.
 
-    Args:
-        path: the file.
-        filetype: the file's attribute of that name.
-        what: the type's name in messages, for instance "result".
-        version: major and minor version that this package writes.
+    `what` names the type in messages; `version` is the one that this package writes.
 
     Raises:
         InputError: no such file, no HDF5, damaged, of another type, or of another format version.

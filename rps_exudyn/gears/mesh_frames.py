@@ -260,9 +260,7 @@ def _fitted(surface: Surface, teeth: _Teeth) -> _Teeth:
 def place_rack(surface: Surface, reference_height: float) -> RackPlacement:
     """Return how a surface becomes the rack in the rack frame.
 
-    Args:
-        surface: of the rack, or of its teeth.
-        reference_height: of the drawing [m]; it stands for the bar's axis where the surface has no round bar.
+    `reference_height` [m] of the drawing stands for the bar's axis where the surface has no round bar.
 
     Raises:
         InputError: it has fewer than three teeth with plane flanks, or the size of no rack.

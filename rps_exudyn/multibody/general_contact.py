@@ -119,9 +119,7 @@ def add_general_contacts(
 ) -> GeneralContacts:
     """Add spheres on the pinion body and triangles on the rack body, held for a pinion's angle about k.
 
-    Args:
-        data: spheres in groups by the angle at which they touch, see `solvers.sphere_groups`.
-        step: largest angle by which the pinion turns in a time step [rad].
+    `step` is the largest angle by which the pinion turns in a time step [rad].
     """
     from exudyn.itemInterface import MarkerBodyRigid
 

@@ -85,11 +85,8 @@ def solve_one_after_another(
     ends the run. The outcome counts all plans and the restarts; its settings are those of the first with all
     steps.
 
-    Args:
-        mbs: the system.
-        plans: in the order of time.
-        rewind: makes the last state kept at a time [s], or before, the initial one; returns its time.
-        begun: time of the system's initial state, up to which the plans are done already [s].
+    `rewind` makes the last state kept at a time [s], or before, the initial one, and returns its time; plans
+    are done up to `begun` [s].
     """
     outcomes: list[Outcome] = []
     ahead, restarts, divisions, shortened_to = _shortened(plans, begun, begun, 1), 0, 0, -np.inf

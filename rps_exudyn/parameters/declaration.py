@@ -278,10 +278,6 @@ class Table(BaseModel):
 
         Only the tables that change are validated again, and what must fit together.
 
-        Args:
-            settings: path -> value.
-            where: origin of the other values, for messages.
-
         Raises:
             InputError: an unknown path, or a value that is not allowed.
         """

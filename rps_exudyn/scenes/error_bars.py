@@ -43,15 +43,8 @@ def error_bars(
 ) -> dict[str, Any]:
     """Return the half widths of the metrics' bars; inf of one that the coarser level lacks.
 
-    Args:
-        metrics: signals -> metrics.
-        fine: record of the finer level, whose metrics are printed.
-        values: its metrics.
-        coarse: record of the level below.
-        coarse_values: its metrics.
-        curves: whether signals of both may be compared instant by instant: not where pulses shift in time,
-            nor where loads stand one after the other.
-        floor: least bar over the metric's size.
+    Without `curves` signals are not compared instant by instant: where pulses shift in time, and where loads
+    stand one after the other. The bar is at least `floor` of the metric's size.
     """
     names = [name for name in values if SUMMARY[name].simulated]
     of_run = sizes(fine, values)

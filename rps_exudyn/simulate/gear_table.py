@@ -128,14 +128,8 @@ def simulate_table(
 ) -> GearTable | None:
     """Find the signals and metrics of gears that differ in a table; None if that cannot begin.
 
-    Args:
-        scene: one that follows many gears together.
-        gear: what they have in common.
-        fidelity: how they are modelled.
-        table: path -> values (n,) in SI.
-        ranges: path -> values over which the parameters of a larger table vary of which this is a part: then
-            its gears end as in any other part. Without it the table is whole.
-        signals: names of those that are kept; None keeps all.
+    The table has path -> values (n,), SI. `ranges` has the values of a larger table of which this one is a
+    part: then its gears end as in any other part. `signals` are names of those kept; None keeps all.
     """
     count = len(next(iter(table.values())))
     if ranges is None and count < fewest(table):
@@ -204,11 +198,7 @@ class TableAtLevel:
     ) -> "TableAtLevel | None":
         """Compute it; arguments as of `simulate_table`. None if the gear in the middle is not found.
 
-        Args:
-            name: of the scene.
-            level: of the ladder.
-            packing: by which polynomials the records are packed.
-            learned: values over which gears are followed first; None: the ranges.
+        Gears are followed first over the values `learned`, by default the ranges.
         """
         scene, asked, fidelity = scene_named(name), fidelity, model_at(level, fidelity)
         assert scene.test is not None
@@ -457,13 +447,7 @@ def metrics_nearby(
 
     The gears are so near to a reference that its motion is a good guess of theirs: none is followed first.
 
-    Args:
-        scene: one that follows many gears together.
-        gear: the reference.
-        fidelity: how all are modelled.
-        level: of the ladder.
-        gears: that can exist, the reference first.
-        records: of each at the level, (1,), see `record_at`.
+    The reference is the first of the gears, which can exist; `record_at` makes their records (1,).
     """
     together, chosen, model = np.zeros(len(gears), dtype=bool), scene_named(scene), model_at(level, fidelity)
     assert chosen.test is not None

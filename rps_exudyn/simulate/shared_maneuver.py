@@ -77,12 +77,8 @@ class SharedManeuver:
 
         What follows from the ranges alone is found once for all parts of a table.
 
-        Args:
-            maneuver: of the reference gear, over as many periods as its pitches are alike.
-            gear: the reference.
-            fidelity: how all are modelled.
-            table: path -> values (n,) of the gears, SI.
-            ranges: path -> values over which the parameter varies; those of the table without it.
+        The maneuver is the reference gear's, over as many periods as its pitches are alike. Table and ranges
+        have path -> values, SI; without ranges the table is whole.
         """
         whole = table if ranges is None else ranges
         steps, features = _features(gear, table, whole)

@@ -106,11 +106,8 @@ class GearForces(Balance):
     ) -> np.ndarray:
         """Return the outputs of all parts at states (t, n), shape (t, `gear_model.OUTPUTS`).
 
-        Args:
-            coordinates: of the stack; with those of the last segment where the bush is a chain.
-            rates: the same.
-            time: (t,) [s].
-            begun: state of the bristles at the start of the steps that end there, (t, .).
+        Coordinates have those of the last segment where the bush is a chain. `begun` is the bristles' state
+        at the start of the steps that end at the times [s].
         """
         gears = self.gears if coordinates.shape[1] > self.size else self._condensed
         outputs = np.zeros((len(coordinates), OUTPUTS))

@@ -120,13 +120,8 @@ def packed_table(
     several parameters add up; where exactly packed gears within the ranges confirm that, no other gear need
     be packed. So the record of a gear does not depend on the others of the table.
 
-    Args:
-        reference: what all have in common.
-        fidelity: how they are modelled.
-        table: the values.
-        ranges: values between whose ends all others lie, by path; those of the table without it.
-        weighted: each gear stands under the weight of its load test.
-        packing: by which polynomials.
+    `ranges` has the values between whose ends all others lie, by default the table's. Where `weighted`, each
+    gear stands under the weight of its load test.
 
     Raises:
         InputError: a value that is not allowed, or a gear that cannot exist.

@@ -250,9 +250,7 @@ def grease_drag(gear: SteeringGear) -> float:
 def wear(gear: SteeringGear, preload: float) -> Wear:
     """Return what the gear's cycles wear off, by Archard's law, while the yoke's spring relaxes.
 
-    Args:
-        gear: the gear, new.
-        preload: of the yoke at the gear's temperature, new [N].
+    The preload [N] is that of the new yoke at the gear's temperature.
     """
     liner, teeth = wear_per_cycle(gear)
     kappa, k, n = liner + teeth, gear.yoke.spring_rate, gear.conditions.steering_cycles

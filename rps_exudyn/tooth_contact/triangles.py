@@ -47,12 +47,7 @@ def triangles_of(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the record (1,) of a gear's meshes, and their numbers, which begin at a place of the pool.
 
-    Args:
-        gear: the gear.
-        fidelity: its model.
-        zone: of friction [m/s].
-        first: place of the pool.
-        meshes: others than the gear's own.
+    `meshes` are others than the gear's own.
 
     Raises:
         InputError: a law of contact that triangles do not have.
