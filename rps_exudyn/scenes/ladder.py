@@ -31,7 +31,6 @@ def _most(table: type[Fidelity] | type[SteeringGear], path: str) -> float:
 
 
 MOST_MODES = int(_most(SteeringGear, "rack.modes"))
-MOST_STATIONS = int(_most(Fidelity, "strip_stations"))
 _MOST = {name: _most(Fidelity, name) for name in KNOBS}
 
 

@@ -36,7 +36,6 @@ Motion = Literal["steady", "unsteady", "at rest"]
 STEPS_PER_PITCH = 2  # fewer cannot show the tooth frequency
 REPAIRED_STEPS_PER_PITCH = 20
 DEEPEST = 1.5  # deepest contact over the mean one, measured on the paper's gear
-LEAST_STATIONS = {"area": 2, "line": 2, "teeth": 3}  # 3.5 % of the hysteresis by two teeth that bend
 LEAST_ROWS = 8  # of spheres along the face width
 SPACING = 2.5  # of spheres along the profile, over the width of the strip that touches: 1 % of the torque
 LEAST_TOUCHING = 15  # spheres of general contact, on an edge twice as many: fewer miss 8 % of the torque
@@ -188,12 +187,17 @@ def _asks(quantity: str, why: str, show: str, scale: float = 1.0) -> Callable[[B
 _plan = partial(Rule, Code.REFUSED)
 
 
-def _at_least(choice: str, least: Callable[[SteeringGear], int], mesh: str) -> Rule:
+def _of_spheres(given: RuleInput) -> bool:
+    return given.model.mesh == "general-contact"
+
+
+def _at_least(choice: str, least: Callable[[SteeringGear], int]) -> Rule:
+    """The rule of the fewest spheres along one direction of a flank."""
     return _plan(
         lambda given: -getattr(given.model, choice),
         _asks(f"fidelity.{choice}", "the integral over the contact", "{:.0f}"),
         lambda given: -least(given.gear),
-        lambda given: given.model.mesh == mesh,
+        _of_spheres,
         lambda breach: {choice: int(-breach.limit)},
     )
 
@@ -239,7 +243,7 @@ def _of_perfect_rack(name: str, errors: Callable[[SteeringGear], np.ndarray], wh
     return _plan(
         lambda given: float(np.abs(errors(given.gear)).max()),
         _asks(f"the largest of rack.{name}", reason, "{:.4g} um", 1e6),
-        applies=lambda given: given.model.mesh == "general-contact" and bool(getattr(given.gear.rack, name)),
+        applies=lambda given: _of_spheres(given) and bool(getattr(given.gear.rack, name)),
         repair=lambda breach: {"mesh": "flank"},
     )
 
@@ -260,17 +264,13 @@ OF_PLAN = (
     _plan(
         lambda given: abs(given.gear.rack.bow),
         _bowed,
-        applies=lambda given: given.model.mesh == "general-contact" or _is_chain(given),
+        applies=lambda given: _of_spheres(given) or _is_chain(given),
         repair=_straightened,
     ),
     _of_perfect_rack("pitch_errors", rack_errors, "whose racks have teeth without errors"),
     _of_perfect_rack("deviation", _rack_deviations, "whose rack has plane flanks"),
-    _at_least("strip_points", lambda gear: 2, "flank"),
-    _at_least("strip_stations", lambda gear: LEAST_STATIONS[gear.mesh.contact_law], "flank"),
-    _at_least(
-        "profile_samples", lambda gear: max(LEAST_ROWS, _least_profile_samples(gear)), "general-contact"
-    ),
-    _at_least("axial_samples", lambda gear: LEAST_ROWS, "general-contact"),
+    _at_least("profile_samples", lambda gear: max(LEAST_ROWS, _least_profile_samples(gear))),
+    _at_least("axial_samples", lambda gear: LEAST_ROWS),
     _plan(
         lambda given: DEEPEST * mean_depth(given.gear),
         _asks(
@@ -280,7 +280,7 @@ OF_PLAN = (
             1e6,
         ),
         lambda given: sphere_radius(GearPair.of(given.gear)),
-        lambda given: given.model.mesh == "general-contact",
+        _of_spheres,
         lambda breach: {"mesh": "flank"},
     ),
 )
