@@ -61,18 +61,12 @@ class Placement:
 
 @dataclass(frozen=True, eq=False)
 class PinionPlacement(Placement):
-    """Of a pinion: a tooth space is centred on +Y in the middle of the face; k points to the longer end.
-
-    Attributes:
-        teeth: number of teeth.
-        twist: turn of the transverse section per length [rad/m].
-        tip_diameter, face_width: of the teeth [m].
-    """
+    """Of a pinion: a tooth space is centred on +Y in the middle of the face; k points to the longer end."""
 
     teeth: int
-    twist: float
-    tip_diameter: float
-    face_width: float
+    twist: float  # turn of the transverse section per length [rad/m]
+    tip_diameter: float  # [m]
+    face_width: float  # of the teeth [m]
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,7 @@ import numpy as np
 from manifold3d import Manifold
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.gears.basic_rack import arc_segments, rack_tooth, straight_depth
+from rps_exudyn.gears.basic_rack import arc_segments, rack_tooth, sagitta, straight_depth
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.generated_rack import GeneratedRack
 from rps_exudyn.gears.polyhedron import cylinder, lofted, prism
@@ -188,14 +188,6 @@ class RackBar:
         closed = np.concatenate([joined, *(each[:, None] for each in ends)], axis=1)
         first, last = ((each[:, :2] * [1, -1]) for each in (closed[0], closed[-1]))
         return lofted(closed, first, last)
-
-
-def sagitta(points: np.ndarray, axis: int) -> float:
-    """Largest distance of every second point along an axis from the chord beside it [m]."""
-    points = np.moveaxis(points, axis, 0)
-    chord, offset = points[2::2] - points[:-2:2], points[1::2] - points[:-2:2]
-    share = (offset * chord).sum(axis=-1) / (chord * chord).sum(axis=-1)
-    return float(np.linalg.norm(offset - share[..., None] * chord, axis=-1).max())
 
 
 def pinion_reach(pair: GearPair) -> float:
