@@ -423,8 +423,7 @@ def _planes(part: Surface, middles: np.ndarray, members: np.ndarray, normal: np.
 def _round_bar(
     part: Surface, direction: np.ndarray, others: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, float] | None:
-    """Return direction, a point of the axis and radius of the bar, from surfaces along about this direction;
-    None if they are not round."""
+    """Return direction, a point of the axis and radius of the bar; None if surfaces are not round."""
     along = others & (np.abs(part.normals @ direction) < ALONG)
     for _ in range(4):
         n, areas = part.normals[along], part.areas[along]

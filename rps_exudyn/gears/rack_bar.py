@@ -62,8 +62,7 @@ class RackBar:
 
     @classmethod
     def of(cls, gear: SteeringGear) -> "RackBar":
-        """At full travel the bar ends `bush.end_overhang` outside the bush; teeth for the travel and the
-        pinion's reach."""
+        """The bar ends `bush.end_overhang` outside the bush at full travel, and has teeth for the travel."""
         pair, bush, rack = GearPair.of(gear), gear.bush, gear.rack
         x_max = bush.distance + bush.length + rack.travel / 2 + bush.end_overhang
         needed = rack.travel / 2 + pinion_reach(pair)

@@ -155,8 +155,7 @@ def add_general_contacts(
 
 
 def _triangles(bar: RackBar, tooth: int, side: int) -> np.ndarray:
-    """Triangles over the flanks of one side, 0 or 1, that can touch while a tooth is nearest the pinion
-    (m, 3, 3)."""
+    """Triangles over the flanks of a side, 0 or 1, that can touch about the nearest tooth (m, 3, 3)."""
     either_way = ceil(gate_angle(bar.pair) * bar.pair.teeth / (2 * np.pi))
     places = bar.pair.rack_pitch * np.arange(tooth - either_way, tooth + either_way + 1)
     first = flank_triangle(bar, bar.flank(0, SIDES[side]))

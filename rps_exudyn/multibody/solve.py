@@ -35,8 +35,7 @@ PATIENT = 40  # iterations of Newton's method in a restart: with friction near r
 
 
 class StepRefusedError(ArithmeticError):
-    """Raised after a step that must not be the last one's successor: it has the status and code of the run
-    that ends there."""
+    """Raised after a step that must be the last; it has the status and code of the run that ends."""
 
     def __init__(self, message: str, status: Status, code: Code) -> None:
         super().__init__(message)

@@ -23,11 +23,7 @@ RIGID = Remark(
 
 
 def radial_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
-    """Press the rack's end to and fro along Y, then along Z.
-
-    Raises:
-        InputError: a model in which the rack has no freedom in its guides, or a start beyond its teeth.
-    """
+    """Press the rack's end to and fro along Y, then along Z."""
     chosen = bending(fidelity)
     force = to_and_fro(gear.test.play_force, options.finer(STEPS))
     still = np.zeros_like(force)

@@ -105,11 +105,7 @@ def run_maneuver(
 
 
 def run_steady(test: SteadyTest, gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
-    """Make the recorded maneuvers of a steady test without a load.
-
-    Raises:
-        InputError: the test leaves the rack's teeth.
-    """
+    """Make the recorded maneuvers of a steady test without a load."""
     maneuvers, _ = test.maneuvers(gear, fidelity.step_angle, options.least_steps)
     gain, formulas = GearPair.of(gear).travel_rule, test.formulas(gear) if test.formulas else {}
 

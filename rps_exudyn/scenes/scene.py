@@ -45,9 +45,7 @@ WITHOUT_BARS = RunOptions(bars=False)
 
 @dataclass(frozen=True)
 class SteadyRecord:
-    """Records of a steady test; of many gears over the same instants signals have one more axis, the first,
-    and numbers are arrays (n,).
-    """
+    """Records of a steady test; signals of many gears are (n, t) over the same instants, numbers (n,)."""
 
     gear: SteeringGear  # what all gears have in common; what differs stands beside it
     signals: Signals  # of the maneuvers recorded, joined
@@ -128,8 +126,7 @@ class Scene:
     def curve(
         self, signals: Mapping[str, np.ndarray], gear: SteeringGear, fidelity: Fidelity, name: str = ""
     ) -> Curve:
-        """Return a signal over the time of the rig's motion, by default the scene's own: what runs in
-        different steps are compared by."""
+        """Return a signal over the time of the rig's motion, by default the scene's own."""
         start = 0.0
         if self.swings:  # recording begins at another phase with every step
             maneuver = swing_maneuver(gear, fidelity.step_angle)

@@ -55,8 +55,7 @@ class SceneRun:
     def described(
         self, metrics: Callable[[Signals], dict[str, float]], gear: SteeringGear | None = None
     ) -> "SceneRun":
-        """Return the run with the metrics of its signals, if there are any, and with remarks on the limits
-        of a gear that they met."""
+        """Return the run with the metrics of its signals, and with remarks on the limits that they met."""
         if not self.signals:
             return self
         run = replace(self, summary=plain(metrics(self.signals)), metrics=metrics)

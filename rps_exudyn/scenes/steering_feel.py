@@ -20,11 +20,7 @@ from rps_exudyn.solvers.steering_column import ColumnModel
 
 
 def steering_feel(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
-    """Steer to and fro at the wheel and record.
-
-    Raises:
-        InputError: the steering leaves the rack's teeth, or a model without a column.
-    """
+    """Steer to and fro at the wheel and record."""
     fidelity = with_float(gear, fidelity)
     twisted = 2 * abs(free_torque(gear)) / ColumnModel.of(gear).stiffness
     maneuver = swing_maneuver(gear, fidelity.step_angle, "wheel", YIELDING + twisted)

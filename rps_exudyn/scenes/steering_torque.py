@@ -39,9 +39,6 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
     """Give the wheel a torque, to and fro or growing, and record.
 
     Friction's zone follows the largest speed that the pinion may have.
-
-    Raises:
-        InputError: no tyres, a torque that leaves the rack's teeth, or a model without a column.
     """
     maneuver, test = torque_maneuver(gear), gear.test
     gain = float(GearPair.of(gear).gain_at(test.start_angle))

@@ -36,9 +36,7 @@ LEAST_SECONDS = 1e-6  # of a run that ends at once
 
 @dataclass
 class Levels:
-    """Runs of one plan on levels of the ladder, each made once: the finer of two becomes the companion of the
-    next level.
-    """
+    """Runs of one plan on levels of the ladder, each made once, whichever level it serves."""
 
     scene: Scene
     gear: SteeringGear

@@ -100,11 +100,7 @@ def yoke_setting(gear: SteeringGear) -> YokeSetting:
 
 
 def yoke_set(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
-    """Set the yoke, then turn the pinion; `test.path` one-way is taken as lock-to-lock.
-
-    Raises:
-        InputError: a setting that leaves the spring loose or the limits, or a test that leaves the teeth.
-    """
+    """Set the yoke, then turn the pinion; `test.path` one-way is taken as lock-to-lock."""
     setting = yoke_setting(gear)
     path = "lock-to-lock" if gear.test.path == "one-way" else gear.test.path
     as_set = setting.of(gear).replace({"test.path": path})

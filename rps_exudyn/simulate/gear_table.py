@@ -112,8 +112,7 @@ class GearTable:
     signals: Signals  # by time, (m,) where all gears have the same, else (n, m)
 
     def signals_of(self, row: int) -> Signals:
-        """Return the signals of one gear, (m,) each; works of damping only where it damps, as in single
-        runs."""
+        """Return the signals of one gear, (m,) each, without works of damping where nothing damps."""
         own = signals_of_some(self.signals, row)
         return {name: values for name, values in own.items() if name not in WHERE_DAMPED or values.any()}
 

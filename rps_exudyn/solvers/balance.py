@@ -60,8 +60,7 @@ class Balance:
 
     @property
     def lengths(self) -> np.ndarray:
-        """Return what turns the coordinates into lengths, shape (n,) [m]; a mode moves a bar of one kilogram
-        by about its coordinate."""
+        """Return what turns the coordinates into lengths, shape (n,) [m]; of modes 1."""
         on_supports = SUPPORT_LENGTHS[: len(self.supported)]
         return np.concatenate([CHARACTERISTIC_LENGTHS, np.ones(self.modes), on_supports])
 

@@ -179,8 +179,7 @@ def tilting_stiffness(gear: SteeringGear) -> float:
 
 
 def unloading_force(gear: SteeringGear, direction: int = +1) -> float:
-    """Return the load on the rack at which the coast flanks carry nothing any more [N], raised (+1) or
-    lowered (-1).
+    """Return the load on the rack above which the coast flanks carry nothing [N], raised (1) or lowered (-1).
 
     Without friction P cot(alpha_n) cos(beta_r) -+ D.
     """
@@ -312,8 +311,7 @@ def _mean_force(gear: SteeringGear, side: int, direction: int) -> _MeanForce:
 
 @lru_cache(maxsize=64)
 def _mean_parts(pair: GearPair, by_depth: bool, side: int, direction: int) -> tuple[_MeanForce, _MeanForce]:
-    """Mean force without friction, and what a friction coefficient of 1 adds to it: the force is linear in
-    the coefficient."""
+    """Mean force without friction, and what a coefficient of 1 adds to it: the force is linear in it."""
     q, weight = _field_rule(pair, side)
     if by_depth:
         weight = weight * np.sqrt(q + pair.reference_radius * np.sin(pair.alpha_t))

@@ -256,8 +256,7 @@ def _polynomials(places: np.ndarray, values: np.ndarray, at: np.ndarray, degree:
 # --- motion ----------------------------------------------------------------------------------------
 @dataclass(frozen=True, eq=False)
 class MotionResponse:
-    """Places at the mesh beside what rigid bodies do, and of a pinion on its supports: of a reference gear,
-    and what features add to them."""
+    """Places at the mesh beside what rigid bodies do, of a reference, and what features add to them."""
 
     places: np.ndarray  # (1 + f, k, m), m coordinates; per feature from the second on
     rates: np.ndarray  # the same, by the follower's differences
@@ -415,8 +414,7 @@ class GearSeries:
         return Found(record, carried & (ended == k), resting, taken)
 
     def beside_rigid(self, found: Found, records: np.ndarray, angles: np.ndarray) -> np.ndarray:
-        """Return the places (n, k, m) at the mesh of gears that were found, beside gain, runout and where
-        the preload presses the rack."""
+        """Return places (n, k, m) at the mesh of gears found, beside gain, runout and the preload's."""
         at, (rigid, _) = found.record.coordinates.copy(), self.rigid(records, angles)
         x = at[..., RACK].copy()
         at[..., Y] -= x * at[..., PITCH]

@@ -63,8 +63,7 @@ def find_approach(law, loads, x, y, gears, pool, works, residuals):  # type: ign
 
 
 def static_approach(load: float, law: Any, ideal: np.ndarray, pool: np.ndarray, offset: float) -> float:
-    """Return how far a load [N] along -Y presses the guided rack into a frictionless mesh at pinion angle 0
-    [m].
+    """Return how far a load [N] along -Y presses the guided rack into a frictionless mesh at angle 0 [m].
 
     The rack keeps its direction; it finds its place along X between the flanks by itself.
 

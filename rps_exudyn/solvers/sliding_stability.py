@@ -90,8 +90,7 @@ class SlidingVibration:
 
     @classmethod
     def of(cls, gear: SteeringGear, fidelity: Fidelity) -> "SlidingVibration | None":
-        """Linearise over a tooth pitch from the test's start on, as far as there are teeth; None without an
-        equilibrium there."""
+        """Linearise over a tooth pitch from the test's start on; None without an equilibrium there."""
         model, test = reduced_gear(gear), gear.test
         forces = gear_forces(gear, _condensed(fidelity))
         bar, pitch = RackBar.of(gear), 2 * np.pi / gear.pinion.teeth / test.speed
@@ -168,8 +167,7 @@ def bristle_reversal_angle(gear: SteeringGear) -> float:
 
 
 def presliding_angle(gear: SteeringGear) -> float:
-    """Return the pinion angle of the bristles' travel [rad], the mean over the parts weighed with their
-    friction; 0 without bristles."""
+    """Return the pinion angle of the bristles' travel [rad], weighed with the friction; 0 without."""
     if not any(getattr(gear, part).facts.has_state for part in RUBBING_PARTS):
         return 0.0
     parts = [(law, torque, lever) for law, torque, lever in sliding_parts(gear) if torque > 0 and lever > 0]
