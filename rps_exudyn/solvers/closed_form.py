@@ -29,12 +29,17 @@ from rps_exudyn.gears.bar_section import mass_and_moments
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS, FrictionLaw
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import FLANK_DEVIATIONS, SteeringGear
 
 GRAVITY = 9.80665  # [m/s^2]
 _RULE = leggauss(24)  # over each side of the pitch point
 Y = np.array([0.0, 1.0, 0.0])
 LEVERS = 5  # Gauss points along the path of contact, of its friction's levers
+LEFT_OUT = (
+    *("installation.angle_error", "installation.axis_offset", "installation.gravity"),
+    *("rack.bow", "rack.side_force", "rack.back_parallelism", *FLANK_DEVIATIONS),
+)
+"""Parameters that the formulas do not have."""
 LEAST_SURPLUS = 0.01  # of the torque, that friction which is larger at rest adds
 
 
@@ -72,31 +77,14 @@ def load_test(gear: SteeringGear, mass: float | None = None) -> LoadTest:
 
 def beyond_formulas(gear: SteeringGear) -> str:
     """Return why the formulas do not hold for this gear, in words; empty where they do."""
-    pinion, lift = gear.pinion, gear.pinion.runout
+    lift = gear.pinion.runout
     if lift >= gear.yoke.clearance:
         return (
             f"the formulas have no yokenut, but a runout of {1e6 * lift:.4g} um exceeds yoke.clearance = "
             f"{1e6 * gear.yoke.clearance:.4g} um"
         )
-    unknown: dict[str, object] = {
-        "installation.angle_error": gear.installation.angle_error,
-        "installation.axis_offset": gear.installation.axis_offset,
-        "installation.gravity": gear.installation.gravity,
-        "rack.bow": gear.rack.bow,
-        "rack.ratio": not gear.rack.ratio.is_constant,
-        "rack.side_force": gear.rack.side_force,
-        "pinion.tip_relief": pinion.tip_relief,
-        "pinion.crowning": pinion.crowning,
-        "pinion.pitch_error": pinion.pitch_error,
-        "pinion.pitch_errors": pinion.pitch_errors,
-        "rack.pitch_errors": gear.rack.pitch_errors,
-        "pinion.deviation": pinion.deviation,
-        "rack.deviation": gear.rack.deviation,
-        "rack.back_parallelism": gear.rack.back_parallelism,
-        "pinion.profile_slope": pinion.profile_slope,
-        "pinion.lead_error": pinion.lead_error,
-    }
-    if given := [path for path, value in unknown.items() if value]:
+    given = [path for path in LEFT_OUT if gear.value_at(path)]
+    if given := given + ([] if gear.rack.ratio.is_constant else ["rack.ratio"]):
         return f"the formulas leave out {', '.join(given)}"
     if (surplus := static_surplus(gear)) > LEAST_SURPLUS:
         return (
