@@ -9,16 +9,13 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from time import process_time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import exudyn as exu
 import numpy as np
 
 from rps_exudyn.base.errors import raise_wrapped
 from rps_exudyn.results.outcome import Code, Outcome, Status
-
-if TYPE_CHECKING:
-    import exudyn
-
 
 LARGEST_STATE = 1e6  # in SI: far beyond every coordinate and rate of a steering gear
 
@@ -72,7 +69,7 @@ class SolverPlan:
 
 
 def solve_one_after_another(
-    mbs: "exudyn.MainSystem",
+    mbs: exu.MainSystem,
     plans: Sequence[SolverPlan],
     rewind: Callable[[float], float] | None = None,
     begun: float = 0.0,
@@ -127,14 +124,12 @@ def _shortened(plans: Sequence[SolverPlan], begin: float, end: float, parts: int
     return pieces
 
 
-def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
+def solve(mbs: exu.MainSystem, plan: SolverPlan) -> Outcome:
     """Integrate an assembled system by generalised alpha with modified Newton.
 
     Never raises for a failed run: the outcome states what happened, and how far it got. Ctrl-C and the end of
     the process, which Exudyn takes for failures of a force, pass through.
     """
-    import exudyn as exu
-
     start = process_time()
     message, code, cause, said = "", Code.NO_STEP, None, ""
     try:
@@ -193,8 +188,6 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
 @contextmanager
 def silent() -> Iterator[None]:
     """Keep Exudyn off the console: the outcome states what a failure means."""
-    import exudyn as exu
-
     before = exu.config.printToConsole, exu.config.suppressWarnings
     exu.config.printToConsole, exu.config.suppressWarnings = False, True
     try:
@@ -203,11 +196,9 @@ def silent() -> Iterator[None]:
         exu.config.printToConsole, exu.config.suppressWarnings = before
 
 
-def settings_of(plan: SolverPlan) -> "exudyn.SimulationSettings":
+def settings_of(plan: SolverPlan) -> exu.SimulationSettings:
     """Translate a plan into Exudyn's settings. What decides a result is set here even where it is the
     default: defaults change between releases."""
-    import exudyn as exu
-
     settings = exu.SimulationSettings()
     settings.parallel.numberOfThreads = 1
     settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse

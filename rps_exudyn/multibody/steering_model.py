@@ -2,8 +2,9 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import exudyn as exu
 import numpy as np
 
 from rps_exudyn.forces.external_load import TimedForce
@@ -18,9 +19,6 @@ from rps_exudyn.solvers.prescribed_motion import Drive
 from rps_exudyn.solvers.record import Record
 from rps_exudyn.solvers.steering_column import ColumnModel
 
-if TYPE_CHECKING:
-    import exudyn
-
 
 @dataclass
 class SteeringModel:
@@ -31,7 +29,7 @@ class SteeringModel:
     forces: GearForces
     drive: Drive
     SC: Any
-    mbs: "exudyn.MainSystem"  # the system, to go on with as usual; SC is its container
+    mbs: exu.MainSystem  # the system, to go on with as usual; SC is its container
     start: EquilibriumPath  # equilibrium in which it starts, in its only row
     contacts: GeneralContacts | None = None
     nodes: dict[str, Any] = field(default_factory=dict)
