@@ -44,16 +44,23 @@ def add_bodies(model: SteeringModel) -> None:
 
 
 def _add_pinion(model: SteeringModel) -> None:
-    pair = GearPair.of(model.gear)
     drawing = shapes_of(model, solids.pinion_solid, "steelblue")
-    model.nodes["pinion"] = _node_1d(model, "pinion")
-    model.bodies["pinion"] = model.mbs.AddObject(
+    add_turning_mass(model, "pinion", masses.pinion_inertia(model.gear), _start(model, "pinion"), drawing)
+
+
+def add_turning_mass(
+    model: SteeringModel, name: str, inertia: float, start: tuple[Any, Any], drawing: Sequence[Any] = ()
+) -> None:
+    """Add a body that turns about the pinion's axis; place and rate of its start are rows (1,)."""
+    pair = GearPair.of(model.gear)
+    model.nodes[name] = _node_1d(model, *start)
+    model.bodies[name] = model.mbs.AddObject(
         items.ObjectRotationalMass1D(
-            inertia=masses.pinion_inertia(model.gear),
-            nodeNumber=model.nodes["pinion"],
+            inertia=inertia,
+            nodeNumber=model.nodes[name],
             referencePosition=pair.pinion_origin,
             referenceRotation=pair.pinion_frame,
-            visualization=items.VObjectRotationalMass1D(graphicsData=drawing),
+            visualization=items.VObjectRotationalMass1D(graphicsData=list(drawing)),
         )
     )
 
@@ -81,7 +88,7 @@ def _add_rack(model: SteeringModel, axis: list[float]) -> None:
 
 def _add_plunger(model: SteeringModel, axis: list[float]) -> None:
     drawing = shapes_of(model, solids.plunger_solid, "orange", ALONG_Y.T)
-    model.nodes["plunger"] = _node_1d(model, "plunger")
+    model.nodes["plunger"] = _node_1d(model, *_start(model, "plunger"))
     model.bodies["plunger"] = model.mbs.AddObject(
         items.ObjectMass1D(
             mass=model.gear.yoke.plunger_mass,
@@ -114,8 +121,7 @@ def _add_yokenut(model: SteeringModel, axis: list[float]) -> None:
     )
 
 
-def _node_1d(model: SteeringModel, body: str) -> Any:
-    place, rate = _start(model, body)
+def _node_1d(model: SteeringModel, place: Any, rate: Any) -> Any:
     return model.mbs.AddNode(
         items.Node1D(referenceCoordinates=[0.0], initialCoordinates=place, initialVelocities=rate)
     )

@@ -9,30 +9,15 @@ from typing import Any
 import numpy as np
 from exudyn import itemInterface as items
 
-from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.multibody.bodies import add_forces, coordinate_marker
+from rps_exudyn.multibody.bodies import add_forces, add_turning_mass, coordinate_marker
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.solvers.steering_column import ColumnModel, WheelTorque
 
 
 def add_column(model: SteeringModel, column: ColumnModel) -> None:
     """Add the wheel where its drive starts, and the column between it and the pinion."""
-    drive, pair = model.drive, GearPair.of(model.gear)
-    model.nodes["wheel"] = model.mbs.AddNode(
-        items.Node1D(
-            referenceCoordinates=[0.0],
-            initialCoordinates=[drive.sign * float(drive.place(0.0))],
-            initialVelocities=[drive.sign * float(drive.rate(0.0))],
-        )
-    )
-    model.bodies["wheel"] = model.mbs.AddObject(
-        items.ObjectRotationalMass1D(
-            inertia=column.inertia,
-            nodeNumber=model.nodes["wheel"],
-            referencePosition=pair.pinion_origin,
-            referenceRotation=pair.pinion_frame,
-        )
-    )
+    place, rate = model.drive.of_time
+    add_turning_mass(model, "wheel", column.inertia, ([place(0.0)], [rate(0.0)]))
     if column.bend:
         add_forces(
             model.mbs,
