@@ -1,6 +1,7 @@
 """The default rack under a force across its end, its line over the bar and its play; its lift by a torque."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -73,7 +74,7 @@ def deflected_line(gear: SteeringGear, force: float) -> np.ndarray:
     steps = np.stack([np.linspace(0, force, 11), np.zeros(11)], axis=1)
     loads = OutsideLoads(np.zeros(len(steps)), steps)
     outside = loads.generalised(place, moved_by_modes(gear, MODEL, place))
-    balance = gear_forces(gear, MODEL).statics.with_(outside=outside)
+    balance = replace(gear_forces(gear, MODEL).statics, outside=outside)
     path = equilibrium_path(balance, GearPair.of(gear), Steady("pinion", 0.0, 0.0), loads.time)
     moved = path.coordinates[-1] - path.coordinates[0]
     rack, modes = moved[COORDINATE_BLOCKS["rack"]], bar.modes(gear.rack.modes)

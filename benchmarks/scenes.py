@@ -20,7 +20,7 @@ from rps_exudyn.pages.charts.scene_figures import draw
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result
-from rps_exudyn.solvers.closed_form import GRAVITY, closed_form, pushing_force, runout_harmonics
+from rps_exudyn.solvers.closed_form import GRAVITY, free_torque, pushing_force, runout_harmonics
 
 GEAR = SteeringGear()
 RUNOUT = {"pinion.runout": "40 um"}
@@ -131,7 +131,7 @@ def _gain() -> float:
 
 
 LAWS: dict[str, Callable[[str], float]] = {
-    "mean torque, off the formula": lambda preset: mean(preset) / closed_form(GEAR).free_torque - 1,
+    "mean torque, off the formula": lambda preset: mean(preset) / free_torque(GEAR) - 1,
     "load test 10 kg: half sum of the torques, off W s', of the free torque": lambda p: load_sum(p, 10.0),
     "load test 10 kg: half difference, off the free torque": lambda p: load_difference(p, 10.0),
     "load test 40 kg: half sum, off W s'": lambda p: load_sum(p, 40.0),

@@ -4,7 +4,7 @@ The gear moves from many tooth pitches before a course, until the start does not
 allow, through all of it: no settled start of `solvers.settled_start`, no period that stands for others.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 
 import numpy as np
@@ -130,7 +130,8 @@ def equilibria_at(
     Raises:
         NotFoundError: there is none at one of them.
     """
-    path = equilibrium_path(forces.statics.with_(masses=masses), GearPair.of(gear), drive, time)
+    balance = replace(forces.statics, masses=masses)
+    path = equilibrium_path(balance, GearPair.of(gear), drive, time)
     if not path.converged:
         raise NotFoundError(f"no equilibrium at {path.lost_at:.4g} s, {path.residual:.3g} N remain")
     return path

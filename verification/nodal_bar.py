@@ -8,7 +8,7 @@ straight bar that touches this one there; virtual work takes their forces to the
 with fixed steps. The pinion is held, so that each law keeps its station on the bar.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import block_diag, eigh
@@ -73,7 +73,7 @@ class NodalBar:
         straight = forces.statics.gears.copy()
         straight["is_bent"] = 0
         bar = cls(
-            forces.statics.with_(gears=straight),
+            replace(forces.statics, gears=straight),
             gear.test.start_angle,
             [],
             beams[0].nodes,

@@ -27,13 +27,11 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import SCENE_NAMES, scene_named
 from rps_exudyn.scenes.at_rest import FREE_RACK_MODELS
 from rps_exudyn.scenes.checks.before_run import check_travel, largest_angle
-from rps_exudyn.scenes.checks.rules import LEAST_STATIONS
-from rps_exudyn.scenes.contact_law import resolve_contact_law
 from rps_exudyn.scenes.maneuver import maneuvers_of_test, swing_maneuver
 from rps_exudyn.scenes.steering_torque import torque_maneuver
 from rps_exudyn.scenes.stick_slip import set_off
 from rps_exudyn.scenes.yoke_impact import shaken
-from rps_exudyn.solvers.closed_form import closed_form
+from rps_exudyn.solvers.closed_form import free_torque
 from verification.ranges import Range, range_of, scaled, within
 from verification.stability import ScenePlan
 from verification.stated_ranges import (
@@ -145,7 +143,7 @@ def _drawn_gear(rng: np.random.Generator) -> SteeringGear:
         path: within(items[path], scaled(items[path], value, scale)) for path, value in values.items()
     }
     gear = with_teeth(SteeringGear().replace(settings), shift, tip)
-    return gear.replace({"test.steer_torque": of_friction * abs(closed_form(gear).free_torque)})
+    return gear.replace({"test.steer_torque": of_friction * abs(free_torque(gear))})
 
 
 def with_teeth(gear: SteeringGear, margin: float, fraction: float) -> SteeringGear:
@@ -182,9 +180,6 @@ def random_plan(rng: np.random.Generator) -> ScenePlan:
         fidelity = random_fidelity(rng, fixed)
     if fidelity.mesh == "triangles":  # which have one law each of contact and friction
         gear = gear.replace({"mesh.law": "line", "mesh.friction_law": PLAIN_LAW})
-    needed = resolve_contact_law(gear, fidelity, scene_named(scene).law)
-    stations = max(fidelity.strip_stations, LEAST_STATIONS[needed.mesh.contact_law])
-    fidelity = fidelity.replace({"strip_stations": stations})
     return ScenePlan(scene, gear, affordable(gear, scene, fidelity))
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.sizes import size_of, sizes
+from rps_exudyn.scenes.error_bars import size_of, sizes
 from verification.behind_column import settled_metrics
 from verification.plan_reference import expected, finer_metrics
 from verification.refined_steps import NotFoundError

@@ -73,8 +73,7 @@ class Oscillator:
         return sum(part.at(speed) for part in self.parts)
 
     def linear_limit(self, speed: float) -> float:
-        """Return the damping below which sliding at a speed is unstable, that of falling friction
-        [N m s/rad]."""
+        """Return the damping below which sliding at a speed is unstable, by falling friction [N m s/rad]."""
         return max(0.0, -sum(part.slope(speed) for part in self.parts))
 
     def sliding_margin(self, speed: float) -> float:

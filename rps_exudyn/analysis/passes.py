@@ -41,8 +41,7 @@ class Pass:
 
 
 def passes(signals: Signals) -> list[Pass]:
-    """All passes in the order of time, [] without an angle; instants of standing still or jerking back belong
-    to none.
+    """All passes in the order of time, [] without an angle; standing still or jerking back belongs to none.
 
     A record joined from several, each of which begins at the time at which the one before ended, is divided
     there too.
@@ -169,8 +168,7 @@ def common_angles(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 
 def whole_periods(angle: np.ndarray, period: float) -> np.ndarray:
-    """The rising angles up to the last whole number of periods from the first [rad]; all of them, if there is
-    not one."""
+    """The rising angles up to the last whole number of periods from the first [rad]; else all of them."""
     count = np.floor((angle[-1] - angle[0]) / period * (1 + 1e-9))
     if count < 1:
         return angle

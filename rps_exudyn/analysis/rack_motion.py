@@ -28,8 +28,7 @@ def transmission_error(signals: Signals, gain: Gain) -> np.ndarray:
 
 
 def describe_rack(signals: Signals, runs: Sequence[Pass], gain: Gain) -> dict[str, float]:
-    """Metrics of the motions of a record with these passes; `gain` is rack travel per radian
-    [m].
+    """Metrics of the motions of a record with these passes; `gain` is rack travel per radian [m].
 
     The transmission error is the larger of those in the two directions: the difference between directions is
     lost motion, see `hysteresis`.

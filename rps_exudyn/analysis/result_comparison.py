@@ -187,8 +187,7 @@ def differing_numbers(old: Result, new: Result) -> dict[str, tuple[Any, Any]]:
 
 
 def largest_difference(old: Result, new: Result) -> tuple[str, float]:
-    """Return the signal or number that differs most, and its difference over its largest size; ("", 0.0) if
-    none.
+    """Return the signal or number that differs most, and its relative difference; ("", 0.0) if none.
 
     Signals of different length are not compared.
     """

@@ -59,8 +59,7 @@ WINDOW = np.deg2rad(100)  # either side of the centre, where none is given
 
 
 def describe_on_centre(runs: Sequence[Pass], teeth: int, window: float = WINDOW) -> dict[str, float]:
-    """Metrics within the window either side of the centre [rad] and outside, where the record
-    covers a pitch of the pinion's teeth there."""
+    """Metrics within the window either side of the centre [rad] and outside, over at least a pitch."""
     pitch, metrics = 2 * np.pi / teeth, dict[str, Any]()
     for name, ranges in (("on", [(-window, window)]), ("off", [(-np.inf, -window), (window, np.inf)])):
         if pieces := [part for each in runs for ends in ranges for part in parts(each, *ends, least=pitch)]:

@@ -22,21 +22,14 @@ POSES = 24  # in a tooth pitch
 
 @dataclass(frozen=True, eq=False)
 class TouchedTriangles:
-    """Triangles that carry a load in at least one pose.
+    """Triangles that carry a load in at least one pose."""
 
-    Attributes:
-        on_pinion: corners in the pinion's frame, runout included, shape (n, 3, 3) [m].
-        load: largest normal force of each, shape (n,) [N].
-        on_rack: corners in the rack's frame, of each pose in which a triangle carries, shape (m, 3, 3) [m].
-        load_on_rack: normal force there, shape (m,) [N].
-        turn: rotation of the pinion's frame into the housing in the middle pose, shape (3, 3).
-    """
-
-    on_pinion: np.ndarray
-    load: np.ndarray
+    on_pinion: np.ndarray  # corners in the pinion's frame, runout included, shape (n, 3, 3) [m]
+    load: np.ndarray  # largest normal force of each, shape (n,) [N]
+    # corners in the rack's frame, of each pose in which a triangle carries, shape (m, 3, 3) [m]
     on_rack: np.ndarray
-    load_on_rack: np.ndarray
-    turn: np.ndarray
+    load_on_rack: np.ndarray  # normal force there, shape (m,) [N]
+    turn: np.ndarray  # rotation of the pinion's frame into the housing in the middle pose, shape (3, 3)
 
 
 def touched_triangles(gear: SteeringGear, fidelity: Fidelity, signals: Signals) -> TouchedTriangles:

@@ -76,8 +76,7 @@ def _change(signals: Mapping[str, np.ndarray], name: str) -> Any:
 
 
 def integral_from_start(values: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Integrate values (..., n) from the first of some places (n,) to each of them by the trapezoidal
-    rule."""
+    """Integrate values (..., n) from the first of some places (n,) to each by the trapezoidal rule."""
     whole = np.zeros(values.shape)
     np.cumsum(np.diff(place) * (values[..., 1:] + values[..., :-1]) / 2.0, axis=-1, out=whole[..., 1:])
     return whole

@@ -136,8 +136,7 @@ def check_writable(path: str | Path, suffixes: Sequence[str] = ()) -> Path:
 
 
 def number_existing(path: Path) -> Path | None:
-    """Rename an existing file to the first free of NAME.1, NAME.2, ... and return that name; None without
-    one.
+    """Rename an existing file to the first free of NAME.1, NAME.2, ...; return that name, or None.
 
     Raises:
         InputError: it cannot be renamed.

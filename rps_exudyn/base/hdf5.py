@@ -38,8 +38,7 @@ def write_dataset(
     scales: Iterable[Any] = (),
     **how: Any,
 ) -> h5py.Dataset:
-    """Write a dataset, numbers or texts of the kind "U", with the attributes `about` and scales of its
-    dimensions."""
+    """Write a dataset, numbers or texts of the kind "U", with attributes and scales of its dimensions."""
     if isinstance(values, np.ndarray) and values.dtype.kind == "U":
         values, how = values.astype(object), {"dtype": h5py.string_dtype()}
     dataset = group.create_dataset(name, data=values, **how)
@@ -55,11 +54,7 @@ def opened(path: str | Path, filetype: str, what: str, version: tuple[int, int])
 
     Whatever goes wrong while it is read in the `with` block is the damage of a file without a checksum.
 
-    Args:
-        path: the file.
-        filetype: the file's attribute of that name.
-        what: the type's name in messages, for instance "result".
-        version: major and minor version that this package writes.
+    `what` names the type in messages; `version` is the one that this package writes.
 
     Raises:
         InputError: no such file, no HDF5, damaged, of another type, or of another format version.

@@ -27,6 +27,7 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
+from llvmlite import __version__, binding
 
 from rps_exudyn.base.compiled import Array, Entry, Function, Law
 from rps_exudyn.base.errors import InputError
@@ -103,8 +104,6 @@ def _object_file(entry: Entry) -> bytes:
 @cache
 def _machine() -> Any:
     """The processor of this machine, for LLVM."""
-    from llvmlite import binding
-
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
     library = ctypes.CDLL("ucrtbase" if os.name == "nt" else None)
@@ -121,16 +120,12 @@ def _machine() -> Any:
 @cache
 def _processor() -> str:
     """What names processor and compiler in the name of an object file."""
-    from llvmlite import __version__, binding
-
     about = binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten(), __version__
     return hashlib.sha256(" ".join(about).encode()).hexdigest()[:16]
 
 
 def _machine_code(text: str, name: str) -> bytes:
     """Make an object file of an entry, and of what it calls, from LLVM code with others."""
-    from llvmlite import binding
-
     machine, module = _machine(), binding.parse_assembly(text)
     module.verify()
     for each in module.functions:
@@ -145,15 +140,11 @@ def _machine_code(text: str, name: str) -> bytes:
 @cache
 def _engine() -> Any:
     """What holds all machine code: one, for it takes over the machine that it is made with."""
-    from llvmlite import binding
-
     return binding.create_mcjit_compiler(binding.parse_assembly(""), _machine())
 
 
 def _loaded(code: bytes, name: str) -> int:
     """Load an object file; return the address of its entry."""
-    from llvmlite import binding
-
     engine = _engine()
     engine.add_object_file(binding.ObjectFileRef.from_data(code))
     engine.finalize_object()
@@ -177,8 +168,6 @@ def marks() -> dict[str, str]:
 
 def reason_not_usable(entry: Entry) -> str:
     """Return why the shipped code of an entry does not serve here; "" if it does."""
-    from llvmlite import binding
-
     try:
         shipped = marks()
     except (OSError, EOFError, ValueError, lzma.LZMAError):
@@ -201,8 +190,6 @@ def platform_of(triple: str) -> str:
 
 def write(code: str, entries: Iterable[Entry]) -> None:
     """Write the LLVM code of entries as the package ships it."""
-    from llvmlite import binding
-
     head = {"platform": platform_of(binding.get_default_triple())}
     head |= {entry.name: fingerprint(entry) for entry in entries}
     text = "".join(f"{MARKED}{name} {mark}\n" for name, mark in head.items()) + code

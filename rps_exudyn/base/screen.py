@@ -184,8 +184,7 @@ Show = Callable[[str, float | None], None]
 
 @contextmanager
 def shown_progress(asked: bool = False) -> Iterator[Show]:
-    """Show how far a block is, in a terminal or where lines are `asked` for, and everywhere what code it
-    makes."""
+    """Show how far a block is, in a terminal or where `asked` for, and everywhere what code it makes."""
     with open_screen(asked) as screen:
         doing, run = TextRow(), TextRow()
 

@@ -12,7 +12,7 @@ from rps_exudyn.scenes.reversal import SCENE as SWUNG
 from rps_exudyn.scenes.scene import WITHOUT_BARS
 from rps_exudyn.scenes.steering_torque import SCENE as TURNED
 from rps_exudyn.simulate.run_plan import run_unchecked
-from rps_exudyn.solvers.closed_form import closed_form
+from rps_exudyn.solvers.closed_form import free_torque
 
 REFERENCE = "flank"
 PULLED = 6.0  # times the gear's own friction that the hand's torque has at its peak
@@ -28,7 +28,7 @@ METRICS = {
 def compared_test(gear: SteeringGear) -> SteeringGear:
     """Return the gear with a test that both models run: tyres by which the torque turns it over half its
     teeth."""
-    free, gain = abs(closed_form(gear).free_torque), float(GearPair.of(gear).gain)
+    free, gain = abs(free_torque(gear)), float(GearPair.of(gear).gain)
     turn = REACH * largest_angle(gear)
     torque = PULLED * max(free, 1e-3)
     swings = np.sqrt(torque / turn / gear.column.wheel_inertia) / (2 * np.pi)

@@ -55,8 +55,7 @@ def end_load(gear: SteeringGear, load: float) -> np.record:
 
 
 def weight(gear: SteeringGear) -> np.record:
-    """Return the rack's weight at its mass centre; gravity points along -Y, turned about X towards Z by its
-    angle, and raised towards X by its slope."""
+    """Return the weight at the mass centre; gravity along -Y is turned about X and raised towards X."""
     bar, given = rack_masses(gear), gear.installation
     angle, slope = given.gravity_angle, given.gravity_slope
     direction = sin(slope), -cos(slope) * cos(angle), cos(slope) * sin(angle)

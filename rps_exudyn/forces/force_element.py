@@ -21,17 +21,12 @@ COORDINATES = {"pinion": 1, "rack": 6, "plunger": 1, "segment": 6}
 
 @dataclass(frozen=True)
 class Part:
-    """A part of the gear that exerts forces.
+    """A part of the gear that exerts forces."""
 
-    Attributes:
-        name: of the part, as in the results.
-        bodies: the bodies on whose coordinates it acts, in the order in which their forces are stacked.
-        outputs: names of the values behind the energy terms.
-    """
-
-    name: str
+    name: str  # of the part, as in the results
+    # the bodies on whose coordinates it acts, in the order in which their forces are stacked
     bodies: tuple[str, ...]
-    outputs: tuple[str, ...] = ()
+    outputs: tuple[str, ...] = ()  # names of the values behind the energy terms
 
     @property
     def size(self) -> int:

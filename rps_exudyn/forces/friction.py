@@ -109,12 +109,8 @@ def law_of(
 ) -> np.record:
     """Return the record of a part's law; its bristles get `count` patches of the gear's.
 
-    Args:
-        part: with its law.
-        patches: of the gear.
-        friction: coefficient, or the friction [N] of a part under a load of 1.
-        usual_load: that under which a load exponent changes nothing, and which fixes the stiffness [N].
-        count: of patches.
+    `friction` is a coefficient, or the friction [N] of a part under a load of 1. A load exponent changes
+    nothing under `usual_load` [N], which fixes the stiffness.
     """
     facts = part.facts
     # without a state there are no elements: records of many gears then are sums over single parameters

@@ -70,6 +70,14 @@ def arc_segments(radius: float, angle: float, chord_error: float) -> int:
     return max(int(np.ceil(abs(angle) / step - 1e-9)), 1)
 
 
+def sagitta(points: np.ndarray, axis: int) -> float:
+    """Largest distance of every second point along an axis from the chord beside it [m]."""
+    points = np.moveaxis(points, axis, 0)
+    chord, offset = points[2::2] - points[:-2:2], points[1::2] - points[:-2:2]
+    share = (offset * chord).sum(axis=-1) / (chord * chord).sum(axis=-1)
+    return float(np.linalg.norm(offset - share[..., None] * chord, axis=-1).max())
+
+
 # --- what the teeth become ---------------------------------------------------------------------
 def undercut_limit(pair: GearPair) -> float:
     """Smallest profile shift coefficient without undercut (ISO 21771).

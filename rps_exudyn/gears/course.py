@@ -114,8 +114,7 @@ class Course:
     def through(
         cls, angles: np.ndarray, gains: np.ndarray, before: np.ndarray, after: np.ndarray
     ) -> "Course":
-        """Return the course with gains at angles (n,) and slopes behind and ahead of them (n,), constant
-        outside (cubic Hermite pieces)."""
+        """Return the course with gains (n,) and slopes behind and ahead of angles (n,), constant outside."""
         h, rise = np.diff(angles), np.diff(gains)
         d_0, d_1 = after[:-1], before[1:]
         cubic = np.stack(

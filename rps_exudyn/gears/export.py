@@ -57,9 +57,7 @@ def assembled(gear: SteeringGear, angle: float = 0.0, chord_error: float = CHORD
 # --- The assembled gear, or a part of it, for other programs
 
 
-def export_solids(
-    gear: SteeringGear, path: str | Path, part: str | None = None, chord_error: float = CHORD_ERROR
-) -> None:
+def export_solids(gear: SteeringGear, path: str | Path, part: str | None = None) -> None:
     """Write all parts at pinion angle 0, or one of them, in the housing frame.
 
     GLB keeps the parts apart by name and is in metres, as its standard asks; STL is one mesh in
@@ -69,7 +67,7 @@ def export_solids(
     Raises:
         InputError: no such part, or the file cannot be written.
     """
-    solids = assembled(gear, chord_error=chord_error)
+    solids = assembled(gear)
     if part is not None and part not in solids:
         raise InputError(f"{part} is no part of the gear; these are {', '.join(solids)}.")
     solids = {name: solid for name, solid in solids.items() if part in (None, name)}
@@ -78,10 +76,8 @@ def export_solids(
     }
     with replacing(path) as partial:
         if partial.suffix.lower() == ".step":
-            text = step_text(
-                part or "gear", {name: (each.vertices, each.faces) for name, each in solids.items()}
-            )
-            partial.write_text(text, encoding="ascii")
+            meshes = {name: (each.vertices, each.faces) for name, each in solids.items()}
+            partial.write_text(step_text(part or "gear", meshes), encoding="ascii")
         elif partial.suffix.lower() == ".glb":
             partial.write_bytes(trimesh.Scene(parts).export(file_type="glb"))
         else:

@@ -189,8 +189,7 @@ def _reach(pair: GearPair) -> float:
 
 
 def _check_covers(grid: FlankGrid, part: str, text: str, met: Ranges, below: float) -> None:
-    """Refuse a grid that ends more than an interval within what meets the other part; heights of the rack
-    begin `below` its axis."""
+    """Refuse a grid that ends more than an interval within what meets the other part, `below` its axis."""
     for axis, (low, high) in enumerate(met):
         step = grid.steps[axis]
         if grid.low[axis] - step > low or grid.high[axis] + step < high:

@@ -257,8 +257,7 @@ class GearPair:
 
     @cached_property
     def least_sliding(self) -> float:
-        """Smallest friction lever in mesh [m]; with parallel axes, which do not slide at the pitch point, a
-        tenth of the mean."""
+        """Smallest friction lever in mesh [m]; at least a tenth of the mean, for parallel axes."""
         levers = self.friction_levers
         return float(max(levers.min(), 0.1 * levers.mean()))
 

@@ -76,8 +76,7 @@ class GeometryReport:
 
     @cached_property
     def along_travel(self) -> dict[str, np.ndarray]:
-        """Name -> values at angles from lock to lock, of a variable ratio (`COURSE_TABLE`); {} of a constant
-        one."""
+        """Name -> values from lock to lock of a variable ratio (`COURSE_TABLE`); {} of a constant one."""
         pair = GearPair.of(self.gear)
         if pair.course is None:
             return {}

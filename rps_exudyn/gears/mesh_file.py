@@ -28,13 +28,9 @@ UNITS = {"mm": 1e-3, "m": 1.0}
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Triangles of one part.
+    """Triangles of one part."""
 
-    Attributes:
-        corners: in the unit of the file, counter-clockwise seen from outside, shape (m, 3, 3).
-    """
-
-    corners: np.ndarray
+    corners: np.ndarray  # in the unit of the file, counter-clockwise seen from outside, shape (m, 3, 3)
 
     @cached_property
     def area_vectors(self) -> np.ndarray:

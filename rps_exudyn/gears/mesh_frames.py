@@ -46,21 +46,13 @@ FINEST = 1e-3  # least gap between planes of a family, in the surface's size
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """A rigid transform from a file's numbers to a frame of the package.
+    """A rigid transform from a file's numbers to a frame of the package."""
 
-    Attributes:
-        unit: name of the file's unit.
-        scale: its size [m].
-        axes: those of the frame as rows, in the file, shape (3, 3).
-        origin: that of the frame in the file [m], shape (3,).
-        form_error: root mean square distance of the flanks from the fitted surface [m].
-    """
-
-    unit: str
-    scale: float
-    axes: np.ndarray
-    origin: np.ndarray
-    form_error: float
+    unit: str  # name of the file's unit
+    scale: float  # its size [m]
+    axes: np.ndarray  # those of the frame as rows, in the file, shape (3, 3)
+    origin: np.ndarray  # that of the frame in the file [m], shape (3,)
+    form_error: float  # root mean square distance of the flanks from the fitted surface [m]
 
     def place(self, points: np.ndarray) -> np.ndarray:
         """Return points of the file (..., 3) in the frame [m]."""
@@ -69,41 +61,25 @@ class Placement:
 
 @dataclass(frozen=True, eq=False)
 class PinionPlacement(Placement):
-    """Of a pinion: a tooth space is centred on +Y in the middle of the face; k points to the longer end.
-
-    Attributes:
-        teeth: number of teeth.
-        twist: turn of the transverse section per length [rad/m].
-        tip_diameter, face_width: of the teeth [m].
-    """
+    """Of a pinion: a tooth space is centred on +Y in the middle of the face; k points to the longer end."""
 
     teeth: int
-    twist: float
-    tip_diameter: float
-    face_width: float
+    twist: float  # turn of the transverse section per length [rad/m]
+    tip_diameter: float  # [m]
+    face_width: float  # of the teeth [m]
 
 
 @dataclass(frozen=True, eq=False)
 class RackPlacement(Placement):
-    """Of a rack: tooth 0 in the middle of all is centred at X = 0; X points to the longer end.
+    """Of a rack: tooth 0 in the middle of all is centred at X = 0; X points to the longer end."""
 
-    Attributes:
-        teeth: whole teeth.
-        pitch: along X [m].
-        tooth_angle: of the traces to the cross direction [rad].
-        pressure_angles: of flanks that drive to +X and to -X [rad].
-        addendum: of the tips above the line where tooth and space are equal [m].
-        bar_diameter: of the round part; None without one [m].
-        reference_height: of that line above the bar's axis, or of the drawing's without a bar [m].
-    """
-
-    teeth: int
-    pitch: float
-    tooth_angle: float
-    pressure_angles: tuple[float, float]
-    addendum: float
-    bar_diameter: float | None
-    reference_height: float
+    teeth: int  # whole teeth
+    pitch: float  # along X [m]
+    tooth_angle: float  # of the traces to the cross direction [rad]
+    pressure_angles: tuple[float, float]  # of flanks that drive to +X and to -X [rad]
+    addendum: float  # of the tips above the line where tooth and space are equal [m]
+    bar_diameter: float | None  # of the round part; None without one [m]
+    reference_height: float  # of that line above the bar's axis, or of the drawing's without a bar [m]
 
 
 # --- pinion ----------------------------------------------------------------------------------------
@@ -278,9 +254,7 @@ def _fitted(surface: Surface, teeth: _Teeth) -> _Teeth:
 def place_rack(surface: Surface, reference_height: float) -> RackPlacement:
     """Return how a surface becomes the rack in the rack frame.
 
-    Args:
-        surface: of the rack, or of its teeth.
-        reference_height: of the drawing [m]; it stands for the bar's axis where the surface has no round bar.
+    `reference_height` [m] of the drawing stands for the bar's axis where the surface has no round bar.
 
     Raises:
         InputError: it has fewer than three teeth with plane flanks, or the size of no rack.
@@ -449,8 +423,7 @@ def _planes(part: Surface, middles: np.ndarray, members: np.ndarray, normal: np.
 def _round_bar(
     part: Surface, direction: np.ndarray, others: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, float] | None:
-    """Return direction, a point of the axis and radius of the bar, from surfaces along about this direction;
-    None if they are not round."""
+    """Return direction, a point of the axis and radius of the bar; None if surfaces are not round."""
     along = others & (np.abs(part.normals @ direction) < ALONG)
     for _ in range(4):
         n, areas = part.normals[along], part.areas[along]

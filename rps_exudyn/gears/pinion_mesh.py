@@ -61,8 +61,7 @@ class PinionMesh:
 
 
 def flank_patch(flank: Flank, chord_error: float, least_pieces: int = 1) -> FlankPatch:
-    """Ruled triangulation of one flank within `chord_error` [m]; its generators are cut into at least so many
-    pieces."""
+    """Ruled triangulation of a flank within `chord_error` [m]; generators have at least so many pieces."""
     pair, side = flank.pair, flank.side
     b, tan_b = pair.face_width, abs(np.tan(flank.beta_b))
     sign = -1 if side * flank.beta_b < 0 else 1

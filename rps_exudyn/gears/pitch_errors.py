@@ -31,16 +31,14 @@ def class_tolerances(pair: GearPair, accuracy: int) -> tuple[float, float]:
 
 
 def pinion_errors(gear: SteeringGear) -> np.ndarray:
-    """Return the displacements of the pinion's teeth, polar angle ascending, (z,) [m]; (0,) if none is
-    given."""
+    """Return the displacements of the pinion's teeth, polar angle ascending, (z,) [m]; (0,) without any."""
     text = gear.pinion.pitch_errors
     drawn = accuracy_class(text)
     return np.array(numbers_in(text)) if drawn is None else _drawn(gear, *drawn, gear.pinion.teeth, True)
 
 
 def rack_errors(gear: SteeringGear) -> np.ndarray:
-    """Return the displacements of the rack's teeth along X, in order of X, (n,) [m]; (0,) if none is
-    given.
+    """Return the displacements of the rack's teeth along X, in order of X, (n,) [m]; (0,) without errors.
 
     Raises:
         InputError: a list of another length, or more teeth than errors can have.

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     import trimesh
 
 DIGITS = 9  # of a metre, to which corners are one vertex
+LEAST_HEIGHT = 1e-12  # of a face [m], else a sliver: rounding is 1e-18, so that other normals keep six digits
 
 
 @dataclass(frozen=True)
@@ -65,12 +66,8 @@ def refuse_defects(name: str, vertices: np.ndarray, faces: np.ndarray) -> None:
         raise InputError(f"The mesh of the {name} is not usable: {problem}.")
 
 
-def defect(vertices: np.ndarray, faces: np.ndarray, least_height: float = 1e-12) -> str | None:
-    """The first defect of a closed mesh, in words; None for a sound one.
-
-    `least_height` [m]: a face is a sliver if its smallest height is below it. At lengths of centimetres
-    rounding is 1e-18 m, so that normals of all other faces keep six digits.
-    """
+def defect(vertices: np.ndarray, faces: np.ndarray) -> str | None:
+    """The first defect of a closed mesh, in words; None for a sound one."""
     if not np.isfinite(vertices).all():
         return f"{np.count_nonzero(~np.isfinite(vertices).all(axis=1))} vertices are not finite"
     start, end = (corners.astype(np.int64).ravel() for corners in (faces, np.roll(faces, -1, axis=1)))
@@ -84,9 +81,9 @@ def defect(vertices: np.ndarray, faces: np.ndarray, least_height: float = 1e-12)
     a, b, c = np.moveaxis(vertices[faces], 1, 0)
     double_area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     longest = np.linalg.norm([b - a, c - b, a - c], axis=2).max(axis=0)
-    slivers = np.count_nonzero(double_area < least_height * longest)
+    slivers = np.count_nonzero(double_area < LEAST_HEIGHT * longest)
     if slivers:
-        return f"{slivers} faces are slivers with a height below {least_height:g} m"
+        return f"{slivers} faces are slivers with a height below {LEAST_HEIGHT:g} m"
     if np.einsum("ij,ij->i", a, np.cross(b, c)).sum() <= 0:
         return "its faces point inwards"
     return None

@@ -22,7 +22,7 @@ import numpy as np
 from manifold3d import Manifold
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.gears.basic_rack import arc_segments, rack_tooth, straight_depth
+from rps_exudyn.gears.basic_rack import arc_segments, rack_tooth, sagitta, straight_depth
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.generated_rack import GeneratedRack
 from rps_exudyn.gears.polyhedron import cylinder, lofted, prism
@@ -62,8 +62,7 @@ class RackBar:
 
     @classmethod
     def of(cls, gear: SteeringGear) -> "RackBar":
-        """At full travel the bar ends `bush.end_overhang` outside the bush; teeth for the travel and the
-        pinion's reach."""
+        """The bar ends `bush.end_overhang` outside the bush at full travel, and has teeth for the travel."""
         pair, bush, rack = GearPair.of(gear), gear.bush, gear.rack
         x_max = bush.distance + bush.length + rack.travel / 2 + bush.end_overhang
         needed = rack.travel / 2 + pinion_reach(pair)
@@ -129,8 +128,7 @@ class RackBar:
         )
 
     def outline(self, chord_error: float) -> np.ndarray:
-        """Return what the cutter leaves of the teeth and takes away below them: polygon (u, -Y), shape (n, 2)
-        [m].
+        """Return what the cutter leaves of the teeth and takes away below them: polygon (u, -Y) [m], (n, 2).
 
         Teeth from root middle to root middle, closed outside the bar; counter-clockwise.
         """
@@ -189,14 +187,6 @@ class RackBar:
         closed = np.concatenate([joined, *(each[:, None] for each in ends)], axis=1)
         first, last = ((each[:, :2] * [1, -1]) for each in (closed[0], closed[-1]))
         return lofted(closed, first, last)
-
-
-def sagitta(points: np.ndarray, axis: int) -> float:
-    """Largest distance of every second point along an axis from the chord beside it [m]."""
-    points = np.moveaxis(points, axis, 0)
-    chord, offset = points[2::2] - points[:-2:2], points[1::2] - points[:-2:2]
-    share = (offset * chord).sum(axis=-1) / (chord * chord).sum(axis=-1)
-    return float(np.linalg.norm(offset - share[..., None] * chord, axis=-1).max())
 
 
 def pinion_reach(pair: GearPair) -> float:

@@ -117,8 +117,7 @@ class TimoshenkoBeam:
         return np.sqrt(squares), modes
 
     def derivatives(self, modes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return w' and theta' of modes (m, nodes, 2) at the nodes, (m, nodes): the mean of both sides where
-        the section changes."""
+        """Return w' and theta' of modes (m, nodes, 2) at the nodes (m, nodes), means of both sides."""
         shape = self.shape_functions(np.array([0.0, 1.0]))
         ends = np.concatenate([modes[:, :-1], modes[:, 1:]], axis=2)
         return (

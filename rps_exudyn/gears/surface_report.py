@@ -22,21 +22,14 @@ SHOWN = {"mm": 1e3, "deg": 180 / np.pi, "": 1}
 
 @dataclass(frozen=True)
 class Comparison:
-    """One quantity of a part.
-
-    Attributes:
-        part, name: of the quantity.
-        unit: in which it is shown, or "" of a count.
-        drawing, mesh: values, SI.
-        lever: displacement of flanks by a difference of 1.
-    """
+    """One quantity of a part; values are SI."""
 
     part: str
     name: str
-    unit: str
+    unit: str  # in which it is shown, or "" of a count
     drawing: float
     mesh: float
-    lever: float = 1.0
+    lever: float = 1.0  # displacement of flanks by a difference of 1
 
     @property
     def differs(self) -> bool:

@@ -94,8 +94,7 @@ def rest_stiffness(profile_shift: float, helix: float) -> float:
 
 
 def line_stiffness(gear: SteeringGear) -> float:
-    """Return the load per length of line and depth [N/m^2]: `mesh.line_stiffness`, or that at rest where that
-    is 0."""
+    """Return the load per length of line and depth [N/m^2]: `mesh.line_stiffness`, or that at rest."""
     return gear.mesh.line_stiffness or rest_stiffness(gear.pinion.profile_shift, gear.pinion.helix_angle)
 
 

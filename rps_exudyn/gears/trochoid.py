@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.gears.basic_rack import arc_segments, cutter_tip_centre, half_angle, straight_depth
+from rps_exudyn.gears.basic_rack import arc_segments, cutter_tip_centre, half_angle, sagitta, straight_depth
 from rps_exudyn.gears.gear_pair import GearPair
 
 
@@ -120,9 +120,5 @@ def root_profile(pair: GearPair, chord_error: float) -> np.ndarray:
 def _segments(pair: GearPair, start: float, chord_error: float) -> int:
     """Chords for the trochoid: the deviation measured on a trial division falls with 1 / n^2."""
     trial = 64
-    points = trochoid(pair, np.linspace(start, np.pi / 2, 2 * trial + 1))
-    ends, middle = points[::2], points[1::2]
-    chord = np.diff(ends, axis=0)
-    offset = middle - ends[:-1]
-    height = np.abs(chord[:, 0] * offset[:, 1] - chord[:, 1] * offset[:, 0]) / np.linalg.norm(chord, axis=1)
-    return max(int(np.ceil(trial * np.sqrt(height.max() / chord_error))), 2)
+    height = sagitta(trochoid(pair, np.linspace(start, np.pi / 2, 2 * trial + 1)), 0)
+    return max(int(np.ceil(trial * np.sqrt(height / chord_error))), 2)

@@ -3,7 +3,10 @@
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
+import exudyn as exu
 import numpy as np
+from exudyn import graphics
+from exudyn import itemInterface as items
 
 from rps_exudyn.forces.bush import Chain, housing_station
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
@@ -16,8 +19,6 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.balance import SIZE
 
 if TYPE_CHECKING:
-    import exudyn
-
     from rps_exudyn.gears.polyhedron import Solid
 
 COLOURS = {  # by their names in CSS, as red, green and blue
@@ -43,28 +44,31 @@ def add_bodies(model: SteeringModel) -> None:
 
 
 def _add_pinion(model: SteeringModel) -> None:
-    from exudyn.itemInterface import ObjectRotationalMass1D, VObjectRotationalMass1D
-
-    pair = GearPair.of(model.gear)
     drawing = shapes_of(model, solids.pinion_solid, "steelblue")
-    model.nodes["pinion"] = _node_1d(model, "pinion")
-    model.bodies["pinion"] = model.mbs.AddObject(
-        ObjectRotationalMass1D(
-            inertia=masses.pinion_inertia(model.gear),
-            nodeNumber=model.nodes["pinion"],
+    add_turning_mass(model, "pinion", masses.pinion_inertia(model.gear), _start(model, "pinion"), drawing)
+
+
+def add_turning_mass(
+    model: SteeringModel, name: str, inertia: float, start: tuple[Any, Any], drawing: Sequence[Any] = ()
+) -> None:
+    """Add a body that turns about the pinion's axis; place and rate of its start are rows (1,)."""
+    pair = GearPair.of(model.gear)
+    model.nodes[name] = _node_1d(model, *start)
+    model.bodies[name] = model.mbs.AddObject(
+        items.ObjectRotationalMass1D(
+            inertia=inertia,
+            nodeNumber=model.nodes[name],
             referencePosition=pair.pinion_origin,
             referenceRotation=pair.pinion_frame,
-            visualization=VObjectRotationalMass1D(graphicsData=drawing),
+            visualization=items.VObjectRotationalMass1D(graphicsData=list(drawing)),
         )
     )
 
 
 def _add_rack(model: SteeringModel, axis: list[float]) -> None:
-    from exudyn.itemInterface import NodeRigidBodyRxyz, ObjectRigidBody, VObjectRigidBody
-
     place, rate = _start(model, "rack")
     model.nodes["rack"] = model.mbs.AddNode(
-        NodeRigidBodyRxyz(
+        items.NodeRigidBodyRxyz(
             referenceCoordinates=[*axis, 0, 0, 0], initialCoordinates=place, initialVelocities=rate
         )
     )
@@ -72,28 +76,26 @@ def _add_rack(model: SteeringModel, axis: list[float]) -> None:
     com = bar.centre_of_mass
     about_reference = bar.inertia + bar.mass * ((com @ com) * np.eye(3) - np.outer(com, com))
     model.bodies["rack"] = model.mbs.AddObject(
-        ObjectRigidBody(
+        items.ObjectRigidBody(
             mass=bar.mass,
             centerOfMass=com,
             inertia=six_moments(about_reference),
             nodeNumber=model.nodes["rack"],
-            visualization=VObjectRigidBody(graphicsData=shapes_of(model, solids.rack_solid, "grey")),
+            visualization=items.VObjectRigidBody(graphicsData=shapes_of(model, solids.rack_solid, "grey")),
         )
     )
 
 
 def _add_plunger(model: SteeringModel, axis: list[float]) -> None:
-    from exudyn.itemInterface import ObjectMass1D, VObjectMass1D
-
     drawing = shapes_of(model, solids.plunger_solid, "orange", ALONG_Y.T)
-    model.nodes["plunger"] = _node_1d(model, "plunger")
+    model.nodes["plunger"] = _node_1d(model, *_start(model, "plunger"))
     model.bodies["plunger"] = model.mbs.AddObject(
-        ObjectMass1D(
+        items.ObjectMass1D(
             mass=model.gear.yoke.plunger_mass,
             nodeNumber=model.nodes["plunger"],
             referencePosition=axis,
             referenceRotation=ALONG_Y,
-            visualization=VObjectMass1D(graphicsData=drawing),
+            visualization=items.VObjectMass1D(graphicsData=drawing),
         )
     )
 
@@ -101,11 +103,9 @@ def _add_plunger(model: SteeringModel, axis: list[float]) -> None:
 def _add_generic(model: SteeringModel, name: str, columns: slice) -> None:
     """Add the node of the rack's modes of bending, or of the pinion's supports, which start in these columns
     of the start's coordinates; the object of the gear's forces has their masses."""
-    from exudyn.itemInterface import NodeGenericODE2
-
     place, rate = (rows[0, columns] for rows in (model.start.coordinates, model.start.rates))
     model.nodes[name] = model.mbs.AddNode(
-        NodeGenericODE2(
+        items.NodeGenericODE2(
             numberOfODE2Coordinates=place.size,
             referenceCoordinates=np.zeros(place.size),
             initialCoordinates=place,
@@ -115,26 +115,21 @@ def _add_generic(model: SteeringModel, name: str, columns: slice) -> None:
 
 
 def _add_yokenut(model: SteeringModel, axis: list[float]) -> None:
-    from exudyn.itemInterface import ObjectGround, VObjectGround
+    drawing = items.VObjectGround(graphicsData=shapes_of(model, solids.yokenut_solid, "darkgrey"))
+    model.bodies["yokenut"] = model.mbs.AddObject(
+        items.ObjectGround(referencePosition=axis, visualization=drawing)
+    )
 
-    drawing = VObjectGround(graphicsData=shapes_of(model, solids.yokenut_solid, "darkgrey"))
-    model.bodies["yokenut"] = model.mbs.AddObject(ObjectGround(referencePosition=axis, visualization=drawing))
 
-
-def _node_1d(model: SteeringModel, body: str) -> Any:
-    from exudyn.itemInterface import Node1D
-
-    place, rate = _start(model, body)
+def _node_1d(model: SteeringModel, place: Any, rate: Any) -> Any:
     return model.mbs.AddNode(
-        Node1D(referenceCoordinates=[0.0], initialCoordinates=place, initialVelocities=rate)
+        items.Node1D(referenceCoordinates=[0.0], initialCoordinates=place, initialVelocities=rate)
     )
 
 
 def coordinate_marker(model: SteeringModel, node: Any, coordinate: int = 0) -> Any:
     """Add a marker of one of a node's coordinates; return its number."""
-    from exudyn.itemInterface import MarkerNodeCoordinate
-
-    return model.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
+    return model.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
 
 
 def _start(model: SteeringModel, body: str) -> tuple[np.ndarray, np.ndarray]:
@@ -149,12 +144,9 @@ def shapes_of(
     color: str,
     rotation: np.ndarray | None = None,
 ) -> list[Any]:
-    """Return graphics data of a body, its solid turned by `rotation` (3, 3); none of a model without
-    pictures."""
+    """Return graphics data of a body, its solid turned by `rotation` (3, 3); none without pictures."""
     if not model.pictured:
         return []
-    from exudyn import graphics
-
     solid = solid_of(model.gear)
     points = solid.vertices if rotation is None else solid.vertices @ rotation.T
     return [graphics.FromPointsAndTrigs(points, solid.faces, color=[*COLOURS[color], 1.0])]
@@ -173,7 +165,7 @@ def six_moments(inertia: np.ndarray) -> np.ndarray:
 
 
 def add_forces(
-    mbs: "exudyn.MainSystem",
+    mbs: exu.MainSystem,
     nodes: Sequence[Any],
     size: int,
     force_of: Callable[[np.ndarray, np.ndarray], np.ndarray],
@@ -195,8 +187,6 @@ def add_forces(
         mass: of these coordinates besides that of their bodies, shape (size, size); none by default.
         applied: forces (size,) at a time [s] that act besides.
     """
-    from exudyn.itemInterface import ObjectGenericODE2, VObjectGenericODE2
-
     secant = Secant()
 
     def force(mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]) -> np.ndarray:
@@ -217,12 +207,12 @@ def add_forces(
         return -tangent if np.isfinite(tangent.sum()) else np.zeros_like(tangent)  # of the left-hand side
 
     return mbs.AddObject(
-        ObjectGenericODE2(
+        items.ObjectGenericODE2(
             nodeNumbers=list(nodes),
             massMatrix=np.zeros((size, size)) if mass is None else mass,
             forceUserFunction=force,
             jacobianUserFunction=jacobian,
-            visualization=VObjectGenericODE2(show=False),
+            visualization=items.VObjectGenericODE2(show=False),
         )
     )
 
@@ -231,7 +221,7 @@ def add_forces(
 
 
 def add_chain(
-    mbs: "exudyn.MainSystem",
+    mbs: exu.MainSystem,
     gear: SteeringGear,
     chain: Chain,
     rest: np.ndarray,
@@ -245,26 +235,19 @@ def add_chain(
     `rest` (N, 6) is where they start; each has `mass` [kg] and `inertia` (3, 3) [kg m^2] about its centre.
     Springs sit at one point of both neighbours, so that the pair of forces has no free moment.
     """
-    from exudyn.itemInterface import (
-        MarkerBodyRigid,
-        NodeRigidBodyRxyz,
-        ObjectConnectorRigidBodySpringDamper,
-        ObjectGround,
-        ObjectRigidBody,
-        VObjectConnectorRigidBodySpringDamper,
-    )
-
     centres = housing_station(gear, chain.centres)
     moments = six_moments(inertia)
     nodes, bodies = [], []
     for x, start in zip(centres, rest, strict=True):
         node = mbs.AddNode(
-            NodeRigidBodyRxyz(referenceCoordinates=[x, axis_height, 0, 0, 0, 0], initialCoordinates=start)
+            items.NodeRigidBodyRxyz(
+                referenceCoordinates=[x, axis_height, 0, 0, 0, 0], initialCoordinates=start
+            )
         )
         nodes.append(node)
-        bodies.append(mbs.AddObject(ObjectRigidBody(mass=mass, inertia=moments, nodeNumber=node)))
+        bodies.append(mbs.AddObject(items.ObjectRigidBody(mass=mass, inertia=moments, nodeNumber=node)))
 
-    housing = mbs.AddObject(ObjectGround())
+    housing = mbs.AddObject(items.ObjectGround())
 
     def marker(segment: int, x: float) -> Any:
         body, place = (
@@ -272,16 +255,16 @@ def add_chain(
             if segment >= 0
             else (housing, [x, axis_height, 0])
         )
-        return mbs.AddMarker(MarkerBodyRigid(bodyNumber=body, localPosition=place))
+        return mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=place))
 
     for connection in chain.connections:
         x = housing_station(gear, connection.station)
         markers = [marker(connection.before, x), marker(connection.after, x)]
         mbs.AddObject(
-            ObjectConnectorRigidBodySpringDamper(
+            items.ObjectConnectorRigidBodySpringDamper(
                 markerNumbers=markers,
                 stiffness=np.diag(connection.stiffness),
-                visualization=VObjectConnectorRigidBodySpringDamper(show=False),
+                visualization=items.VObjectConnectorRigidBodySpringDamper(show=False),
             )
         )
     return nodes, bodies

@@ -7,33 +7,17 @@ both coordinates, whose torque on the wheel is that on the pinion times the join
 from typing import Any
 
 import numpy as np
+from exudyn import itemInterface as items
 
-from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.multibody.bodies import add_forces, coordinate_marker
+from rps_exudyn.multibody.bodies import add_forces, add_turning_mass, coordinate_marker
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.solvers.steering_column import ColumnModel, WheelTorque
 
 
 def add_column(model: SteeringModel, column: ColumnModel) -> None:
     """Add the wheel where its drive starts, and the column between it and the pinion."""
-    from exudyn.itemInterface import CoordinateSpringDamper, Node1D, ObjectRotationalMass1D
-
-    drive, pair = model.drive, GearPair.of(model.gear)
-    model.nodes["wheel"] = model.mbs.AddNode(
-        Node1D(
-            referenceCoordinates=[0.0],
-            initialCoordinates=[drive.sign * float(drive.place(0.0))],
-            initialVelocities=[drive.sign * float(drive.rate(0.0))],
-        )
-    )
-    model.bodies["wheel"] = model.mbs.AddObject(
-        ObjectRotationalMass1D(
-            inertia=column.inertia,
-            nodeNumber=model.nodes["wheel"],
-            referencePosition=pair.pinion_origin,
-            referenceRotation=pair.pinion_frame,
-        )
-    )
+    place, rate = model.drive.of_time
+    add_turning_mass(model, "wheel", column.inertia, ([place(0.0)], [rate(0.0)]))
     if column.bend:
         add_forces(
             model.mbs,
@@ -45,13 +29,11 @@ def add_column(model: SteeringModel, column: ColumnModel) -> None:
     else:
         markers = [coordinate_marker(model, model.nodes[name]) for name in ("wheel", "pinion")]
         given = {"stiffness": column.stiffness, "damping": column.damping}
-        model.mbs.AddObject(CoordinateSpringDamper(markerNumbers=markers, **given))
+        model.mbs.AddObject(items.CoordinateSpringDamper(markerNumbers=markers, **given))
 
 
 def add_wheel_torque(model: SteeringModel, drive: WheelTorque) -> None:
     """Add the hand's torque on the wheel, and the tyres' spring between the ground and the rack."""
-    from exudyn.itemInterface import CoordinateSpringDamper, LoadCoordinate, NodePointGround
-
     mbs = model.mbs
 
     def torque(mbs: Any, t: float, load: float) -> float:
@@ -59,11 +41,11 @@ def add_wheel_torque(model: SteeringModel, drive: WheelTorque) -> None:
 
     ground, wheel, rack = (
         coordinate_marker(model, node)
-        for node in (mbs.AddNode(NodePointGround()), model.nodes["wheel"], model.nodes["rack"])
+        for node in (mbs.AddNode(items.NodePointGround()), model.nodes["wheel"], model.nodes["rack"])
     )
-    mbs.AddLoad(LoadCoordinate(markerNumber=wheel, load=0.0, loadUserFunction=torque))
+    mbs.AddLoad(items.LoadCoordinate(markerNumber=wheel, load=0.0, loadUserFunction=torque))
     mbs.AddObject(
-        CoordinateSpringDamper(
+        items.CoordinateSpringDamper(
             markerNumbers=[ground, rack], stiffness=drive.tyre.stiffness, offset=drive.tyre.relaxed
         )
     )

@@ -15,18 +15,17 @@ Exudyn needs, each with a test in tests/upstream:
 
 from dataclasses import dataclass
 from math import ceil, floor
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import exudyn as exu
 import numpy as np
+from exudyn import itemInterface as items
 
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar, RackFlank
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.tooth_contact.sampled_contact import SampledContactData
 from rps_exudyn.tooth_contact.spheres import FLANK_MARGIN, SIDES, gate_angle, lowest_height
-
-if TYPE_CHECKING:
-    import exudyn
 
 CELLS = [2, 2, 2]  # of the search tree of one contact, which has a few dozen spheres
 RIGID_SIDE = 1e6  # stiffness of the triangles over that of all spheres: GeneralContact puts both in series
@@ -56,7 +55,7 @@ class GeneralContacts:
     reach: float  # angle from the mesh within which a group must be held [rad]
     tooth: int | None = None  # of the rack, in the middle of those held
 
-    def hold(self, mbs: "exudyn.MainSystem", angle: float) -> None:
+    def hold(self, mbs: exu.MainSystem, angle: float) -> None:
         """Hold what can be touched while the pinion stands at an angle about k [rad], or a step from it."""
         self._move_teeth(angle)
         groups, at_once = len(self.data.centres), len(self.blocks) // 2
@@ -68,7 +67,7 @@ class GeneralContacts:
                 if block.group != group:
                     self._fill(mbs, block, group)
 
-    def update(self, mbs: "exudyn.MainSystem", coordinates: np.ndarray) -> None:
+    def update(self, mbs: exu.MainSystem, coordinates: np.ndarray) -> None:
         """Find what touches at all coordinates of the system, from which a step begins to iterate.
 
         GeneralContact would begin with what touched at the last step's end, under numbers that may stand for
@@ -80,7 +79,7 @@ class GeneralContacts:
             block.contact.UpdateContacts(mbs)
         mbs.systemData.SetODE2Coordinates(here)  # type: ignore[arg-type]
 
-    def _fill(self, mbs: "exudyn.MainSystem", block: SphereBlock, group: int) -> None:
+    def _fill(self, mbs: exu.MainSystem, block: SphereBlock, group: int) -> None:
         """Put a group's spheres in the place of those that stand there, which are out of reach."""
         place = group % len(self.data.centres), block.side
         centres, stiffness = self.data.centres[place], self.data.stiffness[place]
@@ -108,7 +107,7 @@ class GeneralContacts:
 
 
 def add_general_contacts(
-    mbs: "exudyn.MainSystem",
+    mbs: exu.MainSystem,
     gear: SteeringGear,
     data: SampledContactData,
     *,
@@ -119,21 +118,17 @@ def add_general_contacts(
 ) -> GeneralContacts:
     """Add spheres on the pinion body and triangles on the rack body, held for a pinion's angle about k.
 
-    Args:
-        data: spheres in groups by the angle at which they touch, see `solvers.sphere_groups`.
-        step: largest angle by which the pinion turns in a time step [rad].
+    `step` is the largest angle by which the pinion turns in a time step [rad].
     """
-    from exudyn.itemInterface import MarkerBodyRigid
-
     bar, (groups, sides, count) = RackBar.of(gear), data.stiffness.shape
-    rack_marker = mbs.AddMarker(MarkerBodyRigid(bodyNumber=rack, localPosition=[0, 0, 0]))
+    rack_marker = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=rack, localPosition=[0, 0, 0]))
     reach = data.gate + step
     contacts = GeneralContacts([], data, bar, reach)
     at_once = min(groups, floor(reach * groups / np.pi) + 1)
     triangles = [_triangles(bar, 0, side) for side in range(sides)]
     for side in list(range(sides)) * at_once:
         contact = _new_contact(mbs, data, bar.pair)
-        on_pinion = [MarkerBodyRigid(bodyNumber=pinion, localPosition=[0, 0, 0]) for _ in range(count)]
+        on_pinion = [items.MarkerBodyRigid(bodyNumber=pinion, localPosition=[0, 0, 0]) for _ in range(count)]
         block = SphereBlock(contact, side, [mbs.AddMarker(each) for each in on_pinion])
         for marker in block.markers:
             contact.AddSphereWithMarker(
@@ -157,15 +152,14 @@ def add_general_contacts(
 
 
 def _triangles(bar: RackBar, tooth: int, side: int) -> np.ndarray:
-    """Triangles over the flanks of one side, 0 or 1, that can touch while a tooth is nearest the pinion
-    (m, 3, 3)."""
+    """Triangles over the flanks of a side, 0 or 1, that can touch about the nearest tooth (m, 3, 3)."""
     either_way = ceil(gate_angle(bar.pair) * bar.pair.teeth / (2 * np.pi))
     places = bar.pair.rack_pitch * np.arange(tooth - either_way, tooth + either_way + 1)
     first = flank_triangle(bar, bar.flank(0, SIDES[side]))
     return first + np.multiply.outer(places, [[1.0, 0.0, 0.0]])
 
 
-def _new_contact(mbs: "exudyn.MainSystem", data: SampledContactData, pair: GearPair) -> Any:
+def _new_contact(mbs: exu.MainSystem, data: SampledContactData, pair: GearPair) -> Any:
     contact = mbs.AddGeneralContact()
     contact.verboseMode = 0
     contact.frictionProportionalZone = data.zone

@@ -22,7 +22,9 @@ moves pinion, rack or wheel; the model starts in static equilibrium, so there is
 
 from typing import Any
 
+import exudyn as exu
 import numpy as np
+from exudyn import itemInterface as items
 
 from rps_exudyn.base.errors import check_kind
 from rps_exudyn.forces.bush import resting_segments
@@ -78,8 +80,6 @@ def build_model(
         >>> model.start.converged
         True
     """
-    import exudyn as exu
-
     check_gear(gear)
     check_kind("fidelity", fidelity, Fidelity, "a Fidelity, such as Fidelity.preset('flank')")
     if drive is None:
@@ -115,8 +115,7 @@ def build_model(
 
 
 def _add_drive(model: SteeringModel) -> None:
-    """Prescribe a coordinate of pinion, rack or wheel by a rheonomic constraint; or turn the wheel by a
-    torque."""
+    """Prescribe a coordinate of pinion, rack or wheel by a rheonomic constraint, or turn the wheel."""
     if isinstance(model.drive, WheelTorque):
         add_wheel_torque(model, model.drive)
         return
@@ -131,20 +130,16 @@ def _add_drive(model: SteeringModel) -> None:
 
 
 def _constrain(model: SteeringModel, body: str, coordinate: int, **law: Any) -> Any:
-    from exudyn.itemInterface import CoordinateConstraint, NodePointGround
-
-    ground, node = model.mbs.AddNode(NodePointGround()), model.nodes[body]
+    ground, node = model.mbs.AddNode(items.NodePointGround()), model.nodes[body]
     markers = [coordinate_marker(model, ground), coordinate_marker(model, node, coordinate)]
-    return model.mbs.AddObject(CoordinateConstraint(markerNumbers=markers, **law))
+    return model.mbs.AddObject(items.CoordinateConstraint(markerNumbers=markers, **law))
 
 
 def _add_pulse(model: SteeringModel, pulse: TimedForce) -> None:
-    from exudyn.itemInterface import LoadForceVector, MarkerBodyPosition
-
-    end = MarkerBodyPosition(bodyNumber=model.bodies["rack"], localPosition=[pulse.place, 0.0, 0.0])
+    end = items.MarkerBodyPosition(bodyNumber=model.bodies["rack"], localPosition=[pulse.place, 0.0, 0.0])
     marker = model.mbs.AddMarker(end)
     model.mbs.AddLoad(
-        LoadForceVector(markerNumber=marker, loadVectorUserFunction=lambda mbs, t, load: pulse.force(t))
+        items.LoadForceVector(markerNumber=marker, loadVectorUserFunction=lambda mbs, t, load: pulse.force(t))
     )
 
 
@@ -205,17 +200,13 @@ def _add_forces_together(model: SteeringModel) -> None:
 
 
 def _add_sensors(model: SteeringModel) -> None:
-    """Add sensors for the coordinates of pinion, rack and plunger, stored internally:
-    `mbs.PlotSensor(model.sensors["rack"])`."""
-    from exudyn import OutputVariableType
-    from exudyn.itemInterface import SensorNode
-
+    """Add sensors of pinion, rack and plunger: `mbs.PlotSensor(model.sensors["rack"])`."""
     for body in ("pinion", "rack", "plunger"):
         model.sensors[body] = model.mbs.AddSensor(
-            SensorNode(
+            items.SensorNode(
                 nodeNumber=model.nodes[body],
                 storeInternal=True,
-                outputVariableType=OutputVariableType.Coordinates,
+                outputVariableType=exu.OutputVariableType.Coordinates,
             )
         )
 

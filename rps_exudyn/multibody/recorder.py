@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
 
+import exudyn as exu
 import numpy as np
 
 from rps_exudyn.base.progress import reached
@@ -49,9 +50,7 @@ class Recorder:
 
     def attach(self) -> "Recorder":
         """Hook into the model's time steps, from where the model starts on; return itself."""
-        from exudyn import ConfigurationType
-
-        system, initial = self.model.mbs.systemData, ConfigurationType.Initial
+        system, initial = self.model.mbs.systemData, exu.ConfigurationType.Initial
         coordinates, rates = system.GetODE2Coordinates(initial), system.GetODE2Coordinates_t(initial)
         self._start = np.array(coordinates), np.array(rates)
         self.model.mbs.SetPostStepUserFunction(self._keep)
@@ -62,14 +61,12 @@ class Recorder:
 
         The last one left, or the model's start, becomes the system's initial state; return its time.
         """
-        from exudyn import ConfigurationType
-
         left = [step for step in self.steps if step.time <= time]
         if len(left) < len(self.steps) and self.model.forces.has_bristles:
             self.model.forces.memory[0] = self.steps[len(left)].begun
         self.steps = left
         coordinates, rates = (left[-1].coordinates, left[-1].rates) if left else self._start
-        system, initial = self.model.mbs.systemData, ConfigurationType.Initial
+        system, initial = self.model.mbs.systemData, exu.ConfigurationType.Initial
         system.SetODE2Coordinates(coordinates.tolist(), initial)
         system.SetODE2Coordinates_t(rates.tolist(), initial)
         return self.reached

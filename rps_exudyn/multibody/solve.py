@@ -9,16 +9,13 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from time import process_time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import exudyn as exu
 import numpy as np
 
 from rps_exudyn.base.errors import raise_wrapped
 from rps_exudyn.results.outcome import Code, Outcome, Status
-
-if TYPE_CHECKING:
-    import exudyn
-
 
 LARGEST_STATE = 1e6  # in SI: far beyond every coordinate and rate of a steering gear
 
@@ -35,8 +32,7 @@ PATIENT = 40  # iterations of Newton's method in a restart: with friction near r
 
 
 class StepRefusedError(ArithmeticError):
-    """Raised after a step that must not be the last one's successor: it has the status and code of the run
-    that ends there."""
+    """Raised after a step that must be the last; it has the status and code of the run that ends."""
 
     def __init__(self, message: str, status: Status, code: Code) -> None:
         super().__init__(message)
@@ -73,7 +69,7 @@ class SolverPlan:
 
 
 def solve_one_after_another(
-    mbs: "exudyn.MainSystem",
+    mbs: exu.MainSystem,
     plans: Sequence[SolverPlan],
     rewind: Callable[[float], float] | None = None,
     begun: float = 0.0,
@@ -85,11 +81,8 @@ def solve_one_after_another(
     ends the run. The outcome counts all plans and the restarts; its settings are those of the first with all
     steps.
 
-    Args:
-        mbs: the system.
-        plans: in the order of time.
-        rewind: makes the last state kept at a time [s], or before, the initial one; returns its time.
-        begun: time of the system's initial state, up to which the plans are done already [s].
+    `rewind` makes the last state kept at a time [s], or before, the initial one, and returns its time; plans
+    are done up to `begun` [s].
     """
     outcomes: list[Outcome] = []
     ahead, restarts, divisions, shortened_to = _shortened(plans, begun, begun, 1), 0, 0, -np.inf
@@ -131,14 +124,12 @@ def _shortened(plans: Sequence[SolverPlan], begin: float, end: float, parts: int
     return pieces
 
 
-def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
+def solve(mbs: exu.MainSystem, plan: SolverPlan) -> Outcome:
     """Integrate an assembled system by generalised alpha with modified Newton.
 
     Never raises for a failed run: the outcome states what happened, and how far it got. Ctrl-C and the end of
     the process, which Exudyn takes for failures of a force, pass through.
     """
-    import exudyn as exu
-
     start = process_time()
     message, code, cause, said = "", Code.NO_STEP, None, ""
     try:
@@ -197,8 +188,6 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
 @contextmanager
 def silent() -> Iterator[None]:
     """Keep Exudyn off the console: the outcome states what a failure means."""
-    import exudyn as exu
-
     before = exu.config.printToConsole, exu.config.suppressWarnings
     exu.config.printToConsole, exu.config.suppressWarnings = False, True
     try:
@@ -207,11 +196,9 @@ def silent() -> Iterator[None]:
         exu.config.printToConsole, exu.config.suppressWarnings = before
 
 
-def settings_of(plan: SolverPlan) -> "exudyn.SimulationSettings":
+def settings_of(plan: SolverPlan) -> exu.SimulationSettings:
     """Translate a plan into Exudyn's settings. What decides a result is set here even where it is the
     default: defaults change between releases."""
-    import exudyn as exu
-
     settings = exu.SimulationSettings()
     settings.parallel.numberOfThreads = 1
     settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse

@@ -2,8 +2,9 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import exudyn as exu
 import numpy as np
 
 from rps_exudyn.forces.external_load import TimedForce
@@ -18,35 +19,25 @@ from rps_exudyn.solvers.prescribed_motion import Drive
 from rps_exudyn.solvers.record import Record
 from rps_exudyn.solvers.steering_column import ColumnModel
 
-if TYPE_CHECKING:
-    import exudyn
-
 
 @dataclass
 class SteeringModel:
-    """An Exudyn system of the gear; nodes, bodies and sensors map names to the numbers of items.
-
-    Attributes:
-        mbs: the system, to go on with as usual; SC is its container.
-        start: equilibrium in which it starts, in its only row.
-        segments: nodes of the bush's segments, from the housing on.
-        constraint: moves the driven body; its multiplier is the drive's torque or force.
-    """
+    """An Exudyn system of the gear; nodes, bodies and sensors map names to the numbers of items."""
 
     gear: SteeringGear
     fidelity: Fidelity
     forces: GearForces
     drive: Drive
     SC: Any
-    mbs: "exudyn.MainSystem"
-    start: EquilibriumPath
+    mbs: exu.MainSystem  # the system, to go on with as usual; SC is its container
+    start: EquilibriumPath  # equilibrium in which it starts, in its only row
     contacts: GeneralContacts | None = None
     nodes: dict[str, Any] = field(default_factory=dict)
     bodies: dict[str, Any] = field(default_factory=dict)
     sensors: dict[str, Any] = field(default_factory=dict)
-    segments: list[Any] = field(default_factory=list)
+    segments: list[Any] = field(default_factory=list)  # nodes of the bush's segments, from the housing on
     pulse: TimedForce | None = None
-    constraint: Any = None
+    constraint: Any = None  # moves the driven body; its multiplier is the drive's torque or force
     column: ColumnModel | None = None  # where the rig turns the wheel; its node is "wheel"
     pictured: bool = True  # bodies have the shapes that Exudyn's viewer shows
 

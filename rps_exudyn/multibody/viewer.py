@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import exudyn as exu
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
@@ -20,8 +21,6 @@ def solved_model(gear: SteeringGear, fidelity: Fidelity, file: Path) -> Steering
     Raises:
         InputError: no equilibrium to start from.
     """
-    import exudyn as exu
-
     model = build_model(gear, fidelity)
     if not model.start.converged:
         raise InputError("There is no equilibrium to start from; change preload or clearance.")

@@ -87,8 +87,7 @@ class Unit:
 
 @dataclass(frozen=True)
 class Listed:
-    """A list of numbers that is kept as text, in SI with commas between; "" without any, or "none". In TOML
-    it may be a list."""
+    """A list of numbers kept as text, in SI with commas between; "" without any. In TOML it may be a list."""
 
     si: tuple[str, ...]  # of the numbers; the last one of all that follow
     counts: tuple[int, ...] = ()  # how many there may be; any number without
@@ -277,10 +276,6 @@ class Table(BaseModel):
         """Return the same with single parameters changed: {"yoke.preload": "400 N"}.
 
         Only the tables that change are validated again, and what must fit together.
-
-        Args:
-            settings: path -> value.
-            where: origin of the other values, for messages.
 
         Raises:
             InputError: an unknown path, or a value that is not allowed.

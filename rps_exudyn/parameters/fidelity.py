@@ -123,8 +123,7 @@ class Fidelity(Table):
     @model_validator(mode="before")
     @classmethod
     def _from_stored(cls, tables: Any) -> Any:
-        """Read what was stored: the name follows from the choices, in old files it names the preset; of some
-        choices one value remains."""
+        """Read what was stored: the name follows from the choices; in old files it names the preset."""
         if not isinstance(tables, Mapping):
             return tables
         if "name" not in tables:
@@ -163,8 +162,7 @@ class Fidelity(Table):
         return self.replace({"rack": "flexible"}) if self.rack == "by-scene" and can else self
 
     def with_condensed_chain(self) -> Self:
-        """Return the choices of what stands still or nearly so: a chain of segments yields as the condensed
-        bush."""
+        """Return the choices of what nearly stands still: a chain yields as the condensed bush."""
         return self.replace({"bush": "condensed"}) if self.bush == "chain" else self
 
     def with_support(self, needed: bool) -> Self:

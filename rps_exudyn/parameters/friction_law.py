@@ -19,17 +19,12 @@ PLAIN_LAW: LawName = "coulomb"  # the size alone: of general contact, and of wha
 
 @dataclass(frozen=True)
 class LawFacts:
-    """What other files ask about a friction law.
+    """What other files ask about a friction law."""
 
-    Attributes:
-        falls: whether it may be larger at rest than in motion, by the static ratio.
-        has_state: whether it depends on the motion before, by a state along the motion (`forces.friction`).
-        at_speed: the law that it becomes in steady sliding.
-    """
-
-    falls: bool
+    falls: bool  # whether it may be larger at rest than in motion, by the static ratio
+    # whether it depends on the motion before, by a state along the motion (`forces.friction`)
     has_state: bool
-    at_speed: LawName
+    at_speed: LawName  # the law that it becomes in steady sliding
 
 
 LAWS: dict[LawName, LawFacts] = {

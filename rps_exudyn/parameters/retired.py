@@ -51,8 +51,7 @@ STORED = {"stored": True}
 
 
 def context_of(settings: Mapping[str, object]) -> dict[str, bool] | None:
-    """Return the context in which a gear that may be stored is changed: its own retired choices are read, and
-    none of the settings'."""
+    """Return the context in which a stored gear is changed: its own retired choices are read."""
     return None if any(choice_instead(*each) for each in settings.items()) else STORED
 
 

@@ -119,8 +119,7 @@ def _without(given: Mapping[str, Any], wrong: list[tuple[int | str, ...]]) -> di
 
 
 def nearest(table: "type[Table]", path: str, left_out: tuple[str, ...] = ()) -> str:
-    """Return what replaces a parameter of earlier versions, or what may have been meant, if not one of the
-    tables left out."""
+    """Return what replaces a retired parameter, or what may have been meant but for tables left out."""
     if instead := parameter_instead(path):
         return instead
     offered = [item.path for item in table.declared() if item.path.partition(".")[0] not in left_out]

@@ -61,22 +61,14 @@ ON_COMPARISONS = (
 
 @dataclass(frozen=True, kw_only=True)
 class JudgedRow:
-    """A number that is judged, SI; nan where there is none.
-
-    Attributes:
-        name: what is judged.
-        value: the number.
-        low, high: 5 % and 95 % of its band, or the 95 % interval of a fit; the number itself without.
-        verdict: on it.
-        remark: cause or hint.
-    """
+    """A number that is judged, SI; nan where there is none."""
 
     name: str
     value: float
-    low: float
-    high: float
+    low: float  # 5 % of its band, or the begin of the 95 % interval of a fit; the number itself without ...
+    high: float  # ... and 95 %, or the end
     verdict: Verdict
-    remark: str = ""
+    remark: str = ""  # cause or hint
 
     @property
     def is_known(self) -> bool:

@@ -75,9 +75,7 @@ BY_TRUNCATION, WITHIN = (0.0141, -0.0544), 0.0075  # of law "line" on plain flan
 def law_error(gear: SteeringGear, fidelity: Mapping[str, Any]) -> LawError | None:
     """Return the error of the contact law that a model takes; None for one without a law of contact.
 
-    Args:
-        gear: its `mesh.law` is taken where the model has it.
-        fidelity: choices of the model by name, as `Result.fidelity` has them.
+    `fidelity` has the choices of the model by name, as `Result.fidelity`.
     """
     law = contact_law_of(fidelity.get("mesh", "flank"), gear.mesh.contact_law)
     if law is None:

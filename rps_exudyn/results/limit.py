@@ -43,11 +43,7 @@ class Limit:
 def limit_of(where: str, table: Mapping[str, Any], quantity: Quantity, problems: list[str]) -> Limit:
     """Return the limit of a table of `LIMIT_KEYS`; what is wrong with it becomes a sentence of `problems`.
 
-    Args:
-        where: what stands before a key in a sentence.
-        table: key -> value.
-        quantity: of the number that is judged.
-        problems: to which sentences are added.
+    `where` stands before a key in a sentence.
     """
     problems += [
         f"{where}{key} is no key; there are {', '.join(LIMIT_KEYS)}."

@@ -134,8 +134,7 @@ _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
 def alike(status: Status, codes: tuple[str, ...], message: str) -> tuple[str, ...]:
-    """Return what outcomes of one kind have in common: status and codes, or where there is no code the words
-    of the message."""
+    """Return what outcomes of one kind have in common: status and codes, or without codes the words."""
     return (status, *codes) if codes else (status, "", _NUMBER.sub("#", message))
 
 

@@ -42,8 +42,7 @@ def _version(name: str) -> str:
 
 @cache
 def git_hash() -> str:
-    """Return the commit of the checkout this package runs from, "-dirty" if edited since; "" if installed
-    elsewhere."""
+    """Return the commit of the checkout that runs, "-dirty" if edited since; "" if installed elsewhere."""
     folder = Path(__file__).parent
     if not _git(folder, "ls-files", Path(__file__).name):  # an installed copy inside some other checkout
         return ""

@@ -192,8 +192,7 @@ class Result:
         yield f"{self.cpu_s:.3g} s of CPU time"
 
     def plot(self, path: str | Path | None = None, measured: Any = None, *, from_zero: bool = False) -> Any:
-        """Draw the scene's picture; return the matplotlib Figure, saved to `path` (.png, .svg, .pdf) if
-        given.
+        """Draw the scene's picture; return the matplotlib Figure, saved to `path` (.png, .svg, .pdf).
 
         Args:
             path: file of the picture.
@@ -337,8 +336,7 @@ _FINDINGS = ("residual", "rescues", "angles", "periods_alike", "tries", "accurac
 
 
 def result_of(about: Mapping[str, Any], where: str, **parts: Any) -> Result:
-    """Return the result with the root attributes `about` and these signals and tables; `where` stands for it
-    in messages.
+    """Return the result with these root attributes, signals and tables; `where` stands for it in messages.
 
     Raises:
         InputError: its parameters are wrong.

@@ -21,7 +21,7 @@ from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Status
 from rps_exudyn.scenes.checks.before_run import check_travel
-from rps_exudyn.scenes.ladder import MOST_MODES, MOST_STATIONS
+from rps_exudyn.scenes.ladder import MOST_MODES
 from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, lost, outcome_of_path
@@ -33,7 +33,6 @@ from rps_exudyn.solvers.record import Record, record_of_path, signals_of, work_a
 
 PAUSE = 1e7  # from load to load [s]: friction of a rack that moves by 0.1 mm meanwhile is 1e-5 of sliding
 LEAST_MODES = 20  # per plane of a bar that bends: its end yields by 0.3 % less with 8
-LEAST_STATIONS = {"area": 4, "line": 4, "teeth": 8}  # on a line of contact: two leave motions up to 28 % off
 FREE_RACK_MODELS = ("by-scene", "free", "flexible")  # models of a rack that yields across its guides
 
 
@@ -123,17 +122,14 @@ def run_at_rest(
 def _equilibria(
     gear: SteeringGear, fidelity: Fidelity, drive: Drive, loads: OutsideLoads, options: RunOptions
 ) -> SceneRun:
-    """Find the equilibria under the loads by stations enough to show small motions."""
+    """Find the equilibria under the loads by modes enough to show small motions."""
     if gear.rack.modes:
         gear = gear.replace({"rack.modes": max(gear.rack.modes, min(options.finer(LEAST_MODES), MOST_MODES))})
-    requested = fidelity.strip_stations
-    stations = max(requested, min(options.finer(LEAST_STATIONS[gear.mesh.contact_law]), MOST_STATIONS))
-    fidelity = fidelity.replace({"strip_stations": stations})
     place, start, interrupted = RackBar.of(gear).x_min, process_time(), False
     forces = gear_forces(gear, fidelity)
     bent = moved_by_modes(gear, fidelity, place)
     outside = loads.generalised(place, bent, len(forces.supported))
-    balance = forces.statics.with_(outside=outside)
+    balance = replace(forces.statics, outside=outside)
     try:
         if loads.shaft is None:
             path = equilibrium_path(balance, GearPair.of(gear), drive, loads.time)
@@ -145,8 +141,6 @@ def _equilibria(
         message = f"the gear has no stiffness against a force: {error}"
         return SceneRun(Outcome(Status.NO_CONVERGENCE, message, (Code.NO_RESISTANCE,)))
     outcome = _outcome(path, loads, process_time() - start, interrupted)
-    if stations > requested:
-        outcome = replace(outcome, findings={**outcome.findings, "strip_stations": stations})
     if len(path.time) < 2:
         return SceneRun(outcome)
     record = record_of_path(forces, path, drive)
@@ -177,7 +171,7 @@ def _under_shaft_loads(
     for k in range(1, len(loads.shaft)):
         gears = balance.gears.copy()
         ShaftLoad.of(gear, loads.shaft[k]).on(gears[0]["support"])
-        path = equilibrium_path(balance.with_(gears=gears), pair, drive, loads.time[: k + 1], path)
+        path = equilibrium_path(replace(balance, gears=gears), pair, drive, loads.time[: k + 1], path)
         if not path.converged:
             break
     assert path is not None

@@ -51,11 +51,7 @@ def resolve_contact_law(
 ) -> Gear:
     """Return the gear with the contact law that is modelled in place of by-scene.
 
-    Args:
-        gear: one with another law is returned as it is.
-        fidelity: how it is modelled.
-        needed: law that the task needs.
-        varied: paths that vary from gear to gear of a task, which has one law.
+    Paths `varied` differ from gear to gear of a task, which has one law.
     """
     if gear.mesh.law != BY_SCENE:
         return gear

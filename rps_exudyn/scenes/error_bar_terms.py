@@ -36,11 +36,10 @@ from rps_exudyn.scenes.checks.neglected_inertia import (
     ringing,
     with_inertia,
 )
-from rps_exudyn.scenes.error_bars import Metrics
+from rps_exudyn.scenes.error_bars import Metrics, size_of, sizes
 from rps_exudyn.scenes.run_maneuver import drift_beside_travel
 from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.scenes.scene_run import Signals
-from rps_exudyn.scenes.sizes import size_of, sizes
 
 DRIVES = {
     "pinion_torque": {name for name in VARIATIONS | EXTREMES if name.startswith("torque_")}

@@ -22,7 +22,6 @@ from rps_exudyn.analysis.passes import over_instants
 from rps_exudyn.analysis.rack_motion import transmission_error
 from rps_exudyn.results.quantities import INSTANTS, SCATTERS, SUMMARY
 from rps_exudyn.scenes.scene_run import Signals
-from rps_exudyn.scenes.sizes import size_of, sizes
 
 FACTOR = 2.0  # times the change between two levels: covers 98 % where 1 covers 95 and 3 covers 99
 FLOOR = 0.002  # of a metric's size at level 1: levels of smooth curves agree better than their models'
@@ -44,15 +43,8 @@ def error_bars(
 ) -> dict[str, Any]:
     """Return the half widths of the metrics' bars; inf of one that the coarser level lacks.
 
-    Args:
-        metrics: signals -> metrics.
-        fine: record of the finer level, whose metrics are printed.
-        values: its metrics.
-        coarse: record of the level below.
-        coarse_values: its metrics.
-        curves: whether signals of both may be compared instant by instant: not where pulses shift in time,
-            nor where loads stand one after the other.
-        floor: least bar over the metric's size.
+    Without `curves` signals are not compared instant by instant: where pulses shift in time, and where loads
+    stand one after the other. The bar is at least `floor` of the metric's size.
     """
     names = [name for name in values if SUMMARY[name].simulated]
     of_run = sizes(fine, values)
@@ -102,3 +94,33 @@ def _largest_change(name: str, moved: Mapping[str, np.ndarray], values: Mapping[
     if signal == "transmission_error" and {"rack_displacement", "pinion_angle"} <= moved.keys():
         return np.abs(transmission_error(moved, values["rack_gain"] / (2 * np.pi))).max(axis=-1)
     return np.abs(moved[signal]).max(axis=-1) if signal in moved else 0.0
+
+
+# --- Sizes of metrics: beside what a small number is judged
+
+TORQUES = "torque_mean", "feel_running_torque", "torque_forward", "torque_jump", "breakaway_torque"
+"""Metrics, the first of which that a run has is the size of its torque, unless rubbing teeth take more."""
+RUBBING = 0.1  # coefficient of friction by which the force on the teeth gives a run its sizes
+
+
+def sizes(signals: Signals, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the sizes of force, torque, work and stiffness in a record, by unit; of many gears (n,).
+
+    They are what teeth with the coefficient of friction `RUBBING` would take under their mean normal force.
+    A gear without friction has them too, while its mean torque is zero but for rounding.
+    """
+    size: dict[str, Any] = {}
+    if {"mesh_normal_force", "rack_displacement", "pinion_angle"} <= {*signals}:
+        force = RUBBING * np.abs(signals["mesh_normal_force"]).mean(axis=-1)
+        travel, turned = (np.ptp(signals[name], axis=-1) for name in ("rack_displacement", "pinion_angle"))
+        torque = force * travel / np.where(turned > 0, turned, np.inf)
+        stiffness = torque / np.where(turned > 0, turned, np.inf)
+        size = {"N": force, "N*m": torque, "J": force * travel, "N*m/rad": stiffness}
+    torque = np.abs(next((values[name] for name in TORQUES if name in values), 0.0))
+    return size | {"N*m": np.maximum(size.get("N*m", 0.0), torque)}
+
+
+def size_of(name: str, value: Any, of_run: Mapping[str, Any]) -> Any:
+    """Return the size of a metric: its value, or what is of interest beside the run's sizes."""
+    item = SUMMARY[name]
+    return item.size(value, of_run.get(item.unit, 0.0))

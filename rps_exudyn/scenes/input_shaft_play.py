@@ -18,11 +18,7 @@ PLAYS = {"radial": AT_SHAFT[:2], "axial": AT_SHAFT[2:]}
 
 
 def input_shaft_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
-    """Press the input shaft's end to and fro along Y, across Y, and along the shaft.
-
-    Raises:
-        InputError: a model in which the pinion only turns, or a start beyond the rack's teeth.
-    """
+    """Press the input shaft's end to and fro along Y, across Y, and along the shaft."""
     chosen = fidelity.with_support(needed=True)
     if chosen.pinion != "supported":
         raise InputError(

@@ -31,7 +31,6 @@ def _most(table: type[Fidelity] | type[SteeringGear], path: str) -> float:
 
 
 MOST_MODES = int(_most(SteeringGear, "rack.modes"))
-MOST_STATIONS = int(_most(Fidelity, "strip_stations"))
 _MOST = {name: _most(Fidelity, name) for name in KNOBS}
 
 
@@ -52,8 +51,7 @@ def valid_level(level: int, fidelity: Fidelity) -> int:
 
 
 def model_at(level: int, fidelity: Fidelity) -> Fidelity:
-    """Return a model with the stations, spheres, friction zone and tolerance of a level; its steps are those
-    of the options."""
+    """Return a model with the stations, spheres, friction zone and tolerance of a level, not its steps."""
     if fidelity.solver == "closed-form":
         return fidelity
     finer = 2.0 ** (level - 1)

@@ -25,11 +25,7 @@ from rps_exudyn.solvers.closed_form import GRAVITY, unloading_force
 
 
 def load_test(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
-    """Raise and lower the weight; the signals are those of these two maneuvers.
-
-    Raises:
-        InputError: no weight, or the test leaves the rack's teeth.
-    """
+    """Raise and lower the weight; the signals are those of these two maneuvers."""
     weight = GRAVITY * gear.test.load_mass
     if not weight > 0:
         raise InputError("test.load_mass is 0 kg; the load test needs a weight, greater than 0.")

@@ -111,8 +111,7 @@ class Maneuver:
         return replace(self, lead=self.lead + cycles * steps, divided=divided)
 
     def halved(self, times: int) -> "Maneuver":
-        """Return the same in steps that were halved so many times; -1 doubles them, of which there are even
-        numbers."""
+        """Return the same in steps halved so many times; -1 doubles them, of which there are even numbers."""
         parts, approach = 2.0**times, self.approach
 
         def scaled(steps: int) -> int:

@@ -14,8 +14,7 @@ from rps_exudyn.scenes.scene_run import Signals
 
 
 def metrics_of_turning(signals: Signals, gear: SteeringGear, rack_gain: Any = None) -> dict[str, float]:
-    """Return the metrics of a pinion turned steadily: its torque, the first way and both ways, and what any
-    gear in motion shows."""
+    """Return the metrics of a pinion turned steadily: its torque, and what any gear in motion shows."""
     teeth, runs = gear.pinion.teeth, passes(signals)
     first = runs[0].signals
     return {

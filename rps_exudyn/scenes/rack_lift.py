@@ -18,11 +18,7 @@ STEPS = 40  # from no torque to the largest
 
 
 def rack_lift(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
-    """Turn the pinion against the held rack, one way and the other.
-
-    Raises:
-        InputError: a model in which the rack has no freedom in its guides, or a start beyond its teeth.
-    """
+    """Turn the pinion against the held rack, one way and the other."""
     torque = to_and_fro(gear.test.lift_torque, options.finer(STEPS))
     loads = OutsideLoads(torque, end_force=np.zeros((len(torque), 2)))
     local = local_gear_at(gear, gear.test.start_angle)

@@ -23,11 +23,7 @@ RIGID = Remark(
 
 
 def radial_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
-    """Press the rack's end to and fro along Y, then along Z.
-
-    Raises:
-        InputError: a model in which the rack has no freedom in its guides, or a start beyond its teeth.
-    """
+    """Press the rack's end to and fro along Y, then along Z."""
     chosen = bending(fidelity)
     force = to_and_fro(gear.test.play_force, options.finer(STEPS))
     still = np.zeros_like(force)
@@ -38,8 +34,7 @@ def radial_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
 
 
 def play_metrics(signals: Signals) -> dict[str, float]:
-    """Return how far the largest force each way moves the rack's end from where it rests; {} of a record
-    that ends before."""
+    """Return how far the largest force each way moves the rack's end from rest; {} of a shorter record."""
     metrics = {}
     for axis, names in WAYS.items():
         force, place = signals[f"end_force_{axis}"], signals[f"rack_end_{axis}"]

@@ -55,11 +55,7 @@ class GrowingForce(RoadForce):
 
 
 def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
-    """Shake the rack along the tie rod and record.
-
-    Raises:
-        InputError: a model without inertia, or a start beyond the rack's teeth.
-    """
+    """Shake the rack along the tie rod and record."""
     check_dynamics(fidelity, "rattle", "impacts")
     chosen, test = with_float(gear, fidelity.with_bending()), gear.test
     chosen = chosen.replace({"zone_ratio": ZONE / 2.0**options.halvings})

@@ -16,11 +16,7 @@ from rps_exudyn.scenes.scene_run import SceneRun, Signals
 
 
 def reversal(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
-    """Steer to and fro and record.
-
-    Raises:
-        InputError: the steering leaves the rack's teeth.
-    """
+    """Steer to and fro and record."""
     fidelity = with_float(gear, fidelity)
     gain = float(GearPair.of(gear).gain_at(gear.test.start_angle))
 

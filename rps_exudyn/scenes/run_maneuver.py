@@ -81,8 +81,7 @@ def run_maneuver(
     maneuvers: Maneuver | Sequence[Maneuver],
     options: RunOptions = DEFAULT_OPTIONS,
 ) -> SceneRun:
-    """Make one maneuver, or several one after the other until one fails, joined to one record; their run has
-    no summary yet.
+    """Make maneuvers one after the other until one fails, joined to one record; the run has no summary yet.
 
     Raises:
         InputError: the fidelity's solver cannot make one, or no memory holds its record.
@@ -107,11 +106,7 @@ def run_maneuver(
 
 
 def run_steady(test: SteadyTest, gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
-    """Make the recorded maneuvers of a steady test without a load.
-
-    Raises:
-        InputError: the test leaves the rack's teeth.
-    """
+    """Make the recorded maneuvers of a steady test without a load."""
     maneuvers, _ = test.maneuvers(gear, fidelity.step_angle, options.least_steps)
     gain, formulas = GearPair.of(gear).travel_rule, test.formulas(gear) if test.formulas else {}
 

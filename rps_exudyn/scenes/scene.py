@@ -20,19 +20,14 @@ from rps_exudyn.scenes.scene_run import SceneRun, Signals
 
 @dataclass(frozen=True)
 class RunOptions:
-    """Options that every run has and a study of stability replaces.
+    """Options that every run has and a study of stability replaces."""
 
-    Attributes:
-        check: gives a finished run its outcome, with the arguments of `checks.after_run.validated`.
-        least_steps: steps that a maneuver gets, however large the fidelity's step.
-        level: of the ladder (`scenes.ladder`).
-        bars: whether a second level gives the metrics their error bars.
-    """
-
+    # gives a finished run its outcome, with the arguments of `checks.after_run.validated`
     check: Callable[..., Outcome] = validated
+    # steps that a maneuver gets, however large the fidelity's step
     least_steps: StepLimits = field(default_factory=StepLimits)
-    level: int = 1
-    bars: bool = True
+    level: int = 1  # of the ladder (`scenes.ladder`)
+    bars: bool = True  # whether a second level gives the metrics their error bars
 
     @property
     def halvings(self) -> int:
@@ -50,43 +45,29 @@ WITHOUT_BARS = RunOptions(bars=False)
 
 @dataclass(frozen=True)
 class SteadyRecord:
-    """Records of a steady test; of many gears over the same instants signals have one more axis, the first,
-    and numbers are arrays (n,).
+    """Records of a steady test; signals of many gears are (n, t) over the same instants, numbers (n,)."""
 
-    Attributes:
-        gear: what all gears have in common; what differs stands beside it.
-        signals: of the maneuvers recorded, joined.
-        beside: of the maneuver that is not recorded; {} if there is none.
-        gain: rack travel per radian, or of a variable ratio the travel by the pinion's angle [m].
-        load: that pulls at the rack's end [N].
-    """
-
-    gear: SteeringGear
-    signals: Signals
-    beside: Signals
-    gain: Any
-    load: Any
+    gear: SteeringGear  # what all gears have in common; what differs stands beside it
+    signals: Signals  # of the maneuvers recorded, joined
+    beside: Signals  # of the maneuver that is not recorded; {} if there is none
+    gain: Any  # rack travel per radian, of a variable ratio by the pinion's angle [m]
+    load: Any  # that pulls at the rack's end [N]
 
 
 @dataclass(frozen=True)
 class SteadyTest:
-    """The steady maneuvers of a scene, and the metrics of their record.
+    """The steady maneuvers of a scene, and the metrics of their record."""
 
-    Attributes:
-        maneuvers: (gear, step angle, least steps) -> those recorded, and one beside them or None; raises
-            InputError if they leave the rack's teeth.
-        metrics: the summary of a record; of many gears arrays.
-        curve: signals that show the drive's torque or force alone.
-        remarks: on that summary, a list for each gear.
-        formulas: metrics of a gear beside, without its record.
-    """
-
+    # (gear, step angle, least steps) -> those recorded, and one beside them or None; raises InputError if
+    # they leave the rack's teeth
     maneuvers: Callable[[SteeringGear, float, StepLimits], tuple[list[Maneuver], Maneuver | None]]
-    metrics: Callable[[SteadyRecord], dict[str, Any]]
-    curve: tuple[str, ...]
+    metrics: Callable[[SteadyRecord], dict[str, Any]]  # the summary of a record; of many gears arrays
+    curve: tuple[str, ...]  # signals that show the drive's torque or force alone
+    # on that summary, a list for each gear
     remarks: Callable[[SteadyRecord], list[list[Remark]]] = lambda record: [
         [] for _ in range(np.size(record.load))
     ]
+    # metrics of a gear beside, without its record
     formulas: Callable[[SteeringGear], dict[str, float]] | None = None
 
 
@@ -145,8 +126,7 @@ class Scene:
     def curve(
         self, signals: Mapping[str, np.ndarray], gear: SteeringGear, fidelity: Fidelity, name: str = ""
     ) -> Curve:
-        """Return a signal over the time of the rig's motion, by default the scene's own: what runs in
-        different steps are compared by."""
+        """Return a signal over the time of the rig's motion, by default the scene's own."""
         start = 0.0
         if self.swings:  # recording begins at another phase with every step
             maneuver = swing_maneuver(gear, fidelity.step_angle)

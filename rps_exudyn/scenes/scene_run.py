@@ -19,23 +19,15 @@ Signals = dict[str, np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class SceneRun:
-    """Outcome, and what was recorded until then.
+    """Outcome, and what was recorded until then."""
 
-    Attributes:
-        outcome: how it ended.
-        signals: name -> values over the time.
-        summary: name -> metric.
-        errors: name -> half width of the metric's error bar.
-        metrics: the function that gave the summary of the signals.
-        unsure: metrics whose errors no finer run shows.
-    """
-
-    outcome: Outcome
-    signals: Signals = field(default_factory=dict)
-    summary: dict[str, float] = field(default_factory=dict)
-    errors: dict[str, float] = field(default_factory=dict)
+    outcome: Outcome  # how it ended
+    signals: Signals = field(default_factory=dict)  # name -> values over the time
+    summary: dict[str, float] = field(default_factory=dict)  # name -> metric
+    errors: dict[str, float] = field(default_factory=dict)  # name -> half width of the metric's error bar
+    # the function that gave the summary of the signals
     metrics: Callable[[Signals], dict[str, float]] | None = None
-    unsure: frozenset[str] = frozenset()
+    unsure: frozenset[str] = frozenset()  # metrics whose errors no finer run shows
 
     @property
     def ok(self) -> bool:
@@ -63,8 +55,7 @@ class SceneRun:
     def described(
         self, metrics: Callable[[Signals], dict[str, float]], gear: SteeringGear | None = None
     ) -> "SceneRun":
-        """Return the run with the metrics of its signals, if there are any, and with remarks on the limits
-        of a gear that they met."""
+        """Return the run with the metrics of its signals, and with remarks on the limits that they met."""
         if not self.signals:
             return self
         run = replace(self, summary=plain(metrics(self.signals)), metrics=metrics)
@@ -72,8 +63,7 @@ class SceneRun:
 
 
 def joined(runs: Sequence[SceneRun]) -> SceneRun:
-    """Join maneuvers one after the other to one record, without a pause: time and works go on where they
-    stood.
+    """Join maneuvers one after the other to one record without a pause: time and works go on.
 
     The outcome is that of the first maneuver that failed; maneuvers after it should not have been made.
     """

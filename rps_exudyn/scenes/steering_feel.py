@@ -15,18 +15,14 @@ from rps_exudyn.scenes.metrics import metrics_of_motion
 from rps_exudyn.scenes.run_maneuver import run_swing
 from rps_exudyn.scenes.scene import RunOptions, Scene, swept_revolutions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.solvers.closed_form import closed_form
+from rps_exudyn.solvers.closed_form import free_torque
 from rps_exudyn.solvers.steering_column import ColumnModel
 
 
 def steering_feel(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
-    """Steer to and fro at the wheel and record.
-
-    Raises:
-        InputError: the steering leaves the rack's teeth, or a model without a column.
-    """
+    """Steer to and fro at the wheel and record."""
     fidelity = with_float(gear, fidelity)
-    twisted = 2 * abs(closed_form(gear).free_torque) / ColumnModel.of(gear).stiffness
+    twisted = 2 * abs(free_torque(gear)) / ColumnModel.of(gear).stiffness
     maneuver = swing_maneuver(gear, fidelity.step_angle, "wheel", YIELDING + twisted)
 
     def metrics(signals: Signals) -> dict[str, float]:

@@ -21,7 +21,7 @@ from rps_exudyn.scenes.metrics import metrics_of_motion
 from rps_exudyn.scenes.run_maneuver import run_maneuver, run_swing
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.solvers.closed_form import closed_form
+from rps_exudyn.solvers.closed_form import free_torque
 from rps_exudyn.solvers.steering_column import GrowingTorque, TyreSpring, WheelTorque
 
 PER_CYCLE = 400  # steps
@@ -39,9 +39,6 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
     """Give the wheel a torque, to and fro or growing, and record.
 
     Friction's zone follows the largest speed that the pinion may have.
-
-    Raises:
-        InputError: no tyres, a torque that leaves the rack's teeth, or a model without a column.
     """
     maneuver, test = torque_maneuver(gear), gear.test
     gain = float(GearPair.of(gear).gain_at(test.start_angle))
@@ -58,7 +55,7 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
 
     make = run_maneuver if grows else run_swing
     run = make(gear.replace({"test.speed": speed}), fidelity, maneuver, options).described(metrics, gear)
-    friction = abs(closed_form(gear).free_torque)
+    friction = abs(free_torque(gear))
     if test.steer_torque <= friction:
         run = run.noting(
             Remark(

@@ -29,11 +29,7 @@ AMPLITUDE = "stick_slip_amplitude"  # of a gear that never sticks: what the step
 
 
 def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
-    """Turn the wheel from rest and record.
-
-    Raises:
-        InputError: a model without inertia, or a test that leaves the rack's teeth.
-    """
+    """Turn the wheel from rest and record."""
     check_dynamics(fidelity, "stick-slip", "slip", "reduced")
     model = reduced_gear(gear)
     nothing = None if model.surplus > 0 else NOTHING_FALLS

@@ -36,22 +36,16 @@ LEAST_SECONDS = 1e-6  # of a run that ends at once
 
 @dataclass
 class Levels:
-    """Runs of one plan on levels of the ladder, each made once: the finer of two becomes the companion of the
-    next level.
-
-    Attributes:
-        runs: level -> its run.
-        terms: level -> what is added to the bars of its metrics, whatever its companion.
-        seconds: level -> CPU time of its run.
-    """
+    """Runs of one plan on levels of the ladder, each made once, whichever level it serves."""
 
     scene: Scene
     gear: SteeringGear
     fidelity: Fidelity
     options: RunOptions
-    runs: dict[int, SceneRun] = field(default_factory=dict)
+    runs: dict[int, SceneRun] = field(default_factory=dict)  # level -> its run
+    # level -> what is added to the bars of its metrics, whatever its companion
     terms: dict[int, Mapping[str, float]] = field(default_factory=dict)
-    seconds: dict[int, float] = field(default_factory=dict)
+    seconds: dict[int, float] = field(default_factory=dict)  # level -> CPU time of its run
 
     def with_bars(self, level: int) -> SceneRun:
         """Return the run of a level with error bars.

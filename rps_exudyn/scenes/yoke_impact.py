@@ -36,11 +36,7 @@ RIGID = Remark(
 
 
 def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
-    """Shake the rack and record.
-
-    Raises:
-        InputError: a model without inertia, or pulses that overlap.
-    """
+    """Shake the rack and record."""
     check_dynamics(fidelity, "yoke-impact", "impacts")
     chosen = fidelity.with_bending()
     chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, ZONE / 2.0**options.halvings)})

@@ -100,18 +100,13 @@ def yoke_setting(gear: SteeringGear) -> YokeSetting:
 
 
 def yoke_set(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
-    """Set the yoke, then turn the pinion; `test.path` one-way is taken as lock-to-lock.
-
-    Raises:
-        InputError: a setting that leaves the spring loose or the limits, or a test that leaves the teeth.
-    """
+    """Set the yoke, then turn the pinion; `test.path` one-way is taken as lock-to-lock."""
     setting = yoke_setting(gear)
     path = "lock-to-lock" if gear.test.path == "one-way" else gear.test.path
     as_set = setting.of(gear).replace({"test.path": path})
     maneuvers = maneuvers_of_test(as_set, "pinion", fidelity.step_angle, options.least_steps)
     pressing = Remark(
-        Code.CAP_PRESSES,
-        "the cap still presses the plunger: test.back_off is smaller than its compression",
+        Code.CAP_PRESSES, "the cap still presses the plunger: test.back_off is smaller than its compression"
     )
     of_setting = {
         "cap_force": setting.cap_force,

@@ -24,10 +24,9 @@ from rps_exudyn.results.outcome import Code, Interrupted, Remark, Status, each_o
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.error_bars import FACTOR
+from rps_exudyn.scenes.error_bars import FACTOR, size_of, sizes
 from rps_exudyn.scenes.ladder import FINEST
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, Scene
-from rps_exudyn.scenes.sizes import size_of, sizes
 from rps_exudyn.scenes.two_levels import Levels
 from rps_exudyn.simulate.cases.task import hand_over
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
@@ -41,17 +40,11 @@ HALVED = 0.5  # what a level makes of all that steps decide
 
 @dataclass(frozen=True)
 class AccuracyGoal:
-    """The accuracy that a climb of the ladder shall reach.
+    """The accuracy that a climb of the ladder shall reach."""
 
-    Attributes:
-        accuracy: largest share of each metric's size that 1.5 bars may be.
-        metrics: names; none stands for the scene's own.
-        preset: the only one that is taken; "" if any may be.
-    """
-
-    accuracy: float
-    metrics: tuple[str, ...] = ()
-    preset: str = ""
+    accuracy: float  # largest share of each metric's size that 1.5 bars may be
+    metrics: tuple[str, ...] = ()  # names; none stands for the scene's own
+    preset: str = ""  # the only one that is taken; "" if any may be
 
     @classmethod
     def of(

@@ -114,8 +114,7 @@ class GearTable:
     signals: Signals  # by time, (m,) where all gears have the same, else (n, m)
 
     def signals_of(self, row: int) -> Signals:
-        """Return the signals of one gear, (m,) each; works of damping only where it damps, as in single
-        runs."""
+        """Return the signals of one gear, (m,) each, without works of damping where nothing damps."""
         own = signals_of_some(self.signals, row)
         return {name: values for name, values in own.items() if name not in WHERE_DAMPED or values.any()}
 
@@ -130,14 +129,8 @@ def simulate_table(
 ) -> GearTable | None:
     """Find the signals and metrics of gears that differ in a table; None if that cannot begin.
 
-    Args:
-        scene: one that follows many gears together.
-        gear: what they have in common.
-        fidelity: how they are modelled.
-        table: path -> values (n,) in SI.
-        ranges: path -> values over which the parameters of a larger table vary of which this is a part: then
-            its gears end as in any other part. Without it the table is whole.
-        signals: names of those that are kept; None keeps all.
+    The table has path -> values (n,), SI. `ranges` has the values of a larger table of which this one is a
+    part: then its gears end as in any other part. `signals` are names of those kept; None keeps all.
     """
     count = len(next(iter(table.values())))
     if ranges is None and count < fewest(table):
@@ -183,23 +176,14 @@ def table_of_metrics(scene: str, gear: SteeringGear, fidelity: Fidelity, table: 
 
 @dataclass(frozen=True, eq=False)
 class TableAtLevel:
-    """What the gears of a table share in a scene at a level of the ladder, and each one's constants.
+    """What the gears of a table share in a scene at a level of the ladder, and each one's constants."""
 
-    Attributes:
-        scene: that they run.
-        shared_maneuvers: one for each maneuver.
-        recorded: how many of them make the record; the others go beside.
-        rows: of the table, of gears that can exist, (n,).
-        records: their constants, (n,).
-        alike: whether all have the same masses.
-    """
-
-    scene: Scene
-    shared_maneuvers: list[SharedManeuver]
-    recorded: int
-    rows: np.ndarray
-    records: np.ndarray
-    alike: bool
+    scene: Scene  # that they run
+    shared_maneuvers: list[SharedManeuver]  # one for each maneuver
+    recorded: int  # how many of them make the record; the others go beside
+    rows: np.ndarray  # of the table, of gears that can exist, (n,)
+    records: np.ndarray  # their constants, (n,)
+    alike: bool  # whether all have the same masses
 
     @classmethod
     def of(
@@ -215,11 +199,7 @@ class TableAtLevel:
     ) -> "TableAtLevel | None":
         """Compute it; arguments as of `simulate_table`. None if the gear in the middle is not found.
 
-        Args:
-            name: of the scene.
-            level: of the ladder.
-            packing: by which polynomials the records are packed.
-            learned: values over which gears are followed first; None: the ranges.
+        Gears are followed first over the values `learned`, by default the ranges.
         """
         scene, asked, fidelity = scene_named(name), fidelity, model_at(level, fidelity)
         assert scene.test is not None
@@ -330,21 +310,13 @@ def can_exist(gear: SteeringGear, fidelity: Fidelity, settings: Mapping[str, flo
 
 @dataclass(frozen=True, eq=False)
 class _GearsAtLevel:
-    """Gears of a table that were computed together and pass all checks.
+    """Gears of a table that were computed together and pass all checks."""
 
-    Attributes:
-        table: they are of.
-        chosen: which of its gears, (n,).
-        gears: each of them.
-        record: of all of them.
-        counters: what it took, (n,) each.
-    """
-
-    table: TableAtLevel
-    chosen: np.ndarray
-    gears: list[SteeringGear]
-    record: SteadyRecord
-    counters: dict[str, np.ndarray]
+    table: TableAtLevel  # they are of
+    chosen: np.ndarray  # which of its gears, (n,)
+    gears: list[SteeringGear]  # each of them
+    record: SteadyRecord  # of all of them
+    counters: dict[str, np.ndarray]  # what it took, (n,) each
 
     @classmethod
     def of(cls, table: TableAtLevel, chosen: np.ndarray, gears: list[SteeringGear]) -> "_GearsAtLevel":
@@ -481,13 +453,7 @@ def metrics_nearby(
 
     The gears are so near to a reference that its motion is a good guess of theirs: none is followed first.
 
-    Args:
-        scene: one that follows many gears together.
-        gear: the reference.
-        fidelity: how all are modelled.
-        level: of the ladder.
-        gears: that can exist, the reference first.
-        records: of each at the level, (1,), see `record_at`.
+    The reference is the first of the gears, which can exist; `record_at` makes their records (1,).
     """
     together, chosen, model = np.zeros(len(gears), dtype=bool), scene_named(scene), model_at(level, fidelity)
     assert chosen.test is not None

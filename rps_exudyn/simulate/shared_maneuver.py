@@ -77,12 +77,8 @@ class SharedManeuver:
 
         What follows from the ranges alone is found once for all parts of a table.
 
-        Args:
-            maneuver: of the reference gear, over as many periods as its pitches are alike.
-            gear: the reference.
-            fidelity: how all are modelled.
-            table: path -> values (n,) of the gears, SI.
-            ranges: path -> values over which the parameter varies; those of the table without it.
+        The maneuver is the reference gear's, over as many periods as its pitches are alike. Table and ranges
+        have path -> values, SI; without ranges the table is whole.
         """
         whole = table if ranges is None else ranges
         steps, features = _features(gear, table, whole)
@@ -92,11 +88,7 @@ class SharedManeuver:
     @classmethod
     @lru_cache(maxsize=12)
     def _followed(
-        cls,
-        whole: Maneuver,
-        gear: SteeringGear,
-        fidelity: Fidelity,
-        steps: tuple[tuple[Ends, float], ...],
+        cls, whole: Maneuver, gear: SteeringGear, fidelity: Fidelity, steps: tuple[tuple[Ends, float], ...]
     ) -> "SharedManeuver | None":
         """Learn from gears `steps` above and below the reference."""
         pair, maneuver, drive = GearPair.of(gear), whole.one_period(), whole.drive
@@ -132,9 +124,7 @@ class SharedManeuver:
         motion[0], start = first
         for i in np.flatnonzero(~found.found[1:]) + 1:  # as where a contact's quadrature jumps
             own = replace(
-                series,
-                forces=gear_forces(gears[i], fidelity, maneuver.rack_load),
-                pair=GearPair.of(gears[i]),
+                series, forces=gear_forces(gears[i], fidelity, maneuver.rack_load), pair=GearPair.of(gears[i])
             )
             alone = _singly(maneuver, own, records[i : i + 1], angles)
             if alone is None:
@@ -217,21 +207,13 @@ def _singly(
 # --- records of some gears -------------------------------------------------------------------------
 @dataclass(frozen=True, eq=False)
 class FollowedGears:
-    """Some gears of a table over one maneuver; arrays have one row for each gear.
+    """Some gears of a table over one maneuver; arrays have one row for each gear."""
 
-    Attributes:
-        shared: what they have in common with all gears of the table.
-        records: their constants.
-        found: whether there is an equilibrium at all instants, (n,).
-        period: signals over the record's first period, (n, m), time (m,).
-        counts: what it took to follow them, name -> (n,), by the names of `quantities`.
-    """
-
-    shared: SharedManeuver
-    records: np.ndarray
-    found: np.ndarray
-    period: Signals
-    counts: dict[str, np.ndarray]
+    shared: SharedManeuver  # what they have in common with all gears of the table
+    records: np.ndarray  # their constants
+    found: np.ndarray  # whether there is an equilibrium at all instants, (n,)
+    period: Signals  # signals over the record's first period, (n, m), time (m,)
+    counts: dict[str, np.ndarray]  # what it took to follow them, name -> (n,), by the names of `quantities`
 
     @classmethod
     def of(cls, shared: SharedManeuver, records: np.ndarray, chosen: np.ndarray) -> "FollowedGears":

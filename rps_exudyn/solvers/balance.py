@@ -3,7 +3,7 @@ pinion's supports."""
 
 from collections.abc import Callable
 from ctypes import c_double
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -27,26 +27,18 @@ def new_work() -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Balance:
-    """Forces to be balanced.
+    """Forces to be balanced."""
 
-    Attributes:
-        law: of `gear_model`.
-        gears: record of the gear, in an array (1,).
-        pool: numbers that the record points to.
-        locked: coordinates of the rack that are held at zero.
-        approach: of the rack under the preload at rest [m].
-        masses: of what is accelerated, mass matrix (n, n); (0, 0) in steady motion.
-        outside: times (t,) -> generalised forces (t, n) that act besides.
-        supported: coordinates of a supported pinion under the preload at rest; none of a rigid one.
-    """
-
-    law: Any
-    gears: np.ndarray
-    pool: np.ndarray
-    locked: tuple[int, ...] = ()
-    approach: float = 0.0
+    law: Any  # of `gear_model`
+    gears: np.ndarray  # record of the gear, in an array (1,)
+    pool: np.ndarray  # numbers that the record points to
+    locked: tuple[int, ...] = ()  # coordinates of the rack that are held at zero
+    approach: float = 0.0  # of the rack under the preload at rest [m]
+    # of what is accelerated, mass matrix (n, n); (0, 0) in steady motion
     masses: np.ndarray = field(default_factory=lambda: NOTHING_ACCELERATED)
+    # times (t,) -> generalised forces (t, n) that act besides
     outside: Callable[[np.ndarray], np.ndarray] | None = None
+    # coordinates of a supported pinion under the preload at rest; none of a rigid one
     supported: np.ndarray = field(default_factory=lambda: np.zeros(0))
     works: np.ndarray = field(default_factory=new_work)
     _evaluations: dict[int, "_Evaluation"] = field(default_factory=dict, init=False)
@@ -68,8 +60,7 @@ class Balance:
 
     @property
     def lengths(self) -> np.ndarray:
-        """Return what turns the coordinates into lengths, shape (n,) [m]; a mode moves a bar of one kilogram
-        by about its coordinate."""
+        """Return what turns the coordinates into lengths, shape (n,) [m]; of modes 1."""
         on_supports = SUPPORT_LENGTHS[: len(self.supported)]
         return np.concatenate([CHARACTERISTIC_LENGTHS, np.ones(self.modes), on_supports])
 
@@ -111,10 +102,6 @@ class Balance:
         made.factor_q.value, made.factor_v.value = factor_q, factor_v
         made.call()
         return made
-
-    def with_(self, **changes: Any) -> "Balance":
-        """Return the same with other masses or forces from outside."""
-        return replace(self, **changes)
 
 
 class _Evaluation:

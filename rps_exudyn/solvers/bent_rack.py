@@ -215,20 +215,14 @@ ALONG_BAR, ON_BAR = -1.0, 0.0  # what stands in the housing, along which the bar
 
 @dataclass(frozen=True, eq=False)
 class BentBar:
-    """A bar with modes, a bow, or both.
+    """A bar with modes, a bow, or both."""
 
-    Attributes:
-        record: its constants for compiled code.
-        pool: the numbers that the record points to.
-        places: element -> X in the housing and `ALONG_BAR`, or station of the bar and `ON_BAR`; an element
-            that is not listed acts on the rigid body.
-        end: station of the end beside the pinion [m].
-    """
-
-    record: np.record
-    pool: np.ndarray
+    record: np.record  # its constants for compiled code
+    pool: np.ndarray  # the numbers that the record points to
+    # element -> X in the housing and `ALONG_BAR`, or station of the bar and `ON_BAR`; an element that is not
+    # listed acts on the rigid body
     places: Mapping[str, tuple[float, float]]
-    end: float
+    end: float  # station of the end beside the pinion [m]
 
     @property
     def modes(self) -> int:

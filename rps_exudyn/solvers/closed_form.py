@@ -6,7 +6,7 @@ costs mu N |v_s|, with the sliding speed over the pinion speed as the friction's
 
 `first_order_torque`  the sum of the losses, flanks equally loaded and friction small:
     T_0 = mu P / sin(alpha_n) * mean lever + s' (D_bush + kappa mu_p P) + T_bearing
-`closed_form`         the rack's balance along X and Y with the mean forces of both flanks, friction included,
+`mean_state`          the rack's balance along X and Y with the mean forces of both flanks, friction included,
                       and the torque from the power they take; the means weighted as the contact law
                       distributes the load along a line (derived here).
 
@@ -31,12 +31,17 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.local_gear import ALONG, LocalGears, local_gear_at, mean_over_travel, turn_of_test
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS, FrictionLaw
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import FLANK_DEVIATIONS, SteeringGear
 
 GRAVITY = 9.80665  # [m/s^2]
 _RULE = leggauss(24)  # over each side of the pitch point
 Y = np.array([0.0, 1.0, 0.0])
 LEVERS = 5  # Gauss points along the path of contact, of its friction's levers
+LEFT_OUT = (
+    *("installation.angle_error", "installation.axis_offset", "installation.gravity"),
+    *("rack.bow", "rack.side_force", "rack.back_parallelism", *FLANK_DEVIATIONS),
+)
+"""Parameters that the formulas do not have."""
 LEAST_SURPLUS = 0.01  # of the torque, that friction which is larger at rest adds
 
 
@@ -54,85 +59,33 @@ class MeanState:
     bush_loss: float
     bearing_loss: float
 
-    @property
-    def losses(self) -> float:
-        """All losses per radian of pinion [N m]."""
-        return self.mesh_loss + self.plunger_loss + self.bush_loss + self.bearing_loss
 
-
-@dataclass(frozen=True)
-class ClosedForm:
-    """The gear in mean values; SI units."""
-
-    rack_gain: float  # rack travel per radian of pinion [m/rad]
-    forward: MeanState  # free of load, towards +X
-    backward: MeanState  # towards -X
-    friction_lever: float  # mean sliding speed over pinion speed [m]
-    torque_per_preload: float  # dT_0 / dP [m]
-    unloading_force: float  # load on the rack above which one flank lifts [N]
-    runout_cosine: float  # torque ~ .. + runout_cosine cos(phi) + runout_sine sin(phi) [N m],
-    runout_sine: float  # with phi counted from where the gear centre stands towards the rack
-
-    @property
-    def free_torque(self) -> float:
-        """Mean free pinion torque towards +X [N m]."""
-        return self.forward.torque
-
-
-def closed_form(gear: SteeringGear) -> ClosedForm:
-    """Return the gear without load: torques, losses, limits."""
-    harmonics = runout_harmonics(gear)
-    return ClosedForm(
-        rack_gain=mean_gain(gear),
-        forward=mean_state(gear, +1, 0.0),
-        backward=mean_state(gear, -1, 0.0),
-        friction_lever=mean_over_travel(gear, lambda local: [mean_lever(GearPair.of(local))])[0],
-        torque_per_preload=torque_per_preload(gear),
-        unloading_force=unloading_force(gear),
-        runout_cosine=harmonics[0],
-        runout_sine=harmonics[1],
-    )
+def free_torque(gear: SteeringGear) -> float:
+    """Return the mean free pinion torque towards +X [N m]."""
+    return mean_state(gear, +1, 0.0).torque
 
 
 def load_test(gear: SteeringGear, mass: float | None = None) -> LoadTest:
-    """Return the load test with `mass` [kg], default `test.load_mass`; beyond `unloading_force` one flank
-    lifts."""
+    """Return the load test with `mass` [kg], default `test.load_mass`; up to `unloading_force`."""
     load = GRAVITY * (gear.test.load_mass if mass is None else mass)
     return LoadTest(
         load=load,
         ideal_torque=load * mean_gain(gear),
         torque_forward=mean_state(gear, +1, load).torque,
         torque_reverse=mean_state(gear, -1, load).torque,
-        free_torque=mean_state(gear, +1, 0.0).torque,
+        free_torque=free_torque(gear),
     )
 
 
 def beyond_formulas(gear: SteeringGear) -> str:
     """Return why the formulas do not hold for this gear, in words; empty where they do."""
-    pinion, lift = gear.pinion, gear.pinion.runout
+    lift = gear.pinion.runout
     if lift >= gear.yoke.clearance:
         return (
             f"the formulas have no yokenut, but a runout of {1e6 * lift:.4g} um exceeds yoke.clearance = "
             f"{1e6 * gear.yoke.clearance:.4g} um"
         )
-    unknown: dict[str, object] = {
-        "installation.angle_error": gear.installation.angle_error,
-        "installation.axis_offset": gear.installation.axis_offset,
-        "installation.gravity": gear.installation.gravity,
-        "rack.bow": gear.rack.bow,
-        "rack.side_force": gear.rack.side_force,
-        "pinion.tip_relief": pinion.tip_relief,
-        "pinion.crowning": pinion.crowning,
-        "pinion.pitch_error": pinion.pitch_error,
-        "pinion.pitch_errors": pinion.pitch_errors,
-        "rack.pitch_errors": gear.rack.pitch_errors,
-        "pinion.deviation": pinion.deviation,
-        "rack.deviation": gear.rack.deviation,
-        "rack.back_parallelism": gear.rack.back_parallelism,
-        "pinion.profile_slope": pinion.profile_slope,
-        "pinion.lead_error": pinion.lead_error,
-    }
-    if given := [path for path, value in unknown.items() if value]:
+    if given := [path for path in LEFT_OUT if gear.value_at(path)]:
         return f"the formulas leave out {', '.join(given)}"
     if (surplus := static_surplus(gear)) > LEAST_SURPLUS:
         return (
@@ -215,8 +168,7 @@ def runout_harmonics(gear: SteeringGear) -> tuple[float, float]:
 
 
 def tilting_stiffness(gear: SteeringGear) -> float:
-    """Return force along Y at the mesh over the rack's lift there [N/m], of bush and seat, which hold it
-    straight."""
+    """Return force over the rack's lift at the mesh [N/m], of bush and seat, which hold it straight."""
     bush = bush_chain(gear)
     to_fit = housing_station(gear, bush.end_station)
     k = bush.lateral_stiffness[np.ix_([0, 3], [0, 3])]  # along y, about z
@@ -227,8 +179,7 @@ def tilting_stiffness(gear: SteeringGear) -> float:
 
 
 def unloading_force(gear: SteeringGear, direction: int = +1) -> float:
-    """Return the load on the rack at which the coast flanks carry nothing any more [N], raised (+1) or
-    lowered (-1).
+    """Return the load on the rack above which the coast flanks carry nothing [N], raised (1) or lowered (-1).
 
     Without friction P cot(alpha_n) cos(beta_r) -+ D. Of a variable ratio, the least along the test's travel.
     """
@@ -290,8 +241,7 @@ def static_surplus(gear: SteeringGear) -> float:
 
 # --- balance of the rack -------------------------------------------------------------------------
 def mean_state(gear: SteeringGear, direction: int, load: float) -> MeanState:
-    """Return the mean forces while the rack moves along `direction` (+1 or -1) X, the load pulling towards -X
-    [N].
+    """Return the mean forces while the rack moves along `direction` (+1 or -1) X, the load pulling to -X [N].
 
     Where the balance would need a flank to pull, that flank has lifted; the yoke then yields until
     the other flank alone carries the load.
@@ -367,8 +317,7 @@ def _mean_force(gear: SteeringGear, side: int, direction: int) -> _MeanForce:
 
 @lru_cache(maxsize=64)
 def _mean_parts(pair: GearPair, by_depth: bool, side: int, direction: int) -> tuple[_MeanForce, _MeanForce]:
-    """Mean force without friction, and what a friction coefficient of 1 adds to it: the force is linear in
-    the coefficient."""
+    """Mean force without friction, and what a coefficient of 1 adds to it: the force is linear in it."""
     q, weight = _field_rule(pair, side)
     if by_depth:
         weight = weight * np.sqrt(q + pair.reference_radius * np.sin(pair.alpha_t))

@@ -138,8 +138,7 @@ def starting_guess(pair: GearPair, angle: float, size: int = SIZE) -> np.ndarray
 
 
 def rigid_motion(pair: GearPair, drive: Drive, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return about where rigid bodies would be at times [s], and their rates, shape (t, 8): gain and
-    runout."""
+    """Return places of rigid bodies at times [s], by gain and runout, and their rates, shape (t, 8)."""
     angle, speed = np.asarray(drive.place(time)), np.asarray(drive.rate(time))
     if drive.body == "rack":
         angle = pair.angle_at(angle)
@@ -174,8 +173,7 @@ def backward_difference(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarra
 
 
 def instants_per_pitch(pair: GearPair, drive: Drive, time: np.ndarray) -> int:
-    """Return the number of even instants of steady motion in a tooth pitch; 0 if they are uneven or no whole
-    number."""
+    """Return the even instants of steady motion in a tooth pitch; 0 if they are uneven or no whole number."""
     if len(time) < 3 or type(drive) is not Steady or not drive.speed:
         return 0
     steps = np.diff(time)
@@ -521,8 +519,7 @@ class _Rows:
         return int(self.forces.any(axis=1).sum())
 
     def halve(self, k: int, shortest: float, balance: Balance, drive: Drive, has_column: bool) -> bool:
-        """Put an instant before the k-th; false if those there are as close as makes sense: `shortest` of
-        the steps asked for."""
+        """Put an instant before the k-th; false where steps are `shortest` of those asked for already."""
         between = self.time[k] - self.time[k - 1]
         if between < shortest * np.diff(self.time[self.asked]).min():
             return False

@@ -44,26 +44,16 @@ GUIDED = tuple(range(RACK + 2, RACK + 6))  # what a guided rack lacks: sideways 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class GearForces(Balance):
-    """The forces of a gear to be balanced, its bush as modelled: if it is a chain, its last segment follows
-    in the stack.
+    """The forces of a gear with its bush as modelled: the last segment of a chain follows in the stack."""
 
-    Attributes:
-        condensed: record of the fit in a bush whose static stiffness is condensed into it.
-        chain: the bush.
-        friction_zone: [m/s].
-        bar: of the rack, where it bends or is not straight.
-        ideal: record of the gear without friction and runout in the mesh, by which the yoke is adjusted.
-        valid_to: outputs above which the contact law does not hold any more, and their bounds.
-        spheres: of general contact.
-    """
-
-    condensed: np.record
-    chain: Chain
-    friction_zone: float
-    bar: BentBar | None
+    condensed: np.record  # record of the fit in a bush whose static stiffness is condensed into it
+    chain: Chain  # the bush
+    friction_zone: float  # [m/s]
+    bar: BentBar | None  # of the rack, where it bends or is not straight
+    # record of the gear without friction and runout in the mesh, by which the yoke is adjusted
     ideal: np.ndarray
-    valid_to: dict[str, float]
-    spheres: SampledContactData | None = None
+    valid_to: dict[str, float]  # outputs above which the contact law does not hold any more, and their bounds
+    spheres: SampledContactData | None = None  # of general contact
 
     @property
     def gear(self) -> np.record:
@@ -116,11 +106,8 @@ class GearForces(Balance):
     ) -> np.ndarray:
         """Return the outputs of all parts at states (t, n), shape (t, `gear_model.OUTPUTS`).
 
-        Args:
-            coordinates: of the stack; with those of the last segment where the bush is a chain.
-            rates: the same.
-            time: (t,) [s].
-            begun: state of the bristles at the start of the steps that end there, (t, .).
+        Coordinates have those of the last segment where the bush is a chain. `begun` is the bristles' state
+        at the start of the steps that end at the times [s].
         """
         gears = self.gears if coordinates.shape[1] > self.size else self._condensed
         outputs = np.zeros((len(coordinates), OUTPUTS))
@@ -266,7 +253,7 @@ def mass_matrix(gear: SteeringGear, forces: GearForces, place: np.ndarray) -> np
 
 def accelerated(gear: SteeringGear, forces: GearForces) -> Balance:
     """Return the balance of forces in which all masses are accelerated, as at the middle of the travel."""
-    return forces.statics.with_(masses=mass_matrix(gear, forces, np.zeros(forces.statics.size)))
+    return replace(forces.statics, masses=mass_matrix(gear, forces, np.zeros(forces.statics.size)))
 
 
 def spheres_of(gear: SteeringGear, fidelity: Fidelity, zone: float) -> SampledContactData:

@@ -35,20 +35,8 @@ from rps_exudyn.base.compiled import (
 from rps_exudyn.forces import bearing, external_load, pinion_support, sliding_fit, yoke
 from rps_exudyn.forces.bearing import BEARING, bearing_force, bearing_slope
 from rps_exudyn.forces.external_load import DEAD_FORCE, add_dead_tangent, dead_force
-from rps_exudyn.forces.friction import (
-    MOST_COORDINATES,
-    PATCH_SUMS,
-    PLACES,
-    begin_step,
-    duration,
-)
-from rps_exudyn.forces.pinion_support import (
-    SUPPORT,
-    axial_friction,
-    held,
-    place_of,
-    seen_from_pinion,
-)
+from rps_exudyn.forces.friction import MOST_COORDINATES, PATCH_SUMS, PLACES, begin_step, duration
+from rps_exudyn.forces.pinion_support import SUPPORT, axial_friction, held, place_of, seen_from_pinion
 from rps_exudyn.forces.sliding_fit import FIT, add_fit_tangent, carried_fit_force, held_fit_force
 from rps_exudyn.forces.yoke import (
     BORE,

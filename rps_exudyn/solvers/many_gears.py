@@ -123,13 +123,8 @@ def packed_table(
     several parameters add up; where exactly packed gears within the ranges confirm that, no other gear need
     be packed. So the record of a gear does not depend on the others of the table.
 
-    Args:
-        reference: what all have in common.
-        fidelity: how they are modelled.
-        table: the values.
-        ranges: values between whose ends all others lie, by path; those of the table without it.
-        weighted: each gear stands under the weight of its load test.
-        packing: by which polynomials.
+    `ranges` has the values between whose ends all others lie, by default the table's. Where `weighted`, each
+    gear stands under the weight of its load test.
 
     Raises:
         InputError: a value that is not allowed, or a gear that cannot exist.
@@ -151,8 +146,7 @@ def _gear(reference: SteeringGear, table: Table, row: int) -> SteeringGear:
 
 
 def _spread(values: np.ndarray, number: int) -> tuple[float, ...]:
-    """Some values of a parameter by its number, in other order than of other parameters, between the ends of
-    all."""
+    """Some values of a parameter between the ends of all, in another order than of other parameters."""
     places = (np.arange(CHECKED) / CHECKED + TURN * number) % 1
     some = np.sort(values)[np.rint(places * (len(values) - 1)).astype(int)]
     return float(np.min(values)), *some.tolist(), float(np.max(values))
@@ -196,12 +190,7 @@ def _alike(quick: np.ndarray, exact: np.ndarray, error: float) -> bool:
 
 
 def _by_polynomials(
-    reference: SteeringGear,
-    fidelity: Fidelity,
-    table: Table,
-    ranges: Table,
-    weighted: bool,
-    packing: Packing,
+    reference: SteeringGear, fidelity: Fidelity, table: Table, ranges: Table, weighted: bool, packing: Packing
 ) -> np.ndarray | None:
     """Records as sums of polynomials of single parameters; None where other things than numbers change."""
     count = len(next(iter(table.values())))
@@ -270,8 +259,7 @@ def _polynomials(places: np.ndarray, values: np.ndarray, at: np.ndarray, degree:
 # --- motion ----------------------------------------------------------------------------------------
 @dataclass(frozen=True, eq=False)
 class MotionResponse:
-    """Places at the mesh beside what rigid bodies do, and of a pinion on its supports: of a reference gear,
-    and what features add to them."""
+    """Places at the mesh beside what rigid bodies do, of a reference, and what features add to them."""
 
     places: np.ndarray  # (1 + f, k, m), m coordinates; per feature from the second on
     rates: np.ndarray  # the same, by the follower's differences
@@ -312,19 +300,12 @@ class Found:
 
 @dataclass(frozen=True, eq=False)
 class GearSeries:
-    """Gears of one design under one motion of the rig; a driven rack moves as the pinion would move it.
+    """Gears of one design under one motion of the rig; a driven rack moves as the pinion would move it."""
 
-    Attributes:
-        forces: of the reference gear.
-        pair: its geometry.
-        speed: of the pinion, with its sense [rad/s].
-        body: that the rig moves.
-    """
-
-    forces: GearForces
-    pair: GearPair
-    speed: float
-    body: DrivenBody = "pinion"
+    forces: GearForces  # of the reference gear
+    pair: GearPair  # its geometry
+    speed: float  # of the pinion, with its sense [rad/s]
+    body: DrivenBody = "pinion"  # that the rig moves
 
     @property
     def share(self) -> float:
@@ -441,8 +422,7 @@ class GearSeries:
         return Found(record, carried & (ended == k), resting, taken)
 
     def beside_rigid(self, found: Found, records: np.ndarray, angles: np.ndarray) -> np.ndarray:
-        """Return the places (n, k, m) at the mesh of gears that were found, beside gain, runout and where
-        the preload presses the rack."""
+        """Return places (n, k, m) at the mesh of gears found, beside gain, runout and the preload's."""
         at, (rigid, _) = found.record.coordinates.copy(), self.rigid(records, angles)
         x = at[..., RACK].copy()
         at[..., Y] -= x * at[..., PITCH]

@@ -61,8 +61,7 @@ class Drive(ABC):
 
     @property
     def sign(self) -> int:
-        """The coordinate over the place: those of pinion and wheel count about the pinion's axis, against the
-        steering angle."""
+        """The coordinate over the place: those of pinion and wheel count against the steering angle."""
         return +1 if self.body == "rack" else -1
 
     @property

@@ -271,8 +271,7 @@ def integrated(signals: dict[str, np.ndarray], time: np.ndarray) -> dict[str, np
 
 
 def _over_edges(record: Record, mesh: Part, out: np.ndarray) -> np.ndarray:
-    """Power [W] that loaded material takes along where it passes the edges of the rack, and that goes into
-    the mesh's own energy.
+    """Power [W] that loaded material takes along over the edges of the rack, and the mesh's own energy.
 
     What the teeth's forces take from the bodies, and neither rub off nor damp: the contact laws press along
     the normal only, so that material which enters or leaves loaded does so without a force.
@@ -334,8 +333,7 @@ def repeated(signals: dict[str, np.ndarray], times: int) -> dict[str, np.ndarray
 
 
 def contact_disagreement(record: Record) -> float:
-    """Return the largest difference of the solver's own contact forces from the elements', over the largest,
-    or 0."""
+    """Return the largest difference of the solver's own contact forces, over the largest, or 0."""
     if record.contact is None:
         return 0.0
     mesh = next(part for part in record.forces.parts if part.name == "mesh")
@@ -386,15 +384,9 @@ def of_column(record: Record) -> dict[str, np.ndarray]:
 
 
 def under_torque(record: Record, column: ColumnModel, drive: WheelTorque, wheel: np.ndarray) -> Record:
-    """Return the record of a pinion as that of the wheel that a torque turns, with its angles and
-    rates (n, 2) [rad, rad/s]."""
+    """Return the record of a pinion as that of the wheel with its angles and rates (n, 2) [rad, rad/s]."""
     return replace(
-        record,
-        drive=drive.torque(record.time),
-        driven="wheel",
-        wheel=wheel,
-        column=column,
-        tyre=drive.tyre,
+        record, drive=drive.torque(record.time), driven="wheel", wheel=wheel, column=column, tyre=drive.tyre
     )
 
 

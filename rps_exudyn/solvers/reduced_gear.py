@@ -27,47 +27,27 @@ class BeyondTable(Exception):
 
 @dataclass(frozen=True, eq=False)
 class ReducedGear:
-    """The reduced gear; SI units.
+    """The reduced gear; SI units."""
 
-    Attributes:
-        gain: rack travel per radian, of a variable ratio in the middle [m].
-        gain_squared: mean over the angles [m^2].
-        inertia: of pinion and rack about the pinion's axis [kg m^2].
-        drag: viscous, on the pinion [N m s/rad].
-        angles: (n,) even; of a gear that repeats they are one period, its end included [rad].
-        repeats: whether the table is that of one period.
-        loads: (m,) even, with 0 among them [N].
-        up: (n, m) torque on the pinion that turns towards +X [N m].
-        down: the same of one that turns towards -X.
-        course: (n, 2) what the perfect rack's travel has beside the gain, and its slope [m].
-        error: (n, m) transmission error, the mean of both ways, which falls with the load [m].
-        shares: (e,) of the friction that the elements carry.
-        stiffness: (e,) of the elements [N m/rad].
-        speeds: (s,) rising, from 0 [rad/s].
-        speed_factor: (s,) friction over that of the table.
-        constant: part of the friction that depends neither on preload nor on load [N m].
-        seat_share: share of the rest that is the plunger's.
-        yokenut_force: largest on the yokenut without a load [N].
-    """
-
-    gain: float
-    gain_squared: float
-    inertia: float
-    drag: float
-    angles: np.ndarray
-    repeats: bool
-    loads: np.ndarray
-    up: np.ndarray
-    down: np.ndarray
-    course: np.ndarray
-    error: np.ndarray
-    shares: np.ndarray
-    stiffness: np.ndarray
-    speeds: np.ndarray = field(default_factory=lambda: np.zeros(1))
+    gain: float  # rack travel per radian, of a variable ratio in the middle [m]
+    gain_squared: float  # mean over the angles [m^2]
+    inertia: float  # of pinion and rack about the pinion's axis [kg m^2]
+    drag: float  # viscous, on the pinion [N m s/rad]
+    angles: np.ndarray  # (n,) even; of a gear that repeats they are one period, its end included [rad]
+    repeats: bool  # whether the table is that of one period
+    loads: np.ndarray  # (m,) even, with 0 among them [N]
+    up: np.ndarray  # (n, m) torque on the pinion that turns towards +X [N m]
+    down: np.ndarray  # the same of one that turns towards -X
+    course: np.ndarray  # (n, 2) what the perfect rack's travel has beside the gain, and its slope [m]
+    error: np.ndarray  # (n, m) transmission error, the mean of both ways, which falls with the load [m]
+    shares: np.ndarray  # (e,) of the friction that the elements carry
+    stiffness: np.ndarray  # (e,) of the elements [N m/rad]
+    speeds: np.ndarray = field(default_factory=lambda: np.zeros(1))  # (s,) rising, from 0 [rad/s]
+    # (s,) friction over that of the table
     speed_factor: np.ndarray = field(default_factory=lambda: np.ones(1))
-    constant: float = 0.0
-    seat_share: float = 0.0
-    yokenut_force: float = 0.0
+    constant: float = 0.0  # part of the friction that depends neither on preload nor on load [N m]
+    seat_share: float = 0.0  # share of the rest that is the plunger's
+    yokenut_force: float = 0.0  # largest on the yokenut without a load [N]
 
     @cached_property
     def free(self) -> np.ndarray:

@@ -32,17 +32,11 @@ class Push:
 
 @dataclass(frozen=True)
 class RackEnd:
-    """What holds the rack: a load towards -X, or a spring that carries nothing at `relaxed`.
+    """What holds the rack: a load towards -X, or a spring that carries nothing at `relaxed`."""
 
-    Attributes:
-        load: [N].
-        stiffness: of the spring [N/m]; 0 where there is none.
-        relaxed: [m].
-    """
-
-    load: float = 0.0
-    stiffness: float = 0.0
-    relaxed: float = 0.0
+    load: float = 0.0  # [N]
+    stiffness: float = 0.0  # of the spring [N/m]; 0 where there is none
+    relaxed: float = 0.0  # [m]
 
 
 class ReducedMotion:

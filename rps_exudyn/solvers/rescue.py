@@ -20,25 +20,15 @@ FINER, FINEST_PARTS = 4, 12 * 4**4  # ... or of shorter ones, down to this part
 
 @dataclass(frozen=True, eq=False)
 class Settling:
-    """The search for a balance of the free coordinates, from which the rates follow.
+    """The search for a balance of the free coordinates, from which the rates follow."""
 
-    Attributes:
-        evaluate: the forces that are to be balanced, and their tangent.
-        free: numbers of the unknown coordinates (m,).
-        lengths: turn all coordinates into lengths [m].
-        q: all coordinates (n,), those that are not free as given.
-        v: their rates, likewise.
-        base: of the rates of the free ones, (place - base) per_time (m,).
-        per_time: factor of these rates [1/s]; 0 if the rates are those given.
-    """
-
-    evaluate: Evaluate
-    free: np.ndarray
-    lengths: np.ndarray
-    q: np.ndarray
-    v: np.ndarray
-    base: np.ndarray
-    per_time: float
+    evaluate: Evaluate  # the forces that are to be balanced, and their tangent
+    free: np.ndarray  # numbers of the unknown coordinates (m,)
+    lengths: np.ndarray  # turn all coordinates into lengths [m]
+    q: np.ndarray  # all coordinates (n,), those that are not free as given
+    v: np.ndarray  # their rates, likewise
+    base: np.ndarray  # of the rates of the free ones, (place - base) per_time (m,)
+    per_time: float  # factor of these rates [1/s]; 0 if the rates are those given
 
     def at(self, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return coordinates and rates with the free ones at a place (m,)."""

@@ -105,8 +105,7 @@ def settled_path(
 
 
 def joined_instants(approach_path: EquilibriumPath | None, time: np.ndarray) -> np.ndarray:
-    """Return the instants of a path, if there is one, and of what follows it [s]: its last one is their
-    first."""
+    """Return the instants of a path, if there is one, and of what follows its last one [s]."""
     return time if approach_path is None else np.concatenate([approach_path.time, time[1:]])
 
 

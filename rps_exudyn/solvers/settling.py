@@ -63,17 +63,11 @@ def find_approach(law, loads, x, y, gears, pool, works, residuals):  # type: ign
 
 
 def static_approach(load: float, law: Any, ideal: np.ndarray, pool: np.ndarray, offset: float) -> float:
-    """Return how far a load [N] along -Y presses the guided rack into a frictionless mesh at pinion angle 0
-    [m].
+    """Return how far a load [N] along -Y presses the guided rack into a frictionless mesh at angle 0 [m].
 
     The rack keeps its direction; it finds its place along X between the flanks by itself.
 
-    Args:
-        load: of the yoke.
-        law: of `gear_model`.
-        ideal: record of the gear with a mesh without friction and runout, shape (1,).
-        pool: numbers that the record points to.
-        offset: where the rack would stand without load [m].
+    `ideal` is the gear's record (1,) without friction and runout; `offset` [m] the place without load.
 
     Raises:
         InputError: the teeth cannot carry the load within the range of their contact law.

@@ -81,24 +81,16 @@ def linearised_damping(gear: SteeringGear, fidelity: Fidelity) -> float:
 
 @dataclass(frozen=True, eq=False)
 class SlidingVibration:
-    """A gear behind its column, linearised at instants of steady sliding over a tooth pitch.
+    """A gear behind its column, linearised at instants of steady sliding over a tooth pitch."""
 
-    Attributes:
-        mass: of all coordinates, (n, n).
-        by_place: forces by coordinates at the instants, (k, n, n), the column's spring among them.
-        by_rate: forces by rates, the column's damping not among them.
-        averaged: instants of `PERIODS` natural periods, at most all.
-    """
-
-    mass: np.ndarray
-    by_place: np.ndarray
-    by_rate: np.ndarray
-    averaged: int
+    mass: np.ndarray  # of all coordinates, (n, n)
+    by_place: np.ndarray  # forces by coordinates at the instants, (k, n, n), the column's spring among them
+    by_rate: np.ndarray  # forces by rates, the column's damping not among them
+    averaged: int  # instants of `PERIODS` natural periods, at most all
 
     @classmethod
     def of(cls, gear: SteeringGear, fidelity: Fidelity) -> "SlidingVibration | None":
-        """Linearise over a tooth pitch from the test's start on, as far as there are teeth; None without an
-        equilibrium there."""
+        """Linearise over a tooth pitch from the test's start on; None without an equilibrium there."""
         model, test = reduced_gear(gear), gear.test
         forces = gear_forces(gear, _condensed(fidelity))
         bar, pitch = RackBar.of(gear), 2 * np.pi / gear.pinion.teeth / test.speed
@@ -175,8 +167,7 @@ def bristle_reversal_angle(gear: SteeringGear) -> float:
 
 
 def presliding_angle(gear: SteeringGear) -> float:
-    """Return the pinion angle of the bristles' travel [rad], the mean over the parts weighed with their
-    friction; 0 without bristles."""
+    """Return the pinion angle of the bristles' travel [rad], weighed with the friction; 0 without."""
     if not any(getattr(gear, part).facts.has_state for part in RUBBING_PARTS):
         return 0.0
     parts = [(law, torque, lever) for law, torque, lever in sliding_parts(gear) if torque > 0 and lever > 0]

@@ -39,8 +39,7 @@ class ColumnModel:
 
     @classmethod
     def of(cls, gear: SteeringGear) -> "ColumnModel":
-        """Return the column of a gear, in series with the mounts of its housing: their damping is that of
-        slow motion."""
+        """Return the column of a gear in series with its housing's mounts, damped as in slow motion."""
         given, gain = gear.column, float(GearPair.of(gear).gain)
         mounts = gear.housing.mount_stiffness * gain**2
         share = mounts / (given.stiffness + mounts) if mounts else 1.0

@@ -127,8 +127,7 @@ def operating_gear(gear: SteeringGear) -> OperatingGear | None:
 
 
 def is_new(gear: SteeringGear) -> bool:
-    """Return whether a gear is new, at 20 degC and without a base oil, so that its parameters hold as they
-    are."""
+    """Return whether a gear is new, at 20 degC, without a base oil: its parameters hold as they are."""
     conditions = gear.conditions
     aged = conditions.steering_cycles or conditions.spring_set
     return conditions.temperature == REFERENCE_TEMPERATURE and not aged and gear.grease.base_oil == "none"
@@ -251,9 +250,7 @@ def grease_drag(gear: SteeringGear) -> float:
 def wear(gear: SteeringGear, preload: float) -> Wear:
     """Return what the gear's cycles wear off, by Archard's law, while the yoke's spring relaxes.
 
-    Args:
-        gear: the gear, new.
-        preload: of the yoke at the gear's temperature, new [N].
+    The preload [N] is that of the new yoke at the gear's temperature.
     """
     liner, teeth = wear_per_cycle(gear)
     kappa, k, n = liner + teeth, gear.yoke.spring_rate, gear.conditions.steering_cycles

@@ -13,8 +13,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 
 
 def stop_stiffness(gear: SteeringGear, force: float | None = None) -> float:
-    """Return force over travel of the cap against the stopped plunger [N/m], the seat under a force [N], the
-    preload without one.
+    """Return force over travel of the cap against the stopped plunger [N/m] under a force, else the preload.
 
     Nut, seat and both flanks in series: 1 / k = 1 / k_nut + 1 / k_seat + 1 / (2 k b sin^2(alpha_n)).
     """

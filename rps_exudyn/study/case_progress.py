@@ -17,8 +17,7 @@ from rps_exudyn.study.table import show_value
 
 
 def log_lines(path: Path, texts: Sequence[str]) -> None:
-    """Append lines to a study's log, with the time before each, in one write: those of several writers do not
-    mix."""
+    """Append lines with the time to a study's log, in one write: those of several writers do not mix."""
     now = datetime.now().astimezone().isoformat(timespec="seconds")
     with path.open("ab", buffering=0) as file:
         file.write("".join(f"{now} {text}\n" for text in texts).encode())

@@ -203,8 +203,7 @@ def _lengths(paths: list[Path], keep: Keep) -> dict[str, int]:
 
 
 def _read_signals(path: Path, names: Iterable[str], read: Callable[[Any], T]) -> dict[str, T]:
-    """What `read` finds in signals of a case's file; of one that is gone or damaged nothing, with a
-    warning."""
+    """What `read` finds in signals of a case's file; nothing and a warning where it is gone or damaged."""
     try:
         if not path.exists() and (blocks := blocks_beside(path)).home_of(path.stem):
             signals = blocks.block_of(path.stem).signals(path.stem)

@@ -210,8 +210,7 @@ class Study:
 
     @cached_property
     def base(self) -> Setup:
-        """Gear and fidelity that the axes vary; one contact law of all cases, unless they differ in law or
-        model.
+        """Gear and fidelity that the axes vary, with one contact law unless cases differ in law or model.
 
         Raises:
             InputError: parameters that are wrong.

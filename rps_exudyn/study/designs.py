@@ -114,8 +114,7 @@ def _unit_points(design: str, axes: int, samples: int, seed: int) -> np.ndarray:
 def uncertain_axes(
     gear: Mapping[str, Any], settings: Mapping[str, Any], inputs: str, others: Sequence[Axis]
 ) -> tuple[tuple[Axis, ...], dict[str, float]]:
-    """Return an axis for each distribution of the gear's file, of settings and of a set of inputs; then their
-    correlations.
+    """Return axes for the distributions of the gear's file, settings and a set of inputs; their correlations.
 
     Args:
         gear: tables of the gear's file.

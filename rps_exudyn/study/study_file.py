@@ -112,8 +112,7 @@ class _StudyKeys(Keys):
     def axes(
         self, content: Mapping[str, Any], design: str, gear: Mapping[str, Any], settings: Mapping[str, Any]
     ) -> tuple[tuple[Axis, ...], Mapping[str, float]]:
-        """The axes of the file's own tables; an uncertain design adds one for each uncertain parameter, and
-        what these share."""
+        """The axes of the file's tables, and of an uncertain design's parameters, with what these share."""
         if "inputs" in content and design != UNCERTAIN_DESIGN:
             self.wrong("inputs", f"has no meaning for the design {design}; it is for {UNCERTAIN_DESIGN}.")
         uncertain = design == UNCERTAIN_DESIGN

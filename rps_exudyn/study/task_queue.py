@@ -33,18 +33,14 @@ OF_LIMIT = 4  # groups that fit into one case's time limit: a group has no more 
 
 @dataclass(frozen=True)
 class GroupPlan:
-    """How the cases of a study are done.
+    """How the cases of a study are done."""
 
-    Attributes:
-        grouped: in groups, by `batch`; else singly.
-        ranges: path -> over what it varies in the whole design; None where no gears are computed together.
-            All are given the same, so that a case ends the same in whichever group it is.
-        single_run_reason: why none are computed together; "" if they are, or for so few cases or such a
-            model that they are done singly.
-    """
-
-    grouped: bool
+    grouped: bool  # in groups, by `batch`; else singly
+    # path -> over what it varies in the whole design; None where no gears are computed together. All are
+    # given the same, so that a case ends the same in whichever group it is.
     ranges: Mapping[str, list[float]] | None = field(default=None)
+    # why none are computed together; "" if they are, or for so few cases or such a model that they are done
+    # singly
     single_run_reason: str = ""
 
 

@@ -54,11 +54,7 @@ from rps_exudyn.tooth_contact.flank_strip import (
     touching,
     within_band,
 )
-from rps_exudyn.tooth_contact.measured_flank import (
-    add_deviation,
-    deviation_across,
-    measured_band,
-)
+from rps_exudyn.tooth_contact.measured_flank import add_deviation, deviation_across, measured_band
 from rps_exudyn.tooth_contact.strip_limits import (
     ends_of,
     ends_with_margin,

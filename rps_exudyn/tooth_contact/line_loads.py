@@ -65,8 +65,7 @@ class LoadsData(NamedTuple):
 
 
 def loads_data(gear: SteeringGear, stations: int = STATIONS) -> LoadsData:
-    """Return the constants of a gear for `line_loads`, by its law and so many stations on a segment of a
-    line."""
+    """Return the constants of a gear for `line_loads`, with so many stations on a segment of a line."""
     flank = pack(gear, along=stations, across=1)
     made = np.zeros(1, MESH)
     made["flank"], made["teeth"], made["most_lines"] = flank, teeth_data(gear, flank), most_lines(flank)
@@ -79,11 +78,7 @@ AT_ONCE = 256  # poses, whose rows have room for the most stations
 def line_loads(angles: np.ndarray, positions: np.ndarray, tilts: np.ndarray, data: LoadsData) -> LineLoads:
     """Return the loads of n poses at rest.
 
-    Args:
-        angles: pinion's turns (n,) [rad].
-        positions: rack's reference points (n, 3) [m].
-        tilts: rack's angles (n, 3) [rad].
-        data: that of `loads_data`.
+    By the pinion's turns (n,) [rad], the rack's reference points (n, 3) [m] and angles (n, 3) [rad].
     """
     records, pool = data
     flank, counts, filled = records[0]["flank"], np.zeros(len(angles), np.int64), [np.zeros((ROWS, 0))]

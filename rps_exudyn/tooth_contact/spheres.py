@@ -138,10 +138,7 @@ def sphere_radius(pair: GearPair) -> float:
 def stiffness_per_area(gear: SteeringGear, depth: float, rho: np.ndarray) -> np.ndarray:
     """Return a sphere's stiffness over its area by the gear's `mesh.law` [N/m^3].
 
-    Args:
-        gear: the gear.
-        depth: mean depth of the contact [m].
-        rho: radii of curvature of the flank [m]. A sphere that is larger does not fit in, and bears nothing.
+    A sphere that is larger than the flank's radii of curvature `rho` [m] does not fit in, and bears nothing.
 
     Raises:
         InputError: a gear with a law that spheres cannot have.

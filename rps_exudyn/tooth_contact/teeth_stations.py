@@ -38,13 +38,7 @@ from rps_exudyn.tooth_contact.flank_strip import (
 from rps_exudyn.tooth_contact.measured_flank import deviation_across, measured_band
 from rps_exudyn.tooth_contact.strip_limits import ends_with_margin, raise_strip
 from rps_exudyn.tooth_contact.teeth_data import BY_HALF, BY_OFFSET, OFFSET, PER_COS, PHI, THICK, ZETA
-from rps_exudyn.tooth_contact.tooth_compliance import (
-    MODES,
-    PLACE,
-    PLACE_SIZE,
-    fill_mode,
-    fill_rack_place,
-)
+from rps_exudyn.tooth_contact.tooth_compliance import MODES, PLACE, PLACE_SIZE, fill_mode, fill_rack_place
 
 BEYOND = 0.5  # of the deepest overlap: flanks apart by less may meet as their teeth bend
 

@@ -16,6 +16,7 @@ from itertools import product
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.basic_rack import sagitta
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.flank_grid import FlankGrid, measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
@@ -26,7 +27,7 @@ from rps_exudyn.gears.mesh_frames import PinionPlacement, Placement, RackPlaceme
 from rps_exudyn.gears.pinion_mesh import flank_patch
 from rps_exudyn.gears.pitch_errors import rack_errors
 from rps_exudyn.gears.polyhedron import indexed
-from rps_exudyn.gears.rack_bar import RackBar, RackFlank, sagitta
+from rps_exudyn.gears.rack_bar import RackBar, RackFlank
 from rps_exudyn.gears.surface_report import contradictions, placed_surfaces
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -47,12 +48,7 @@ def triangles_of(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the record (1,) of a gear's meshes, and their numbers, which begin at a place of the pool.
 
-    Args:
-        gear: the gear.
-        fidelity: its model.
-        zone: of friction [m/s].
-        first: place of the pool.
-        meshes: others than the gear's own.
+    `meshes` are others than the gear's own.
 
     Raises:
         InputError: a law of contact that triangles do not have.

@@ -14,7 +14,7 @@ from rps_exudyn.inference.uncertainty.quick_band import formula_torques
 from rps_exudyn.inference.uncertainty.samples import Samples
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.scenes.checks.rules import Breach
-from rps_exudyn.solvers.closed_form import closed_form, mean_state
+from rps_exudyn.solvers.closed_form import free_torque, mean_state
 from rps_exudyn.solvers.temperature_and_wear import (
     STEEL_EXPANSION,
     bush_clearance_per_kelvin,
@@ -245,7 +245,7 @@ def test_checks_before_a_run_look_at_the_gear_in_operation(
 
 def test_formulas_refuse_a_viscous_drag_at_changing_speed() -> None:
     gear = GEAR.replace({"bush.viscous_drag": 500.0})
-    assert closed_form(gear).free_torque > closed_form(GEAR).free_torque
+    assert free_torque(gear) > free_torque(GEAR)
     result = rps.run("reversal", gear, fidelity="closed-form")
     assert result.status.value == "invalid"
     assert "constant speed" in result.message

@@ -17,7 +17,7 @@ from rps_exudyn.forces.yoke import seat_record, seat_under, seat_wedge_factor
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.closed_form import closed_form
+from rps_exudyn.solvers.closed_form import free_torque
 from rps_exudyn.solvers.equilibrium import starting_guess, steady_rates
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.gear_model import COLUMNS
@@ -330,8 +330,8 @@ def test_torque_by_the_form_of_the_seat(form: str, clearance: str, more: float) 
     gear = GEAR.replace(
         {"yoke.seat_form": form, "yoke.seat_clearance": clearance, "test.turns": 1 / GEAR.pinion.teeth}
     )
-    plain = closed_form(GEAR).free_torque
-    formula = closed_form(gear).free_torque
+    plain = free_torque(GEAR)
+    formula = free_torque(gear)
     assert formula / plain - 1 == pytest.approx(more, abs=0.006)
     means = [
         rps.run("free-pinion-torque", gear, fidelity=preset).summary["torque_mean"]

@@ -20,7 +20,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.simulate.run import run
-from rps_exudyn.solvers.closed_form import closed_form, torque_per_preload
+from rps_exudyn.solvers.closed_form import free_torque, torque_per_preload
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.gear_model import COLUMNS
@@ -183,7 +183,7 @@ def test_bush_chain_rests_under_the_rack() -> None:
 
 def test_mean_torque_is_that_of_the_formula(pitch: Result) -> None:
     """The formula knows how the contact law shares the load: 1 %. Required are 3 %."""
-    assert pitch.summary["torque_mean"] == pytest.approx(closed_form(GEAR).free_torque, rel=0.01)
+    assert pitch.summary["torque_mean"] == pytest.approx(free_torque(GEAR), rel=0.01)
 
 
 def test_pressure_by_depth_rubs_more_than_an_even_load(pitch: Result) -> None:

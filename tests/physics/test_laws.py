@@ -17,7 +17,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
-from rps_exudyn.solvers.closed_form import closed_form, runout_harmonics
+from rps_exudyn.solvers.closed_form import free_torque, mean_state, runout_harmonics
 
 GEAR = SteeringGear()
 PITCH = 1 / GEAR.pinion.teeth  # [turns]
@@ -54,7 +54,7 @@ def test_without_friction_both_flanks_carry_the_wedged_preload() -> None:
 
 def test_preset_means_agree_with_the_closed_form() -> None:
     """Within 1 %: the closed form guides the rack, the models let it tilt."""
-    exact = closed_form(GEAR).free_torque
+    exact = free_torque(GEAR)
     for fidelity in ("quasi-static", "flank"):
         assert turned({}, fidelity).summary["torque_mean"] == pytest.approx(exact, rel=0.01)
 
@@ -73,7 +73,7 @@ def test_slope_over_the_preload_is_the_closed_forms() -> None:
     """2 %: friction across the rack, taken by its guides, is no part of the formula."""
     preloads = (200.0, 400.0)
     rise = np.diff([turned({"yoke.preload": p}).summary["torque_mean"] for p in preloads])[0]
-    expected = np.diff([closed_form(GEAR.replace({"yoke.preload": p})).free_torque for p in preloads])[0]
+    expected = np.diff([free_torque(GEAR.replace({"yoke.preload": p})) for p in preloads])[0]
     assert rise == pytest.approx(expected, rel=0.02)
 
 
@@ -99,7 +99,7 @@ def test_power_of_the_drive_is_what_friction_takes_and_springs_store() -> None:
 def test_loss_shares_add_up_to_the_closed_forms() -> None:
     result = turned({})
     angle = np.ptp(result["pinion_angle"])
-    mean = closed_form(GEAR).forward
+    mean = mean_state(GEAR, 1, 0.0)
     for name, loss in (
         ("mesh", mean.mesh_loss),
         ("seat", mean.plunger_loss),

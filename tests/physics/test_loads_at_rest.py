@@ -121,15 +121,3 @@ def test_chain_of_segments_yields_as_its_condensed_stiffness(rigid_play: Result)
     """At rest both are the same springs: the same numbers."""
     chain = Fidelity.preset("flank").replace({"rack": "free", "bush": "chain"})
     assert rps.run("radial-play", GEAR, fidelity=chain).summary == rigid_play.summary
-
-
-def test_few_stations_are_raised_for_the_small_motions_of_a_gear_at_rest() -> None:
-    """By three stations of teeth that bend the lift of a random gear was a fifth off."""
-    gear = SteeringGear().replace({"mesh.law": "teeth"})
-    few, enough = (
-        rps.run("rack-lift", gear, fidelity=MODEL.replace({"strip_stations": n, "rack": "free"}))
-        for n in (3, 8)
-    )
-    assert few.findings["strip_stations"] == 8
-    assert "strip_stations" not in enough.findings
-    assert few.summary["rack_lift"] == enough.summary["rack_lift"]

@@ -14,7 +14,7 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import EXTREMES, LOSS_SHARES, VARIATIONS
 from rps_exudyn.results.result import Result
 from rps_exudyn.solvers import equilibrium
-from rps_exudyn.solvers.closed_form import closed_form
+from rps_exudyn.solvers.closed_form import free_torque
 from rps_exudyn.solvers.steering_column import ColumnModel
 from verification.sampler import random_gear
 from verification.two_masses import settled_work
@@ -140,7 +140,7 @@ def test_static_friction_of_all_parts_is_overcome(ratio: float) -> None:
     law = {"friction_law": "bristle", "static_ratio": ratio, "bristle_travel": 2e-6}
     laws = {f"{part}.{name}": value for part in parts for name, value in law.items()}
     found = grown(WHOLE | laws, rack="guided").summary["breakaway_torque"]
-    assert found == pytest.approx(ratio * closed_form(SteeringGear()).free_torque, rel=0.01)
+    assert found == pytest.approx(ratio * free_torque(SteeringGear()), rel=0.01)
 
 
 def test_bars_cover_what_a_wide_zone_of_friction_does_where_friction_lets_go() -> None:

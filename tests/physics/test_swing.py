@@ -12,7 +12,7 @@ from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.maneuver import swing_maneuver
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS
 from rps_exudyn.simulate.run_plan import run_unchecked
-from rps_exudyn.solvers.closed_form import closed_form
+from rps_exudyn.solvers.closed_form import free_torque
 from verification.stability import ScenePlan
 
 STILL = Fidelity.preset("quasi-static")
@@ -26,7 +26,7 @@ def test_reversal_by_the_closed_form_jumps_by_both_free_torques() -> None:
     """A record without the rack's motions across its travel, as formulas leave it, is a closed loop, too."""
     gear = SteeringGear()
     result = run_unchecked("reversal", gear, Fidelity.preset("closed-form"))
-    assert result.summary["torque_jump"] == pytest.approx(2 * closed_form(gear).free_torque, rel=1e-3)
+    assert result.summary["torque_jump"] == pytest.approx(2 * free_torque(gear), rel=1e-3)
 
 
 def test_bars_cover_a_gear_that_rolls_into_its_cycle() -> None:

@@ -19,7 +19,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import SCENE_NAMES, add_scene, scene_named
-from rps_exudyn.solvers.closed_form import closed_form, torque_per_preload
+from rps_exudyn.solvers.closed_form import free_torque, torque_per_preload
 from shell import in_fresh_process
 
 NOTEBOOKS = sorted(EXAMPLES.glob("*.ipynb"))
@@ -72,7 +72,7 @@ def test_weave_feels_the_friction_of_the_gear(ran: Ran, tmp_path: Path) -> None:
     printed = ran("weave", "weave.png")
     assert (tmp_path / "examples" / "weave.png").stat().st_size > 5000
     torque, band = map(float, re.findall(r"no acceleration +([\d.]+) \+- ([\d.]+) N m", printed)[0])
-    free = closed_form(SteeringGear()).free_torque
+    free = free_torque(SteeringGear())
     assert free < torque < 1.3 * free
     assert 0.05 < band / torque < 0.3
 

@@ -4,7 +4,7 @@ import pytest
 
 from rps_exudyn import load
 from rps_exudyn.parameters.fidelity import PRESETS
-from rps_exudyn.solvers.closed_form import closed_form
+from rps_exudyn.solvers.closed_form import free_torque
 from shell import Command
 
 TOY = ["test.turns=0.00833333", "fidelity.profile_samples=12", "fidelity.axial_samples=10"]
@@ -33,6 +33,6 @@ def test_preset_runs_and_its_file_holds_what_was_asked(preset: str, command: Com
     assert result.fidelity["name"].split(" with ")[0] == preset
     mean = "torque_jump" if preset in SCENES else "torque_mean"
     ways = 2 if preset in SCENES else 1
-    expected = ways * closed_form(result.gear).free_torque
+    expected = ways * free_torque(result.gear)
     # within what a toy gear mesh and a part of a tooth pitch leave of the mean
     assert result.summary[mean] == pytest.approx(expected, rel=0.05)

@@ -29,7 +29,7 @@ from rps_exudyn.inference.measured.numbers import Format
 from rps_exudyn.inference.measured.reading import read_curve, read_measured_torque
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import MeasuredTorque
-from rps_exudyn.solvers.closed_form import closed_form
+from rps_exudyn.solvers.closed_form import free_torque
 from shell import Command, refusal_of
 
 HEADER = "pinion_angle [deg], pinion_torque [N m]\n"
@@ -277,7 +277,7 @@ def test_less_than_a_turn_is_compared_at_its_own_angles_alone() -> None:
 
 def test_run_draws_and_compares(command: Command, tmp_path: Path) -> None:
     """A measured torque of 1.03 times the computed one differs from it by 3 % / 1.03."""
-    measured = 1.03 * closed_form(SteeringGear()).free_torque
+    measured = 1.03 * free_torque(SteeringGear())
     text = HEADER + "".join(f"{a},{measured}\n" for a in np.linspace(-30, 400, 1000))
     done = command(["run", "--all", "--fidelity", "closed-form", "--measured", str(written(tmp_path, text))])
     assert done.status == 0

@@ -32,8 +32,8 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.contact_law import resolve_contact_law
+from rps_exudyn.scenes.error_bars import size_of, sizes
 from rps_exudyn.scenes.scene import RunOptions
-from rps_exudyn.scenes.sizes import size_of, sizes
 from rps_exudyn.simulate.gear_table import TABLES, is_weighted, metrics_nearby, record_at, unsupported_reason
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.simulate.run_plan import Plan

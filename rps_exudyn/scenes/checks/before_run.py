@@ -65,8 +65,7 @@ def free_memory() -> float:
 
 
 def check_dynamics(fidelity: Fidelity, scene: str, missing: str, *others: str) -> None:
-    """Check that a model has inertia, or one of the other solvers; equilibria are without what is
-    `missing`.
+    """Check that a model has inertia, or one of the other solvers; equilibria are without what is `missing`.
 
     Raises:
         InputError: it has none.

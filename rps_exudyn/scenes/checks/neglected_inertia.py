@@ -34,22 +34,15 @@ BESIDE = "rack_y", "rack_z", "rack_roll", "rack_yaw", "rack_pitch"
 
 @dataclass(frozen=True, eq=False)
 class MovedMasses:
-    """What a steady motion accelerates; of many gears arrays (n, 1).
+    """What a steady motion accelerates; of many gears arrays (n, 1)."""
 
-    Attributes:
-        gain: rack travel per radian [m].
-        rack: the rack's mass [kg].
-        beside: masses for each motion of `BESIDE`, moments of inertia over the distance of what holds the
-            rack against it [kg, kg m].
-        preload: of the yoke [N].
-        gears: that they are of.
-    """
-
-    gain: Any
-    rack: Any
+    gain: Any  # rack travel per radian [m]
+    rack: Any  # the rack's mass [kg]
+    # masses for each motion of `BESIDE`, moments of inertia over the distance of what holds the rack against
+    # it [kg, kg m]
     beside: tuple[Any, ...]
-    preload: Any
-    gears: tuple[SteeringGear, ...]
+    preload: Any  # of the yoke [N]
+    gears: tuple[SteeringGear, ...]  # that they are of
 
     @classmethod
     def of(cls, gear: SteeringGear) -> "MovedMasses":
@@ -118,8 +111,7 @@ def beside_travel(signals: Signals, masses: MovedMasses) -> tuple[Any, Any]:
 
 
 def ringing(signals: Signals, masses: MovedMasses) -> Any:
-    """Return by how much the teeth's depth changes where masses ring on the teeth's stiffness [m], (n,) of
-    many gears.
+    """Return how much the teeth's depth changes where masses ring on their stiffness [m], (n,) of many gears.
 
     The masses are what follows the drive, and the rack across it. Their rate changes between two instants: a
     jump dv makes a swing of dv / omega, a longer, slow acceleration a makes one of a / omega^2.

@@ -36,7 +36,6 @@ Motion = Literal["steady", "unsteady", "at rest"]
 STEPS_PER_PITCH = 2  # fewer cannot show the tooth frequency
 REPAIRED_STEPS_PER_PITCH = 20
 DEEPEST = 1.5  # deepest contact over the mean one, measured on the paper's gear
-LEAST_STATIONS = {"area": 2, "line": 2, "teeth": 3}  # 3.5 % of the hysteresis by two teeth that bend
 LEAST_ROWS = 8  # of spheres along the face width
 SPACING = 2.5  # of spheres along the profile, over the width of the strip that touches: 1 % of the torque
 LEAST_TOUCHING = 15  # spheres of general contact, on an edge twice as many: fewer miss 8 % of the torque
@@ -51,27 +50,17 @@ MOST_POWER = 20.0  # of e, that a sentence states
 
 @dataclass(frozen=True, eq=False)
 class RuleInput:
-    """What rules measure: a plan, and of a run its record; of many gears signals are (n, t), numbers (n,).
+    """What rules measure: a plan, and of a run its record; of many gears signals are (n, t), numbers (n,)."""
 
-    Attributes:
-        gear: the gear, or what many have in common.
-        fidelity: of a plan.
-        motion: of a plan.
-        signals: of a run.
-        record: of a single run.
-        axis_offset: of the pinion's axis from its nominal place [m], by default the gear's.
-        valid_to: signals above which the contact's law does not hold, with their bounds.
-        numbers: of a run with error bars, by name.
-    """
-
-    gear: SteeringGear
-    fidelity: Fidelity | None = None
-    motion: Motion = "steady"
-    signals: Signals = field(default_factory=dict)
-    record: Record | None = None
-    axis_offset: Any = None
+    gear: SteeringGear  # the gear, or what many have in common
+    fidelity: Fidelity | None = None  # of a plan
+    motion: Motion = "steady"  # of a plan
+    signals: Signals = field(default_factory=dict)  # of a run
+    record: Record | None = None  # of a single run
+    axis_offset: Any = None  # of the pinion's axis from its nominal place [m], by default the gear's
+    # signals above which the contact's law does not hold, with their bounds
     valid_to: Mapping[str, float] = field(default_factory=dict)
-    numbers: Mapping[str, Any] = field(default_factory=dict)
+    numbers: Mapping[str, Any] = field(default_factory=dict)  # of a run with error bars, by name
 
     @property
     def model(self) -> Fidelity:
@@ -98,25 +87,17 @@ class RuleInput:
 
 @dataclass(frozen=True, eq=False)
 class Rule:
-    """One limit.
+    """One limit."""
 
-    Attributes:
-        code: what its breach is about.
-        measured: the quantity, a number or over the instants (t,), of many gears (n,) or (n, t).
-        sentence: about a breach, without a full stop.
-        limit: the largest allowed value.
-        applies: whether there is anything to measure.
-        repair: choices of the fidelity that meet the limit.
-        status: of a run that breaks it; ok: its sentence is a remark.
-    """
-
-    code: Code
+    code: Code  # what its breach is about
+    # the quantity, a number or over the instants (t,), of many gears (n,) or (n, t)
     measured: Callable[[RuleInput], Any]
-    sentence: Callable[["Breach"], str]
-    limit: Callable[[RuleInput], Any] = lambda given: 0.0
-    applies: Callable[[RuleInput], bool] = lambda given: True
+    sentence: Callable[["Breach"], str]  # about a breach, without a full stop
+    limit: Callable[[RuleInput], Any] = lambda given: 0.0  # the largest allowed value
+    applies: Callable[[RuleInput], bool] = lambda given: True  # whether there is anything to measure
+    # choices of the fidelity that meet the limit
     repair: Callable[["Breach"], dict[str, Any]] = lambda breach: {}
-    status: Status = Status.INVALID
+    status: Status = Status.INVALID  # of a run that breaks it; ok: its sentence is a remark
 
     def breach(self, given: RuleInput) -> "Breach | None":
         """Return what breaks the rule."""
@@ -206,12 +187,17 @@ def _asks(quantity: str, why: str, show: str, scale: float = 1.0) -> Callable[[B
 _plan = partial(Rule, Code.REFUSED)
 
 
-def _at_least(choice: str, least: Callable[[SteeringGear], int], mesh: str) -> Rule:
+def _of_spheres(given: RuleInput) -> bool:
+    return given.model.mesh == "general-contact"
+
+
+def _at_least(choice: str, least: Callable[[SteeringGear], int]) -> Rule:
+    """The rule of the fewest spheres along one direction of a flank."""
     return _plan(
         lambda given: -getattr(given.model, choice),
         _asks(f"fidelity.{choice}", "the integral over the contact", "{:.0f}"),
         lambda given: -least(given.gear),
-        lambda given: given.model.mesh == mesh,
+        _of_spheres,
         lambda breach: {choice: int(-breach.limit)},
     )
 
@@ -231,8 +217,7 @@ def _is_chain(given: RuleInput) -> bool:
 
 
 def _least_profile_samples(gear: SteeringGear) -> int:
-    """Return the spheres along the path of contact such that `SPACING` strips of contact lie between two of
-    them."""
+    """Return the least spheres along the path of contact: two are at most `SPACING` strips apart."""
     pair = GearPair.of(gear)
     curvature_radius = float(pair.reference_radius * np.sin(pair.alpha_t) / np.cos(pair.beta_p) ** 2)
     strip = 2 * np.sqrt(2 * curvature_radius * max(mean_depth(gear), 1e-9))
@@ -258,7 +243,7 @@ def _of_perfect_rack(name: str, errors: Callable[[SteeringGear], np.ndarray], wh
     return _plan(
         lambda given: float(np.abs(errors(given.gear)).max()),
         _asks(f"the largest of rack.{name}", reason, "{:.4g} um", 1e6),
-        applies=lambda given: given.model.mesh == "general-contact" and bool(getattr(given.gear.rack, name)),
+        applies=lambda given: _of_spheres(given) and bool(getattr(given.gear.rack, name)),
         repair=lambda breach: {"mesh": "flank"},
     )
 
@@ -279,17 +264,13 @@ OF_PLAN = (
     _plan(
         lambda given: abs(given.gear.rack.bow),
         _bowed,
-        applies=lambda given: given.model.mesh == "general-contact" or _is_chain(given),
+        applies=lambda given: _of_spheres(given) or _is_chain(given),
         repair=_straightened,
     ),
     _of_perfect_rack("pitch_errors", rack_errors, "whose racks have teeth without errors"),
     _of_perfect_rack("deviation", _rack_deviations, "whose rack has plane flanks"),
-    _at_least("strip_points", lambda gear: 2, "flank"),
-    _at_least("strip_stations", lambda gear: LEAST_STATIONS[gear.mesh.contact_law], "flank"),
-    _at_least(
-        "profile_samples", lambda gear: max(LEAST_ROWS, _least_profile_samples(gear)), "general-contact"
-    ),
-    _at_least("axial_samples", lambda gear: LEAST_ROWS, "general-contact"),
+    _at_least("profile_samples", lambda gear: max(LEAST_ROWS, _least_profile_samples(gear))),
+    _at_least("axial_samples", lambda gear: LEAST_ROWS),
     _plan(
         lambda given: DEEPEST * mean_depth(given.gear),
         _asks(
@@ -299,7 +280,7 @@ OF_PLAN = (
             1e6,
         ),
         lambda given: sphere_radius(GearPair.of(given.gear)),
-        lambda given: given.model.mesh == "general-contact",
+        _of_spheres,
         lambda breach: {"mesh": "flank"},
     ),
 )
@@ -373,8 +354,7 @@ def _touching(given: RuleInput) -> float:
 
 
 def _displaced(given: RuleInput) -> float:
-    """How far the rack stands from where its teeth are pressed in by the mean depth, over the path of
-    contact."""
+    """How far the rack is displaced from teeth pressed in by the mean depth, over the path of contact."""
     pair = GearPair.of(given.gear)
     axis = pair.axis_offset + pair.runout * np.cos(given.signals["pinion_angle"] + pair.runout_angle)
     raised = float(np.mean(given.signals["rack_y"] - axis)) + rack_approach(pair, mean_depth(given.gear))

@@ -22,7 +22,6 @@ from typing import IO
 
 from rps_exudyn.base.child_process import child_environment
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.kernel_code import object_files
 from rps_exudyn.base.progress import Making, Progress, passed_on, publish
 from rps_exudyn.results.result import Result
 from rps_exudyn.simulate.cases.frames import frame_of, frames_in
@@ -86,6 +85,8 @@ class Processes:
 
     def __init__(self, workers: int, time_limit: float, messages: Path | None = None) -> None:
         """`time_limit` is that of a task [s]; what the processes print goes to the file `messages`."""
+        from rps_exudyn.base.kernel_code import object_files  # with LLVM, which formulas do without
+
         self.workers = workers
         self.time_limit = time_limit
         self._messages = messages

@@ -23,16 +23,13 @@ from rps_exudyn.simulate.cases.time_limit import alarm, place_of, sentence
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """A call that an executor does.
+    """A call that an executor does."""
 
-    Attributes:
-        call: a function of a module, or a `functools.partial` of one; it goes to other processes.
-        warm_up: the same for a small case: a new process makes it before the clock of its first task runs.
-        begun: instant of `time.monotonic` since when the task's time runs; None: since it is begun.
-    """
-
+    # a function of a module, or a `functools.partial` of one; it goes to other processes
     call: Callable[[], Any]
+    # the same for a small case: a new process makes it before the clock of its first task runs
     warm_up: Callable[[], Any] | None = None
+    # instant of `time.monotonic` since when the task's time runs; None: since it is begun
     begun: float | None = None
 
 
@@ -57,30 +54,19 @@ def hand_over(best: Result) -> None:
 
 @dataclass(frozen=True)
 class Answer:
-    """What became of a task; times in seconds.
+    """What became of a task; times in seconds."""
 
-    Attributes:
-        value: what the call returned.
-        error: what it raised instead.
-        ended: where it was interrupted, or how its process ended; "" if the call returned or raised.
-        timeout: its time limit, where that was over; else 0.
-        recorded: what an interrupted run had recorded by then.
-        wall_s: elapsed time.
-        cpu_s: CPU time.
-    """
-
-    value: Any = None
-    error: Exception | None = None
-    ended: str = ""
-    timeout: float = 0.0
-    recorded: Result | None = None
-    wall_s: float = 0.0
-    cpu_s: float = 0.0
+    value: Any = None  # what the call returned
+    error: Exception | None = None  # what it raised instead
+    ended: str = ""  # where it was interrupted, or how its process ended; "" if the call returned or raised
+    timeout: float = 0.0  # its time limit, where that was over; else 0
+    recorded: Result | None = None  # what an interrupted run had recorded by then
+    wall_s: float = 0.0  # elapsed time
+    cpu_s: float = 0.0  # CPU time
 
     @property
     def failed_by_itself(self) -> bool:
-        """Whether its time was over or the call raised; a process that died may have been ended from
-        outside."""
+        """Whether its time was over or the call raised; another process may have been ended from outside."""
         return bool(self.timeout) or self.error is not None
 
     def returned(self) -> Any:
