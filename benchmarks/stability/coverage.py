@@ -121,16 +121,17 @@ def coverage_table(folder: Path) -> str:
     for group in ("scene", "model", "kind"):
         names = sorted({getattr(each, group) for each in found})
         groups |= {name: [each for each in found if getattr(each, group) == name] for name in names}
-    head = "metrics of", "plans", "judged", "within the bar", "median bar"
+    head = "metrics of", "plans", "judged", "within the bar", "beyond two bars", "median bar"
     return markdown(head, [_row(name, some) for name, some in groups.items() if some])
 
 
 def _row(name: str, some: list[Judged]) -> tuple[str, ...]:
     within = sum(each.off <= each.bar for each in some) / len(some)
+    beyond = sum(each.off > 2 * each.bar for each in some) / len(some)
     plans = len({each.number for each in some})
     median = float(np.median([each.share for each in some]))
     bar = f"{median:.2%}" if np.isfinite(median) else "of metrics that are 0"
-    return name, str(plans), str(len(some)), f"{within:.1%}", bar
+    return name, str(plans), str(len(some)), f"{within:.1%}", f"{beyond:.2%}", bar
 
 
 def misses_table(folder: Path) -> str:

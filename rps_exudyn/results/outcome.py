@@ -85,6 +85,7 @@ class Code(MeaningEnum):
     CLEARANCE_CLOSED = "clearance-closed", "the yoke touches its nut from the start"
     TEETH_OVERLOADED = "teeth-overloaded", "the contact pressure is above that of case-hardened steel"
     PEAKS_UNRESOLVED = "peaks-unresolved", "the error of the peak to peak is unknown: a vibration grows"
+    BARS_SHORT = "bars-short", "fewer metrics than elsewhere lie within their error bars"
     METRIC_NOT_CONFIRMED = "metric-not-confirmed", "the errors of some metrics are unknown"
     RACK_RIGID = "rack-rigid", "the model leaves out the bending of the rack, which matters here"
     NO_EFFICIENCY = "no-efficiency", "an efficiency is not between 0 and 1"

@@ -22,7 +22,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted, Remark
 from rps_exudyn.results.quantities import EXTREMES, MOTIONS, VARIATIONS
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses
-from rps_exudyn.scenes.checks.rules import OF_BARS, VIBRATES, RuleInput, breaches
+from rps_exudyn.scenes.checks.rules import OF_BARS, VIBRATES, RuleInput, breaches, remarks_on_bars
 from rps_exudyn.scenes.error_bar_terms import bar_terms
 from rps_exudyn.scenes.error_bars import FLOOR, Metrics, error_bars
 from rps_exudyn.scenes.ladder import gear_at, model_at
@@ -109,6 +109,7 @@ class Levels:
         errors = {name: each if np.isfinite(each) else np.nan for name, each in summed.items()}
         if vibration := VIBRATES.breach(RuleInput(self.gear, numbers=run.outcome.findings)):
             run = run.noting(Remark(VIBRATES.code, vibration.sentence)).unsure_of(VARIATIONS | EXTREMES)
+        run = run.noting(*remarks_on_bars(RuleInput(self.gear, fidelity)))
         errors |= dict.fromkeys(errors.keys() & run.unsure, np.nan)
         run = replace(run, errors=errors)
         for breach in breaches(OF_BARS, RuleInput(self.gear, numbers=measured)) if run.ok else ():

@@ -21,7 +21,7 @@ from rps_exudyn.results.outcome import Remark
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.after_run import unsettled_share
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses, of_many
-from rps_exudyn.scenes.checks.rules import OF_BARS, REMARKS, RuleInput, refused, remarks
+from rps_exudyn.scenes.checks.rules import OF_BARS, REMARKS, RuleInput, refused, remarks, remarks_on_bars
 from rps_exudyn.scenes.error_bar_terms import bar_terms
 from rps_exudyn.scenes.error_bars import error_bars
 from rps_exudyn.scenes.ladder import model_at
@@ -385,7 +385,10 @@ class _GearsAtLevel:
             return self.some(holds).described(coarse.some(holds), names)
         summary, test = dict(self.summary), self.table.test
         of_test, signals = test.remarks(self.record), self.record.signals
-        remarks_of_gears = [[*met, *own] for met, own in zip(self._limits_met(), of_test, strict=True)]
+        remarks_of_gears = [
+            [*met, *own, *remarks_on_bars(RuleInput(gear))]
+            for gear, met, own in zip(self.gears, self._limits_met(), of_test, strict=True)
+        ]
         if test.formulas is not None:
             by_formula = [test.formulas(each) for each in self.gears]
             for name in dict.fromkeys(name for own in by_formula for name in own):

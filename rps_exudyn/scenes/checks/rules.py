@@ -23,6 +23,7 @@ from rps_exudyn.gears.geometry_limits import largest_lift
 from rps_exudyn.gears.pitch_errors import rack_errors
 from rps_exudyn.gears.tooth_stiffness import BEARABLE_PRESSURE
 from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark, Status
 from rps_exudyn.results.quantities import SIGNALS
@@ -163,6 +164,12 @@ def breaches_of_plan(gear: SteeringGear, fidelity: Fidelity, *, motion: Motion) 
 def refused(gear: SteeringGear, fidelity: Fidelity, *, motion: Motion) -> list[str]:
     """Return the sentences about them."""
     return [breach.sentence for breach in breaches_of_plan(gear, fidelity, motion=motion)]
+
+
+def remarks_on_bars(given: RuleInput) -> Iterator[Remark]:
+    """Yield remarks on what the error bars of a plan do not show; without a fidelity, of equilibria."""
+    rules = SHORT_BARS if given.fidelity else (MORE_STATES,)
+    return (Remark(breach.rule.code, breach.sentence) for breach in breaches(rules, given))
 
 
 def remarks(gear: SteeringGear, signals: Signals) -> Iterator[Remark]:
@@ -490,6 +497,28 @@ REMARKS = (
     ),
 )
 """Limits of the gear that a run met."""
+
+MORE_STATES = _remark(
+    Code.BARS_SHORT,
+    lambda given: max(getattr(given.gear, part).surplus for part in RUBBING_PARTS),
+    lambda breach: (
+        "friction is larger at rest, so that equilibria have more than one state: 95 % of the metrics of "
+        "random gears lie within their error bars, 98 % elsewhere"
+    ),
+    applies=lambda given: given.fidelity is None or given.fidelity.solver == "equilibrium",
+)
+SHORT_BARS = (
+    MORE_STATES,
+    _remark(
+        Code.BARS_SHORT,
+        lambda given: float(given.model.mesh == "general-contact"),
+        lambda breach: (
+            "the spheres of a gear share an error that no level shows: two thirds of the metrics of random "
+            "gears lie within their error bars"
+        ),
+    ),
+)
+"""Causes that levels share and no term of the bars carries; shares of metrics by results/coverage."""
 
 CONTACT_LIMITS = frozenset({Code.FLANK_LIFTED, Code.YOKE_STOPPED})
 """Codes of a contact that opens or closes, beyond which numbers follow another law."""
