@@ -203,6 +203,17 @@ def test_a_motion_that_inertia_changes_altogether_is_no_equilibrium() -> None:
     assert Code.TURN_TOO_FAST in result.codes
 
 
+@pytest.mark.parametrize(
+    ("fidelity", "law", "is_marked"),
+    [("quasi-static", "stribeck", True), ("quasi-static", "coulomb", False), ("flank", "stribeck", False)],
+)
+def test_equilibria_with_friction_larger_at_rest_are_marked(fidelity: str, law: str, is_marked: bool) -> None:
+    gear = SteeringGear().replace(SHORT | {"yoke.friction_law": law, "yoke.static_ratio": 1.2})
+    result = rps.run("free-pinion-torque", gear, fidelity)
+    assert (Code.BARS_SHORT in result.codes) == is_marked
+    assert result.errors["torque_mean"] > 0
+
+
 def test_formulas_have_the_bar_of_their_model() -> None:
     formula, still = (
         rps.run("free-pinion-torque", fidelity=name) for name in ("closed-form", "quasi-static")
