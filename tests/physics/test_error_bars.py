@@ -209,7 +209,7 @@ def test_a_motion_that_inertia_changes_altogether_is_no_equilibrium() -> None:
 )
 def test_equilibria_with_friction_larger_at_rest_are_marked(fidelity: str, law: str, is_marked: bool) -> None:
     gear = SteeringGear().replace(SHORT | {"yoke.friction_law": law, "yoke.static_ratio": 1.2})
-    result = rps.run("free-pinion-torque", gear, fidelity)
+    result = rps.run("free-pinion-torque", gear, fidelity=fidelity)
     assert (Code.BARS_SHORT in result.codes) == is_marked
     assert result.errors["torque_mean"] > 0
 
