@@ -72,7 +72,7 @@ MISTAKES = {
     "run --band 16 17": "takes one",
     "run --band 16 --set 'yoke.preload=300 N +- -1 N'": "a deviation above 0",
     "run --band 16 --inputs own": "no parameter carries a distribution",
-    "run --band x": "Invalid value for --band",
+    "run --band x": "unable to convert",
     "report r.png": OTHER_FILE,
     "report batch.csv": OTHER_FILE,
     "report r-animation.html": OTHER_FILE,
