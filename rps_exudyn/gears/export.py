@@ -57,7 +57,9 @@ def assembled(gear: SteeringGear, angle: float = 0.0, chord_error: float = CHORD
 # --- The assembled gear, or a part of it, for other programs
 
 
-def export_solids(gear: SteeringGear, path: str | Path, part: str | None = None) -> None:
+def export_solids(
+    gear: SteeringGear, path: str | Path, part: str | None = None, chord_error: float = CHORD_ERROR
+) -> None:
     """Write all parts at pinion angle 0, or one of them, in the housing frame.
 
     GLB keeps the parts apart by name and is in metres, as its standard asks; STL is one mesh in
@@ -67,7 +69,7 @@ def export_solids(gear: SteeringGear, path: str | Path, part: str | None = None)
     Raises:
         InputError: no such part, or the file cannot be written.
     """
-    solids = assembled(gear)
+    solids = assembled(gear, chord_error=chord_error)
     if part is not None and part not in solids:
         raise InputError(f"{part} is no part of the gear; these are {', '.join(solids)}.")
     solids = {name: solid for name, solid in solids.items() if part in (None, name)}
