@@ -46,7 +46,6 @@ PLACEHOLDERS = {
     "A": "result.h5",
     "B": "other.h5",
     "FILE...": "measured.csv",
-    "FILE.csv": "measured.csv",
     "FILE.toml": "study.toml",
     "DIR": "study",
     "PATH...": "study",

@@ -224,11 +224,11 @@ def test_workers_start_together_unless_the_first_has_to_compile(
     def first_event(processes: Processes) -> float:
         raise InterruptedError
 
-    monkeypatch.setattr("rps_exudyn.simulate.cases.processes.object_files", lambda: [1] * compiled)
+    monkeypatch.setattr("rps_exudyn.base.kernel_code.object_files", lambda: [1] * compiled)
     monkeypatch.setattr(Processes, "_start", lambda _, warm_up: started.append(warm_up))
     monkeypatch.setattr(Processes, "_until_deadline", first_event)
     processes = Processes(3, 1.0)
-    monkeypatch.setattr("rps_exudyn.simulate.cases.processes.object_files", lambda: [1])
+    monkeypatch.setattr("rps_exudyn.base.kernel_code.object_files", lambda: [1])
     with pytest.raises(InterruptedError):
         list(processes.run(iter([case])))
     assert len(started) == at_once
