@@ -1,6 +1,7 @@
 """Kinds of TOML files that users write, with the JSON schema of each: gears, studies, files of `optimise`."""
 
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 from rps_exudyn.assessment.requirements.judging import BY_GEOMETRY
@@ -83,4 +84,9 @@ def kind_of(content: Mapping[str, Any]) -> str:
     Raises:
         StopIteration: there is none.
     """
-    return next(kind for kind, make in SCHEMAS.items() if content.keys() <= make()["properties"].keys())
+    return next(kind for kind, known in _keys().items() if content.keys() <= known)
+
+
+@cache
+def _keys() -> dict[str, set[str]]:
+    return {kind: set(make()["properties"]) for kind, make in SCHEMAS.items()}
