@@ -109,7 +109,7 @@ class Levels:
         errors = {name: each if np.isfinite(each) else np.nan for name, each in summed.items()}
         if vibration := VIBRATES.breach(RuleInput(self.gear, numbers=run.outcome.findings)):
             run = run.noting(Remark(VIBRATES.code, vibration.sentence)).unsure_of(VARIATIONS | EXTREMES)
-        run = run.noting(*remarks_on_bars(RuleInput(self.gear, fidelity)))
+        run = run.noting(*remarks_on_bars(self.gear, fidelity))
         errors |= dict.fromkeys(errors.keys() & run.unsure, np.nan)
         run = replace(run, errors=errors)
         for breach in breaches(OF_BARS, RuleInput(self.gear, numbers=measured)) if run.ok else ():

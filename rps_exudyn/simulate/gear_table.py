@@ -385,8 +385,9 @@ class _GearsAtLevel:
             return self.some(holds).described(coarse.some(holds), names)
         summary, test = dict(self.summary), self.table.test
         of_test, signals = test.remarks(self.record), self.record.signals
+        fidelity = self.table.shared_maneuvers[0].fidelity
         remarks_of_gears = [
-            [*met, *own, *remarks_on_bars(RuleInput(gear))]
+            [*met, *own, *remarks_on_bars(gear, fidelity)]
             for gear, met, own in zip(self.gears, self._limits_met(), of_test, strict=True)
         ]
         if test.formulas is not None:

@@ -166,10 +166,10 @@ def refused(gear: SteeringGear, fidelity: Fidelity, *, motion: Motion) -> list[s
     return [breach.sentence for breach in breaches_of_plan(gear, fidelity, motion=motion)]
 
 
-def remarks_on_bars(given: RuleInput) -> Iterator[Remark]:
-    """Yield remarks on what the error bars of a plan do not show; without a fidelity, of equilibria."""
-    rules = SHORT_BARS if given.fidelity else (MORE_STATES,)
-    return (Remark(breach.rule.code, breach.sentence) for breach in breaches(rules, given))
+def remarks_on_bars(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Remark]:
+    """Yield remarks on what the error bars of a plan do not show."""
+    for breach in breaches(SHORT_BARS, RuleInput(gear, fidelity)):
+        yield Remark(breach.rule.code, breach.sentence)
 
 
 def remarks(gear: SteeringGear, signals: Signals) -> Iterator[Remark]:
@@ -498,27 +498,23 @@ REMARKS = (
 )
 """Limits of the gear that a run met."""
 
-MORE_STATES = _remark(
-    Code.BARS_SHORT,
-    lambda given: max(getattr(given.gear, part).surplus for part in RUBBING_PARTS),
-    lambda breach: (
-        "friction is larger at rest, so that equilibria have more than one state: 95 % of the metrics of "
-        "random gears lie within their error bars, 98 % elsewhere"
-    ),
-    applies=lambda given: given.fidelity is None or given.fidelity.solver == "equilibrium",
-)
 SHORT_BARS = (
-    MORE_STATES,
     _remark(
         Code.BARS_SHORT,
-        lambda given: float(given.model.mesh == "general-contact"),
+        lambda given: max(getattr(given.gear, part).surplus for part in RUBBING_PARTS),
         lambda breach: (
-            "the spheres of a gear share an error that no level shows: two thirds of the metrics of random "
-            "gears lie within their error bars"
+            "friction is larger at rest, so that equilibria have more than one state: error bars may be too "
+            "narrow"
         ),
+        applies=lambda given: given.model.solver == "equilibrium",
+    ),
+    _remark(
+        Code.BARS_SHORT,
+        lambda given: float(_of_spheres(given)),
+        lambda breach: "spheres of one gear share an error that no level shows: error bars may be too narrow",
     ),
 )
-"""Causes that levels share and no term of the bars carries; shares of metrics by results/coverage."""
+"""Causes that levels share and no term of the bars carries; results/coverage has shares of metrics."""
 
 CONTACT_LIMITS = frozenset({Code.FLANK_LIFTED, Code.YOKE_STOPPED})
 """Codes of a contact that opens or closes, beyond which numbers follow another law."""
