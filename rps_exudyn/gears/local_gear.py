@@ -94,8 +94,8 @@ class LocalGears:
 
     def weights(self, gain: Function) -> np.ndarray:
         """Return the weights of the gears' numbers at gains (n,) [m/rad], (n, k): Lagrange's polynomials."""
-        at, found = np.atleast_1d(self.mesh.pressure_angle(gain))[:, None], np.ones((np.size(gain), 1))
-        found = found * np.ones(len(self.places))
+        at = np.atleast_1d(self.mesh.pressure_angle(gain))[:, None]
+        found = np.ones((len(at), len(self.places)))
         for k, place in enumerate(self.places):
             others = np.delete(self.places, k)
             found[:, k] = np.prod((at - others) / (place - others), axis=1)

@@ -160,13 +160,13 @@ def places_along(gear: SteeringGear) -> list[tuple[SteeringGear, float]]:
     ]
 
 
-def weakest(teeth: RootTeeth, torque: float) -> tuple[SteeringGear, ToothForm]:
-    """Return the tooth whose root has the largest stress under a torque on the pinion [N m].
+def weakest(teeth: RootTeeth, torque: float) -> tuple[float, SteeringGear, ToothForm]:
+    """Return the largest stress at a root [Pa] under a torque on the pinion [N m], and the tooth that has it.
 
     Raises:
         InputError: a root without the section that the standard judges.
     """
-    return max(teeth, key=lambda tooth: root_stress(tooth[0], tooth[1], torque))
+    return max(((root_stress(*tooth, torque), *tooth) for tooth in teeth), key=lambda found: found[0])
 
 
 def bearing_face(pair: GearPair) -> float:

@@ -369,7 +369,7 @@ def _mean_signals(gear: SteeringGear, maneuver: Maneuver) -> Signals:
     angle = pair.angle_at(place) if body == "rack" else place
     rate = rate / travel_per_radian(body, pair.gain_at(angle))
     local = LocalGears.between(gear, angle)
-    weights = local.weights(pair.gain_at(angle) * np.ones(angle.shape))
+    weights = local.weights(pair.gain_at(angle))
     pushed = {
         sense: [pushing_force(each, sense, pull) if body == "rack" else 0.0 for each in local.gears]
         for sense in (-1, 1)

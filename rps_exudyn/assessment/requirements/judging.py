@@ -26,7 +26,6 @@ from rps_exudyn.gears.tooth_strength import (
     pinion_teeth,
     rack_teeth,
     root_load_factor,
-    root_stress,
     weakest,
 )
 from rps_exudyn.inference.uncertainty.band import LEFT_OUT, Band, band_of_runs, nominal_result
@@ -71,8 +70,8 @@ BY_GEOMETRY: Mapping[str, Callable[[SteeringGear], float]] = {
 
 
 def _root_stress(teeth: RootTeeth, torque: float, face_load_factor: float) -> float:
-    local, form = weakest(teeth, torque)
-    return root_load_factor(GearPair.of(local), form, face_load_factor) * root_stress(local, form, torque)
+    stress, local, form = weakest(teeth, torque)
+    return root_load_factor(GearPair.of(local), form, face_load_factor) * stress
 
 
 STRESSES: Mapping[str, Callable[[SteeringGear, float, float], float]] = {
@@ -384,7 +383,7 @@ class _Judged:
 
     def root(self, name: str, teeth: RootTeeth) -> RequirementRow:
         """The stress at a root, and what was chosen for it."""
-        local, form = weakest(teeth, self.rated_torque)
+        _, local, form = weakest(teeth, self.rated_torque)
         factor = root_load_factor(GearPair.of(local), form, self.bears.factor)
         inclined = f"Y_beta of this part's {np.degrees(form.helix):.3g} deg, load at the tip of a tooth"
         known = (
