@@ -27,7 +27,9 @@ MODULES = {
     "peer_scene": "peers.scene_files",                 "peers": "peers.side_by_side",
     "reduced_gear": "reduced_gear",                    "triangles": "triangles",
     "truth": "truth.entries",                          "yoke_adjustment": "yoke_adjustment",
-    "releases": "releases",
+    "releases": "releases",                            "sensitivities": "sensitivities",
+    "preload_window": "preload_window",                "optimised_series": "optimised_series",
+    "ratio_cost": "ratio_cost",
 }  # fmt: skip
 PARTS = {
     "spheres_on_gears": "law_on_gears:SPHERES_ALONE",

@@ -1,7 +1,5 @@
 """Derivatives of metrics by parameters: closed forms, central differences of single runs, kinks, limits."""
 
-from contextlib import suppress
-
 import numpy as np
 import pytest
 from xarray import Dataset
@@ -13,6 +11,7 @@ from rps_exudyn.scenes.scene import WITHOUT_BARS
 from rps_exudyn.simulate.run_plan import Plan
 from rps_exudyn.solvers.closed_form import GRAVITY, load_test
 from verification.population import random_gears
+from verification.slopes import beside_single_runs
 
 TURN = "free-pinion-torque"
 GEAR = rps.SteeringGear()
@@ -68,24 +67,15 @@ def test_slopes_are_central_differences_of_single_runs(found: Dataset) -> None:
 
 @pytest.mark.long
 def test_errors_hold_for_random_gears() -> None:
-    """Against central differences of single runs; docs/uncertainty.md has the shares of 20 gears."""
-    apart, bars, slopes = list[float](), list[float](), list[float]()
-    for gear in random_gears(1, 3):
-        one = rps.sensitivities(TURN, gear, fidelity=FOR_MEANS)
-        same = gear.replace({"mesh.law": one.attrs["contact_law"]})
-        for path in (str(each) for each in one["parameter"].values):
-            at, step = one.sel(parameter=path), float(one["step"].sel(parameter=path))
-            sides = []
-            for sign in (1, -1):
-                with suppress(rps.InputError):
-                    made = same.replace({path: float(same.value_at(path)) + sign * step})
-                    sides.append(Plan(TURN, made, FOR_MEANS).run(WITHOUT_BARS).summary)
-            if len(sides) == 2:
-                right = [(sides[0][name] - sides[1][name]) / (2 * step) for name in at["metric"].values]
-                apart += np.abs(at["slope"].values - right).tolist()
-                bars += at["error"].values.tolist()
-                slopes += np.abs(right).tolist()
-    difference, error, slope = (np.array(each) for each in (apart, bars, slopes))
+    """Against central differences of single runs; results/drawing has the shares of 20 gears."""
+    found = [
+        beside_single_runs(TURN, gear, rps.sensitivities(TURN, gear, fidelity=FOR_MEANS))
+        for gear in random_gears(1, 3)
+    ]
+    difference, error, slope = (
+        np.concatenate(each)
+        for each in zip(*((one.apart, one.error, one.size) for one in found), strict=True)
+    )
     clear = slope > 10 * error
     assert (difference <= error).mean() > 0.99
     assert (difference <= 0.01 * slope)[clear].mean() > 0.98
