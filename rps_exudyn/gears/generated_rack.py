@@ -245,7 +245,8 @@ def _root_of(
             ahead = x - value / slope
         step = np.where((ahead >= low) & (ahead <= high), ahead, (low + high) / 2) - x
         x = x + step
-        if not np.abs(step).max() > 1e-14:
+        is_rounding = np.abs(value) <= 4 * np.finfo(float).eps * (1 + np.abs(x))  # over a slope near 0
+        if not np.abs(np.where(is_rounding, 0.0, step)).max() > 1e-14:
             break
     return x
 

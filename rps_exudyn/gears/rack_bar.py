@@ -31,6 +31,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 MOST_TEETH = 2000
 """Of a rack's body; it takes 1.5 s to make."""
 TRIAL = 8  # chords along each direction of a generated flank, by which their number is found
+MOST_OF_FLANK = 4096  # pieces of one: fewer serve up to q_a / |Q| of 0.9, beyond which it has a corner
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,8 +180,9 @@ class RackBar:
         trial = sections(2 * TRIAL, 2 * TRIAL, 2 * TRIAL)
         side, root = slice(2 * TRIAL, 4 * TRIAL + 1), slice(0, 2 * TRIAL + 1)
         heights = [sagitta(trial, 1), sagitta(trial[:, :, side], 2), sagitta(trial[:, :, root], 2)]
-        counts = (max(int(np.ceil(TRIAL * np.sqrt(height / (chord_error / 2)))), 1) for height in heights)
-        teeth = sections(*counts)
+        wanted = TRIAL * np.sqrt(np.array(heights) / (chord_error / 2))
+        wanted[:2] *= min(1.0, np.sqrt(MOST_OF_FLANK / (wanted[0] * wanted[1])))
+        teeth = sections(*(max(int(np.ceil(each)), 1) for each in wanted.tolist()))
         joined = np.concatenate([teeth[0, :, :1], *(teeth[:, :, 1:])], axis=1)
         end = np.full((len(joined), 1), -1.5 * pair.bar_radius)
         ends = [np.stack([joined[:, at, :1], end, joined[:, at, 2:]], axis=-1)[:, 0] for at in (-1, 0)]

@@ -24,6 +24,7 @@ most = "given"                   # what the gear as given has
 import hashlib
 import json
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
@@ -71,7 +72,18 @@ GIVEN, NONE = "given", "none"  # limit of a constraint; no errors
 Read = TypeVar("Read")
 MOST_WHOLE = 1000  # whole numbers between the bounds of a variable
 TRIED = 64  # gears within the bounds, of which one must exist
-FOLLOWS = (0.25, 4.0)  # times its given value, between which a kept parameter is sought
+FOLLOWS = (
+    0.9,
+    1.1,
+    0.8,
+    1.25,
+    0.6,
+    1.6,
+    0.4,
+    2.5,
+    0.25,
+    4.0,
+)  # times its value: a kept parameter's, nearest first
 
 
 @dataclass(frozen=True)
@@ -157,10 +169,16 @@ def _following(made: Setup, path: str, name: str, wanted: float) -> Setup:
     def beyond(factor: float) -> float:
         return float(BY_GEOMETRY[name](made.replace({path: here * factor}))) - wanted
 
-    try:
-        factor = brentq(beyond, *FOLLOWS, xtol=1e-12) if beyond(1.0) else 1.0
-    except ValueError:
-        raise InputError(f"no {path} near {here:g} keeps the {name}.") from None
+    at_start, factor = beyond(1.0), 1.0
+    if at_start:
+        for other in FOLLOWS:  # the nearest change of sign, for gears far away need not exist
+            with suppress(InputError):
+                if at_start * beyond(other) <= 0:
+                    factor = brentq(beyond, *sorted((1.0, other)), xtol=1e-12)
+                    break
+        else:
+            shown = SteeringGear.declared_at(path)[0].show(here)
+            raise InputError(f"no {path} near {shown} keeps the {name}.")
     return made.replace({path: float(f"{here * factor:.9g}")})
 
 

@@ -10,7 +10,6 @@ there is a map.
 """
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
@@ -27,6 +26,7 @@ from rps_exudyn.assessment.requirements.judging import (
 )
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import shown, to_si
+from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.inference.uncertainty.band import FEWEST, OnProgress
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.inference.uncertainty.joint import JointInputs
@@ -47,6 +47,7 @@ AGAIN = 24  # draws of the runs, for errors
 FACTORS = np.geomspace(1 / 5, 5, 15)  # times the gear's value: where a window is looked for
 NODES, OF_EACH = 3, 4  # values of one parameter that are computed first, of each of two
 DENSE = {1: 401, 2: 31}  # values in between, by the number of parameters
+HALVINGS = 12  # of the way to a value without a gear
 EVERY = slice(None)
 FIRST_PASS = {"torque_mean", "torque_peak_to_peak", "torque_tooth_order", "torque_first_order"}
 """Metrics of the first pass of a free turn, which need no way back."""
@@ -56,12 +57,18 @@ Point = tuple[float, ...]
 @dataclass(frozen=True)
 class End:
     """An end of a window, SI: standard errors by the number of gears and by the numerical error; the limits
-    that forbid more, none where the search ended there."""
+    that forbid more, each with its side that does; none where the search ended there, and why."""
 
     value: float
     sampling: float
     numerical: float
-    limited_by: tuple[str, ...]
+    limits: Mapping[str, Limit]
+    cause: str = ""
+
+    @property
+    def limited_by(self) -> tuple[str, ...]:
+        """Names of the limits that forbid more."""
+        return tuple(self.limits)
 
     @property
     def error(self) -> float:
@@ -251,6 +258,9 @@ class _Series:
     count: int
     seed: int
     known: dict[Point, Numbers] = field(default_factory=dict)
+    causes: dict[float, str] = field(
+        default_factory=dict
+    )  # last value with a gear -> why there is none beyond
 
     @cached_property
     def quantiles(self) -> tuple[np.ndarray, np.ndarray]:
@@ -295,23 +305,24 @@ class _Series:
                     numbers[name] = values, np.nan_to_num(bars)
         names = [name for name in self.limits if name not in self.sources]
         for gear, numbers in zip(gears, found, strict=True):
-            exact = numbers_without_runs(names, gear, self.limits, self.rated_torque)
+            exact = dict.fromkeys(names, np.nan)
+            if not _refusal(gear):
+                exact = numbers_without_runs(names, gear, self.limits, self.rated_torque)
             numbers |= {name: (np.full(rows, value), np.zeros(rows)) for name, value in exact.items()}
         return found
 
     def narrowed(self, places: np.ndarray) -> tuple[float, float]:
         """Return the ends of a range about the values of one parameter at which the gear at the medians keeps
         the limits; where there are none, about the value that misses them least."""
-        points = list[Point]()
-        for place in places.tolist():
-            with suppress(InputError):
-                self.gear.replace({self.paths[0]: place})
-                points.append((place,))
+        (path,) = self.paths
+        points = self.admissible(np.union1d(places, _within(places, float(self.gear.value_at(path)))))
+        if not points:
+            raise InputError(f"{path} has no values at which there is a gear: {self.refused(places[0])}")
         medians = np.full((1, len(self.drawn)), 0.5)
         missed = np.array(
             [
                 max(_missed(self.limits[name], float(values[0])) for name, (values, _) in numbers.items())
-                for numbers in self._numbers(points, medians)
+                for numbers in self._numbers([(each,) for each in points], medians)
             ]
         )
         first = last = int(missed.argmin())
@@ -322,8 +333,38 @@ class _Series:
         first -= int(first > 0 and np.isfinite(missed[first - 1]))
         last += int(last < len(missed) - 1 and np.isfinite(missed[last + 1]))
         if first == last:
-            raise InputError(f"{self.paths[0]} has no values at which the gear can be computed.")
-        return points[first][0], points[last][0]
+            raise InputError(f"{path} has no values at which the gear can be computed.")
+        return points[first], points[last]
+
+    def refused(self, value: float) -> str:
+        """Return why there is no gear with a value of the parameter; "" if there is."""
+        try:
+            return _refusal(self.gear.replace({self.paths[0]: value}))
+        except InputError as error:
+            return error.problems[0]
+
+    def admissible(self, places: np.ndarray) -> list[float]:
+        """Return those of rising values with which there is a gear, and between these and others the last
+        ones that have."""
+        refused, found = [self.refused(place) for place in places.tolist()], list[float]()
+        for i, place in enumerate(places.tolist()):
+            if refused[i]:
+                continue
+            others = (k for k in (i - 1, i + 1) if 0 <= k < len(places) and refused[k])
+            found += sorted([place, *(self._last(place, float(places[k])) for k in others)])
+        return found
+
+    def _last(self, value: float, beyond: float) -> float:
+        """Return the last value with a gear before another one without; keep the cause of its refusal."""
+        cause = self.refused(beyond)
+        for _ in range(HALVINGS):
+            middle = (value + beyond) / 2
+            if why := self.refused(middle):
+                beyond, cause = middle, why
+            else:
+                value = middle
+        self.causes[value] = cause
+        return value
 
     def found(self, axes: Sequence[np.ndarray], share: float) -> Window:
         """Return the shares between the points of a grid, and where the share is largest."""
@@ -351,17 +392,25 @@ class _Series:
         again = [self.shares(axes, (np.array(values),), some)[""] for some in rows]
         moved = [self.ends(axes, found.share, sign) or (found.best[self.paths[0]],) * 2 for sign in (-1, 1)]
         for k, sense in enumerate((-1, 1)):
-            errors, limited = (0.0, 0.0), tuple[str, ...]()
+            errors, limited = (0.0, 0.0), dict[str, Limit]()
             if places[0] < values[k] < places[-1]:
                 deviation = float(np.std([one[k] for one in again]))
                 levels = (found.share - deviation, found.share + deviation)
                 sampling = np.ptp([_crossing(places, found.shares, sense, level) for level in levels])
                 errors = float(sampling) / 2, abs(moved[1][k] - moved[0][k]) / 2
-                limited = _most_missed(
+                names = _most_missed(
                     {name: float(np.interp(values[k], places, one)) for name, one in found.each.items()}
                 )
-            made.append(End(values[k], *errors, limited))
+                limited = {name: self._side(name, values[k], sense, found.share) for name in names}
+            cause = "" if limited else self.causes.get(float(values[k]), "")
+            made.append(End(values[k], *errors, limited, cause))
         return replace(found, ends=tuple(made), best={self.paths[0]: sum(values) / 2})
+
+    def _side(self, name: str, end: float, sense: int, share: float) -> Limit:
+        """Return the side of a limit that too many gears miss at the computed value behind an end."""
+        (beyond,) = min(self.known, key=lambda at: (sense * (at[0] - end) < 0, abs(at[0] - end)))
+        values = self.known[beyond,][name][0]
+        return self.limits[name].missed(*np.nanquantile(values, (1 - share, share)).tolist())
 
     def shares(
         self,
@@ -395,6 +444,19 @@ class _Series:
             kept[name] = limit.keeps(at) & works
         kept[""] = np.logical_and.reduce(list(kept.values()))
         return {name: each.mean(axis=-1) for name, each in kept.items()}
+
+
+def _refusal(gear: SteeringGear) -> str:
+    """Return why a gear cannot exist; "" if it can."""
+    try:
+        check_gear(gear)
+    except InputError as error:
+        return error.problems[0]
+    return ""
+
+
+def _within(places: np.ndarray, value: float) -> list[float]:
+    return [value] if places[0] < value < places[-1] else []
 
 
 def _missed(limit: Limit, value: float) -> float:

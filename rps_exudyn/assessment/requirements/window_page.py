@@ -1,6 +1,6 @@
 """The sheet of a window: its ends, what limits them, the shares over the parameter."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -15,14 +15,15 @@ from rps_exudyn.pages.report.pictures import at_widths
 from rps_exudyn.pages.report.result_sheet import gear_shown
 from rps_exudyn.parameters.display_names import named
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.limit import Limit
 from rps_exudyn.results.page_blocks import Fold, Pictures
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.results.quantities import Quantity
 from rps_exudyn.results.requirements import label_of, quantity_of
-from rps_exudyn.results.rounding import half_width, rounded, rounded_range
+from rps_exudyn.results.rounding import half_width, interval, rounded
 from rps_exudyn.results.sheet import Block, Grid, Row, Section, Sheet, Text
 
-ROWS = 21  # places of the table
+ROWS, ROWS_OF_MAP = 21, 7  # places of the table
 MOST_CURVES = 5  # limits that are drawn
 
 
@@ -52,47 +53,72 @@ def _quantity(path: str) -> Quantity:
 
 
 def _rows(found: Window) -> Iterator[Row]:
-    wanted, quantity = f"{100 * found.share:g} %", _quantity(found.paths[0])
-    best = " and ".join(
-        f"{named(path)} {rounded(_quantity(path), value)}" for path, value in found.best.items()
-    )
+    wanted = f"{100 * found.share:g} %"
+    best = " and ".join(f"{named(path)} {_shown(found, path, value)}" for path, value in found.best.items())
     if found.ends:
-        low, high = (end.value for end in found.ends)
-        yield Row(rounded_range(quantity, low, high), f"{wanted} of the gears keep the limits")
+        low, high = (_shown(found, found.paths[0], end.value) for end in found.ends)
+        yield Row(interval(low, high), f"{wanted} of the gears keep the limits")
         for word, end in zip(("low end", "high end"), found.ends, strict=True):
             yield Row(word, _limited(end, found))
     elif found.best_share >= found.share:
         yield Row(wanted, "of the gears keep the limits in the marked part of the map")
     else:
         yield Row("none", f"no value at which {wanted} of the gears keep the limits")
-        missed = ", ".join(_limit(name, found) for name in found.forbidden_by)
+        missed = ", ".join(_limit(name, found.limits[name]) for name in found.forbidden_by)
         yield Row("forbidden", f"by {missed}")
-    where = "in the middle" if found.ends else "nearest"
+    where = "in the middle" if found.ends else "best" if found.best_share >= found.share else "nearest"
     yield Row(where, f"{best}: kept by {100 * found.best_share:.1f} % of the gears")
 
 
-def _limit(name: str, found: Window) -> str:
-    return f"{label_of(name)[0]}, {found.limits[name].show(quantity_of(name))}"
+def _shown(found: Window, path: str, value: float) -> str:
+    """Return a value of a parameter, as finely as the window, or else the places, lie apart."""
+    places = found.places[found.paths.index(path)]
+    width = found.ends[1].value - found.ends[0].value if found.ends else np.ptp(places)
+    quantity = _quantity(path)
+    text, _, unit = rounded(quantity, value, width / 50 or None, like=value or places[-1]).partition(" ± ")
+    return f"{text} {unit.partition(' ')[2]}".strip() if unit else text
+
+
+def _limit(name: str, limit: Limit) -> str:
+    return f"{label_of(name)[0]}, {limit.show(quantity_of(name))}"
 
 
 def _limited(end: End, found: Window) -> str:
-    if not end.limited_by:
-        return "the search ended here, no limit does"
+    if not end.limits:
+        return f"no gear beyond: {end.cause}" if end.cause else "the search ended here, no limit does"
     quantity = _quantity(found.paths[0])
+    limited = "; ".join(_limit(name, limit) for name, limit in end.limits.items())
+    if not end.error:
+        return limited
     errors = [half_width(quantity, each, end.value) for each in (end.error, end.sampling, end.numerical)]
-    limited = "; ".join(_limit(name, found) for name in end.limited_by)
     return f"{errors[0]}: {limited} ({errors[1]} by the number of gears, {errors[2]} numerical)"
 
 
 def _text(found: Window) -> Iterator[Block]:
+    first = partial(_shown, found, found.paths[0])
     if len(found.paths) == 1:
-        show, places = _quantity(found.paths[0]).show, found.places[0]
-        at = np.linspace(0, len(places) - 1, ROWS).round().astype(int)
-        columns = found.shares, *found.each.values()
-        rows = [[show(places[i]), *(f"{100 * each[i]:.1f} %" for each in columns)] for i in at.tolist()]
-        yield Grid((found.paths[0], "all limits", *found.each), rows, "Share of the gears that keep a limit")
+        places = found.places[0].tolist()
+        shares = found.shares, *found.each.values()
+        cells = [
+            [first(places[i]), *(f"{100 * each[i]:.1f} %" for each in shares)] for i in _some(places, ROWS)
+        ]
+        yield Grid((found.paths[0], "all limits", *found.each), cells, "Share of the gears that keep a limit")
+    else:
+        rows, columns = (_some(each) for each in found.places)
+        head = [_shown(found, found.paths[1], float(found.places[1][j])) for j in columns]
+        cells = [
+            [first(float(found.places[0][i])), *(f"{100 * found.shares[i, j]:.1f} %" for j in columns)]
+            for i in rows
+        ]
+        title = f"Share of the gears that keep the limits, by {named(found.paths[1])}"
+        yield Grid((named(found.paths[0]), *head), cells, title)
     for row in _rows(found):
         yield Text(f"{row.value}: {row.words}.")
+
+
+def _some(places: Sequence[float] | np.ndarray, count: int = ROWS_OF_MAP) -> list[int]:
+    """Return numbers of places spread evenly."""
+    return [int(each) for each in np.linspace(0, len(places) - 1, count).round()]
 
 
 def as_dict(found: Window) -> dict[str, Any]:
@@ -102,7 +128,7 @@ def as_dict(found: Window) -> dict[str, Any]:
         "share": found.share,
         "ends": [
             {"value": end.value, "error": end.error, "sampling": end.sampling, "numerical": end.numerical}
-            | {"limited_by": list(end.limited_by)}
+            | {"limited_by": list(end.limited_by), "cause": end.cause}
             for end in found.ends
         ],
         "best": dict(found.best),
@@ -123,8 +149,10 @@ def window_figure(found: Window, width: float = 8.0) -> Figure:
     labels = [each.axis_label(named(path)) for each, path in zip(quantities, found.paths, strict=True)]
     axes.set_xlabel(labels[0])
     if len(places) == 2:
-        shades = axes.contourf(*places, 100 * found.shares.T, levels=20, cmap="cividis")
-        axes.contour(*places, found.shares.T, levels=[found.share], colors="white")
+        shades = axes.contourf(*places, 100 * found.shares.T, levels=np.linspace(0, 100, 21), cmap="cividis")
+        if found.best_share > found.share > found.shares.min():
+            line = axes.contour(*places, 100 * found.shares.T, levels=[100 * found.share], colors="white")
+            axes.clabel(line, fmt="%g %%")
         figure.colorbar(shades, ax=axes, label="gears that keep the limits [%]")
         axes.set_ylabel(labels[1])
         return figure
