@@ -208,6 +208,11 @@ def over_instants(at: np.ndarray, instants: np.ndarray, values: np.ndarray) -> n
     return np.asarray(before * (1 - share) + after * share)
 
 
+def signals_over_instants(at: np.ndarray, instants: np.ndarray, signals: Signals) -> dict[str, np.ndarray]:
+    """Return signals at rising instants (n,) as `over_instants` does, by their names."""
+    return {name: over_instants(at, instants, values) for name, values in signals.items()}
+
+
 # --- Where in a record something first holds, for a reader
 
 

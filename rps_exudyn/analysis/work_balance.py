@@ -48,10 +48,13 @@ def describe_losses(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
     return shares
 
 
-def energy_residual(signals: Mapping[str, np.ndarray]) -> Any:
-    """(work of drive and load - work lost - change of stored energy) / `largest_work`; nan without work."""
+def describe_balance(signals: Mapping[str, np.ndarray]) -> dict[str, Any]:
+    """The energy residual, (work of drive and load - work lost - change of stored energy) / `largest_work`:
+    nan without work; {} of models that do not state what they store."""
+    if "stored_energy" not in signals:
+        return {}
     larger = np.asarray(largest_work(signals))
-    return (missing_work(signals) / np.where(larger > 0, larger, np.nan))[()]
+    return {"energy_residual": (missing_work(signals) / np.where(larger > 0, larger, np.nan))[()]}
 
 
 def largest_work(signals: Mapping[str, np.ndarray]) -> Any:

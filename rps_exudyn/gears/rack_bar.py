@@ -66,8 +66,9 @@ class RackBar:
         pair, bush, rack = GearPair.of(gear), gear.bush, gear.rack
         x_max = bush.distance + bush.length + rack.travel / 2 + bush.end_overhang
         needed = rack.travel / 2 + pinion_reach(pair)
-        turned = max(abs(pair.angle_at(needed)), abs(pair.angle_at(-needed))) * pair.teeth / (2 * np.pi)
-        teeth = needed / pair.rack_pitch if pair.course is None else turned
+        teeth = needed / pair.rack_pitch
+        if pair.course is not None:
+            teeth = np.abs(pair.angle_at(np.array([-needed, needed]))).max() * pair.teeth / (2 * np.pi)
         return cls(pair, x_max - rack.length, x_max, int(np.ceil(teeth)))
 
     @property

@@ -6,7 +6,7 @@ values and what an HDF5 result stores. Values are SI; text with a unit is conver
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
@@ -318,6 +318,10 @@ class Table(BaseModel):
         for name in path.split("."):
             value = getattr(value, name)
         return value
+
+    def set_among(self, paths: Iterable[str]) -> list[str]:
+        """Return those of some paths at which a value other than 0 or an empty text stands."""
+        return [path for path in paths if self.value_at(path)]
 
     @classmethod
     def declared(cls) -> Iterator["Declared"]:

@@ -30,7 +30,7 @@ from rps_exudyn.gears.bar_section import mass_and_moments
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.local_gear import ALONG, LocalGears, local_gear_at, mean_over_travel, turn_of_test
 from rps_exudyn.gears.rack_bar import RackBar
-from rps_exudyn.parameters.friction_law import RUBBING_PARTS, FrictionLaw
+from rps_exudyn.parameters.friction_law import FrictionLaw, largest_surplus
 from rps_exudyn.parameters.gear import FLANK_DEVIATIONS, SteeringGear
 
 GRAVITY = 9.80665  # [m/s^2]
@@ -85,7 +85,7 @@ def beyond_formulas(gear: SteeringGear) -> str:
             f"the formulas have no yokenut, but a runout of {1e6 * lift:.4g} um exceeds yoke.clearance = "
             f"{1e6 * gear.yoke.clearance:.4g} um"
         )
-    if given := [path for path in LEFT_OUT if gear.value_at(path)]:
+    if given := gear.set_among(LEFT_OUT):
         return f"the formulas leave out {', '.join(given)}"
     if (surplus := static_surplus(gear)) > LEAST_SURPLUS:
         return (
@@ -232,7 +232,7 @@ def friction_over_speed(law: FrictionLaw, torque: float, lever: float) -> Rubbin
 
 def static_surplus(gear: SteeringGear) -> float:
     """Return what friction that falls from rest on adds to the torque at the test's speed, as a share."""
-    if not any(getattr(gear, part).surplus for part in RUBBING_PARTS):
+    if not largest_surplus(gear):
         return 0.0
     parts = [friction_over_speed(*part) for part in sliding_parts(gear)]
     whole = sum(part.torque for part in parts)

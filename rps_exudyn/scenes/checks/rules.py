@@ -23,7 +23,7 @@ from rps_exudyn.gears.geometry_limits import largest_lift
 from rps_exudyn.gears.pitch_errors import rack_errors
 from rps_exudyn.gears.tooth_stiffness import BEARABLE_PRESSURE
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.friction_law import RUBBING_PARTS
+from rps_exudyn.parameters.friction_law import largest_surplus
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark, Status
 from rps_exudyn.results.quantities import SIGNALS
@@ -501,7 +501,7 @@ REMARKS = (
 SHORT_BARS = (
     _remark(
         Code.BARS_SHORT,
-        lambda given: max(getattr(given.gear, part).surplus for part in RUBBING_PARTS),
+        lambda given: largest_surplus(given.gear),
         lambda breach: (
             "friction is larger at rest, so that equilibria have more than one state: error bars may be too "
             "narrow"
