@@ -40,9 +40,8 @@ class Flank:
         """Angle Theta of the involute's root on the base circle at Z = 0 [rad]."""
         pair = self.pair
         centre = np.pi / 2 + np.pi / pair.teeth * (1 + 2 * self.tooth)
-        return float(centre + self.side * half_angle(pair, pair.base_radius)) + self.form.turn(
-            self.tooth, pair
-        )
+        turn = self.form.turns(pair)[self.tooth % pair.teeth]
+        return float(centre + self.side * half_angle(pair, pair.base_radius)) + float(turn)
 
     @cached_property
     def twist(self) -> float:

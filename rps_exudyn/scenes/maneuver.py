@@ -11,7 +11,7 @@ from rps_exudyn.gears.flank_grid import measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.local_gear import turn_of_test
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.checks.before_run import check_travel, degrees_shown, largest_angle
+from rps_exudyn.scenes.checks.before_run import check_travel, degrees_shown
 from rps_exudyn.solvers.prescribed_motion import Drive, DrivenBody, SetOff, Steady, Swing, travel_per_radian
 from rps_exudyn.solvers.settled_start import Approach, SteadyApproach, SwingApproach
 from rps_exudyn.solvers.sliding_stability import bristle_reversal_angle
@@ -151,21 +151,22 @@ def steady_maneuver(
     Raises:
         InputError: it leaves the rack's teeth.
     """
-    check_travel(gear, (first, last), f"a test from {degrees_shown(first)} to {degrees_shown(last)}")
-    whole = whole_periods(gear, abs(last - first))
+    swept = f"a test from {degrees_shown(first)} to {degrees_shown(last)}"
+    allowed, whole = check_travel(gear, (first, last), swept), whole_periods(gear, abs(last - first))
     periods, at_least = (whole, least.per_period) if whole else (1, least.of_part)
     piece = abs(last - first) / periods
     per_piece = max(at_least, even(piece / step_angle * (1 - 1e-12)))
     step, speed = piece / per_piece, gear.test.speed
     lead, sense = even(RUN_IN / step), float(np.sign(last - first))
     start = first - sense * lead * step
-    scale, pair = travel_per_radian(body, float(GearPair.of(gear).gain)), GearPair.of(gear)
+    pair = GearPair.of(gear)
+    scale = travel_per_radian(body, float(pair.gain))
     drive = Steady(body, scale * start, scale * sense * speed)
     if body == "rack" and pair.course is not None:  # at the mean ratio between the angles
         begin, end = float(pair.travel_at(first)), float(pair.travel_at(last))
         scale = (end - begin) / (last - first)
         drive = Steady(body, begin - scale * sense * lead * step, scale * sense * speed)
-    pitch, toothed = 2 * np.pi / gear.pinion.teeth, max(0.0, largest_angle(gear) + sense * start)
+    pitch, toothed = 2 * np.pi / gear.pinion.teeth, max(0.0, allowed + sense * start)
     approach = SteadyApproach(pitch / speed, toothed / speed, step=step / speed)
     steps, closes = per_piece * periods, whole is not None
     return Maneuver(drive, step / speed, lead, steps, periods, approach=approach, closes=closes)

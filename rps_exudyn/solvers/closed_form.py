@@ -115,8 +115,8 @@ def mean_lever(pair: GearPair) -> float:
 
 def first_order_torque(gear: SteeringGear) -> float:
     """Mean free torque as the sum of the losses, friction small [N m]."""
-    rubbing = torque_per_preload(gear) * gear.yoke.preload
-    return float(rubbing + GearPair.of(gear).gain * bush_drag(gear) + gear.bearing.friction_torque)
+    rubbing, gain = torque_per_preload(gear) * gear.yoke.preload, GearPair.of(gear).gain
+    return float(rubbing + gain * bush_drag(gear, gain) + gear.bearing.friction_torque)
 
 
 def mean_gain(gear: SteeringGear) -> float:
@@ -125,9 +125,9 @@ def mean_gain(gear: SteeringGear) -> float:
     return float(pair.gain if pair.course is None else np.ptp(pair.travel_at(turn)) / np.ptp(turn))
 
 
-def bush_drag(gear: SteeringGear) -> float:
-    """Return the bush's drag on the rack, with its viscous part at the speed of the test [N]."""
-    return float(gear.bush.drag + gear.bush.viscous_drag * gear.test.speed * abs(GearPair.of(gear).gain))
+def bush_drag(gear: SteeringGear, gain: float) -> float:
+    """Return the bush's drag on the rack, with its viscous part at the speed of the test and a gain [N]."""
+    return float(gear.bush.drag + gear.bush.viscous_drag * gear.test.speed * abs(gain))
 
 
 def torque_per_preload(gear: SteeringGear) -> float:
@@ -158,7 +158,7 @@ def runout_harmonics(gear: SteeringGear) -> tuple[float, float]:
         cosine, sine = mean_over_travel(gear, runout_harmonics)
         return cosine, sine
     pair, yoke, e = GearPair.of(gear), gear.yoke, gear.pinion.runout
-    drag = bush_drag(gear) + seat_under(gear).wedge * yoke.friction * yoke.preload
+    drag = bush_drag(gear, pair.gain) + seat_under(gear).wedge * yoke.friction * yoke.preload
     by_lift = torque_per_preload(gear) * yoke.spring_rate * e
     by_tilt = mesh_torque_per_force(gear) * tilting_stiffness(gear) * e if e else 0.0
     shift = e * np.cos(pair.beta_p) / np.cos(pair.beta_r)
@@ -186,9 +186,10 @@ def unloading_force(gear: SteeringGear, direction: int = +1) -> float:
     if not gear.rack.ratio.is_constant:
         ends = LocalGears.between(gear, np.linspace(*turn_of_test(gear), ALONG)).gears
         return min(unloading_force(each, direction) for each in ends)
-    drive = _mean_force(gear, -1, direction).force
+    pair = GearPair.of(gear)
+    drive = _mean_force(gear, pair, -1, direction).force
     plunger = seat_under(gear).wedge * gear.yoke.friction * gear.yoke.preload
-    return float(gear.yoke.preload * drive[0] / drive[1] - direction * (bush_drag(gear) + plunger))
+    return float(gear.yoke.preload * drive[0] / drive[1] - direction * (bush_drag(gear, pair.gain) + plunger))
 
 
 # --- what slides ---------------------------------------------------------------------------------
@@ -246,13 +247,13 @@ def mean_state(gear: SteeringGear, direction: int, load: float) -> MeanState:
     Where the balance would need a flank to pull, that flank has lifted; the yoke then yields until
     the other flank alone carries the load.
     """
-    if not gear.rack.ratio.is_constant:
-        return MeanState(*mean_over_travel(gear, lambda local: astuple(mean_state(local, direction, load))))
     pair, yoke = GearPair.of(gear), gear.yoke
+    if pair.course is not None:
+        return MeanState(*mean_over_travel(gear, lambda local: astuple(mean_state(local, direction, load))))
     seat_friction = seat_under(gear).wedge * yoke.friction
-    drive, coast = _mean_force(gear, -1, direction), _mean_force(gear, +1, direction)
+    drive, coast = (_mean_force(gear, pair, side, direction) for side in (-1, +1))
     press = yoke.preload
-    drag = bush_drag(gear)
+    drag = bush_drag(gear, pair.gain)
     along_x = load + direction * (drag + seat_friction * press)
     balance = np.array([[drive.force[0], coast.force[0]], [drive.force[1], coast.force[1]]])
     normal = np.linalg.solve(balance, [along_x, press])
@@ -308,9 +309,9 @@ class _MeanForce:
     lever: float  # |v_s| over pinion speed [m]
 
 
-def _mean_force(gear: SteeringGear, side: int, direction: int) -> _MeanForce:
+def _mean_force(gear: SteeringGear, pair: GearPair, side: int, direction: int) -> _MeanForce:
     """Mean over the active path of contact, weighted by the law: load per length ~ sqrt(rho) or constant."""
-    smooth, rubbing = _mean_parts(GearPair.of(gear).centred, gear.mesh.contact_law == "area", side, direction)
+    smooth, rubbing = _mean_parts(pair.centred, gear.mesh.contact_law == "area", side, direction)
     mu = gear.mesh.friction
     return _MeanForce(smooth.force + mu * rubbing.force, smooth.moment + mu * rubbing.moment, smooth.lever)
 

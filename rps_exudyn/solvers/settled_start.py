@@ -146,7 +146,7 @@ def settled_behind(
         start = settled_path(balance, pair, followed, approach, np.zeros(1)).last
         if not start.converged:
             break
-        twist = -followed.sign * float(start.forces[-1, followed.coordinate]) / column.stiffness
+        twist = float(followed.overcome(start.forces)[-1]) / column.stiffness
     return start
 
 

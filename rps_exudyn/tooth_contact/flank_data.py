@@ -126,15 +126,16 @@ def pack(
         InputError: pitch errors that the rack's teeth do not have, or flanks that no grid describes.
     """
     pair, form, mesh = GearPair.of(gear), FlankForm.of(gear), gear.mesh
+    contact_law = mesh.contact_law
     unturned = replace(form, pitch_error=0.0, pitch_errors=(), grid=None)
     of_rack, turns, shifts = rack_errors(gear), np.zeros(MOST_PINION_TEETH), np.zeros(MOST_TEETH)
-    turns[: pair.teeth] = [form.turn(tooth, pair) for tooth in range(pair.teeth)]
+    turns[: pair.teeth] = form.turns(pair)
     shifts[: len(of_rack)] = of_rack
     coast, drive = Flank(pair, 0, +1, unturned), Flank(pair, 0, -1, unturned)
     measured = measured_flanks(gear)
     of_pinion, on_rack, _ = pooled_grids(measured)
     # law "line" has as many stations on a measured line, two in each piece
-    stations = IN_PIECE if measured.are_given and mesh.contact_law == "line" else along
+    stations = IN_PIECE if measured.are_given and contact_law == "line" else along
     q_form, q_tip, half_face = coast.form_tangent_length, coast.tip_tangent_length, pair.face_width / 2
     if q_form >= q_tip:
         raise ValueError("the tip circle lies inside the form circle: the pinion has no flank")
@@ -186,11 +187,11 @@ def pack(
             mesh, patches or Patches(), mesh.friction, gear.yoke.preload / abs(2 * normal[1]), count=2
         ),
         breaks_sliding=pair.friction_levers.min() / pair.friction_levers.mean() < TURNS_ABOUT,
-        line_stiffness=line_stiffness(gear) if mesh.contact_law == "line" else 0.0,
+        line_stiffness=line_stiffness(gear) if contact_law == "line" else 0.0,
         stations=stations,
         points=across,
         generators=generators,
-        **_rules(stations, across, mesh.contact_law == "teeth"),
+        **_rules(stations, across, contact_law == "teeth"),
     )
 
 

@@ -77,8 +77,10 @@ def check_dynamics(fidelity: Fidelity, scene: str, missing: str, *others: str) -
         )
 
 
-def check_travel(gear: SteeringGear, angles: Sequence[float], test: str) -> None:
+def check_travel(gear: SteeringGear, angles: Sequence[float], test: str) -> float:
     """Check that the pinion stays on the rack's teeth at these angles [rad]; `test` names what leads there.
+
+    Returns `largest_angle`.
 
     Raises:
         InputError: it would not.
@@ -91,13 +93,14 @@ def check_travel(gear: SteeringGear, angles: Sequence[float], test: str) -> None
             f"rack.travel = {gear.rack.travel * 1e3:g} mm allow {degrees_shown(allowed)} either way "
             f"({allowed / (2 * np.pi):.4g} turns from the centre)."
         )
+    return allowed
 
 
 def largest_angle(gear: SteeringGear) -> float:
     """Return how far the pinion may turn either way from the rack's middle [rad]."""
     bar = RackBar.of(gear)
     farthest = bar.largest_displacement
-    return min(float(bar.pair.angle_at(farthest)), -float(bar.pair.angle_at(-farthest)))
+    return float(np.abs(bar.pair.angle_at(np.array([-farthest, farthest]))).min())
 
 
 def degrees_shown(angle: float) -> str:
