@@ -131,9 +131,8 @@ def geometry_report(gear: SteeringGear, force: bool = False) -> GeometryReport:
         stiffness_of_pair(pair),
     )
     pitch_line = -pair.profile_shift * pair.module - pair.reference_height  # Y in the rack frame
-    face_width, tip_face_width = (
-        2 * float(bar.flank(0, 1).half_chord(height)) for height in (pitch_line, bar.tip_height)
-    )
+    heights = np.array([pitch_line, bar.tip_height])
+    face_width, tip_face_width = (2 * bar.flank(0, 1).half_chord(heights)).tolist()
     numbers = {
         "reference_diameter": 2 * pair.reference_radius,
         "base_diameter": 2 * pair.base_radius,

@@ -105,7 +105,7 @@ class RackBar:
             return GeneratedRack.of(self.pair).root_height - self.pair.bar_axis_height
         return -self.pair.reference_height + self.pair.rack_dedendum
 
-    @property
+    @cached_property
     def toothed_ends(self) -> tuple[float, float]:
         """Smallest and largest X that the cutter reaches, at the bar's flanks [m]."""
         towards_low, towards_high = self._ways(self.teeth_each_way + 0.5)

@@ -108,10 +108,10 @@ def run_maneuver(
 def run_steady(test: SteadyTest, gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
     """Make the recorded maneuvers of a steady test without a load."""
     maneuvers, _ = test.maneuvers(gear, fidelity.step_angle, options.least_steps)
-    gain, formulas = GearPair.of(gear).travel_rule, test.formulas(gear) if test.formulas else {}
+    gain = GearPair.of(gear).travel_rule
 
     def metrics(signals: Signals) -> dict[str, float]:
-        return test.metrics(SteadyRecord(gear, signals, {}, gain, 0.0)) | formulas
+        return test.metrics(SteadyRecord(gear, signals, {}, gain, 0.0))
 
     return run_maneuver(gear, fidelity, maneuvers, options).described(metrics, gear)
 
@@ -219,7 +219,7 @@ def _along_equilibria(
     forces, drive = gear_forces(gear, fidelity, maneuver.rack_load), maneuver.drive
     column = ColumnModel.of(gear) if drive.body == "wheel" else None
     turned = drive if column is None else replace(drive, body="pinion")
-    pair, time = GearPair.of(gear), maneuver.time
+    pair, time = forces.pair, maneuver.time
     balance = forces.statics if isinstance(drive, Steady) else accelerated(gear, forces)
     closes = maneuver.closes and maneuver.approach is not None
     for approach in (None, maneuver.approach) if closes else (maneuver.approach,):
@@ -255,17 +255,17 @@ def _along_equilibria(
         run = _finished(gear, maneuver, outcome, record, path, options)
         if interrupted:
             raise Interrupted(run)
-        if approach is not maneuver.approach and run.ok and _is_settled(run.signals, drive.signal, gear):
+        if approach is not maneuver.approach and run.ok and _is_settled(run.signals, drive.signal, pair):
             break
     return run
 
 
-def _is_settled(signals: Signals, driven: str, gear: SteeringGear) -> bool:
+def _is_settled(signals: Signals, driven: str, pair: GearPair) -> bool:
     """Return whether a gear ends a record as it began it."""
     travel, force = float(np.ptp(signals["rack_displacement"])), signals[driven]
     moved = max(_change(signals[name]) * length for name, length in LENGTHS.items())
     drift = max(moved / travel, _change(force) / (float(np.abs(force).max()) or 1.0))
-    return drift <= STEADY and drift_beside_travel(signals, GearPair.of(gear).travel_rule) <= RETURNED
+    return drift <= STEADY and drift_beside_travel(signals, pair.travel_rule) <= RETURNED
 
 
 def drift_beside_travel(signals: Signals, gain: Gain) -> float:

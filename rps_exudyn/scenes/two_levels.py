@@ -63,13 +63,16 @@ class Levels:
             other = self._at(level - 1 if level else 1, (FINE_SHARE, 1.0))
             if other.ok:
                 coarse, fine = (other, first) if level else (first, other)
-                return self._barred(_described(first, level, other), level, fine, coarse)
+                return self._with_terms(
+                    _described(first, level, other), level, self._bars(level, fine, coarse)
+                )
             other = self._at(level + 1, (FINE_SHARE, 1.0))
         except Interrupted:
             raise Interrupted(first) from None
         if not (level and other.ok):
             return self._with_terms(_described(first, level), level, None)
-        return self._barred(_described(other, level + 1, first), level + 1, other, first)
+        bars = self._bars(level + 1, other, first)
+        return self._with_terms(_described(other, level + 1, first), level + 1, bars)
 
     def _at(self, level: int, stage: tuple[float, float]) -> SceneRun:
         """Return the run of a level, which takes a stage of the progress where it is made."""
@@ -86,15 +89,14 @@ class Levels:
         spent = {**self.seconds, first: min(self.seconds[first], GROWTH**2 * self.seconds[companion])}
         return spent[level] * max(GROWTH, spent[level] / max(spent[level - 1], LEAST_SECONDS))
 
-    def _barred(self, printed: SceneRun, level: int, fine: SceneRun, coarse: SceneRun) -> SceneRun:
-        """Return the printed run with the bars of two levels."""
-        if len(fine.signals["time"]) == len(coarse.signals["time"]):  # a scene that leaves out its options
-            return self._with_terms(printed, level, None)
+    def _bars(self, level: int, fine: SceneRun, coarse: SceneRun) -> dict[str, Any] | None:
+        """Return the bars of two levels; None of a scene that leaves out its options."""
+        if len(fine.signals["time"]) == len(coarse.signals["time"]):
+            return None
         curves = fine.metrics is not None and not (self.scene.at_rest or self.scene.has_impacts)
         metrics, values, fewer = metrics_of(fine), fine.summary, coarse.summary
         floor = FLOOR / 2.0 ** max(level - 1, 0)
-        bars = error_bars(metrics, fine.signals, values, coarse.signals, fewer, curves=curves, floor=floor)
-        return self._with_terms(printed, level, bars)
+        return error_bars(metrics, fine.signals, values, coarse.signals, fewer, curves=curves, floor=floor)
 
     def _with_terms(self, run: SceneRun, level: int, bars: Mapping[str, Any] | None) -> SceneRun:
         """Return a run whose bars have their terms added; None: no level serves, bars are unknown (nan)."""

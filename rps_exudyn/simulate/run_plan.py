@@ -62,6 +62,7 @@ class Plan:
 
     def result(self, done: SceneRun) -> Result:
         """Return the result of a run; its times are those since the plan was prepared."""
+        formulas = self.scene.test.formulas if self.scene.test and done.summary else None
         return Result(
             scene=self.scene.name,
             gear=self.gear,
@@ -72,7 +73,7 @@ class Plan:
             message=done.outcome.message,
             codes=each_once(done.outcome.codes),
             signals=done.signals,
-            summary=done.summary | self._numbers,
+            summary=done.summary | (formulas(self.tested) if formulas else {}) | self._numbers,
             errors=done.errors,
             counters={**done.outcome.counters, "solver_cpu": done.outcome.cpu_s},
             geometry=self._geometry,
