@@ -11,7 +11,7 @@ from rps_exudyn.gears.flank_grid import measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.local_gear import turn_of_test
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.checks.before_run import check_travel, degrees_shown
+from rps_exudyn.scenes.checks.before_run import check_travel
 from rps_exudyn.solvers.prescribed_motion import Drive, DrivenBody, SetOff, Steady, Swing, travel_per_radian
 from rps_exudyn.solvers.settled_start import Approach, SteadyApproach, SwingApproach
 from rps_exudyn.solvers.sliding_stability import bristle_reversal_angle
@@ -151,7 +151,7 @@ def steady_maneuver(
     Raises:
         InputError: it leaves the rack's teeth.
     """
-    swept = f"a test from {degrees_shown(first)} to {degrees_shown(last)}"
+    swept = f"a test from {np.degrees(first):.6g} deg to {np.degrees(last):.6g} deg"
     allowed, whole = check_travel(gear, (first, last), swept), whole_periods(gear, abs(last - first))
     periods, at_least = (whole, least.per_period) if whole else (1, least.of_part)
     piece = abs(last - first) / periods
@@ -206,7 +206,9 @@ def swing_maneuver(
     """
     test = gear.test
     ends = test.start_angle - test.amplitude, test.start_angle + test.amplitude
-    swept = f"test.amplitude = {degrees_shown(test.amplitude)} about {degrees_shown(test.start_angle)}"
+    swept = (
+        f"test.amplitude = {np.degrees(test.amplitude):.6g} deg about {np.degrees(test.start_angle):.6g} deg"
+    )
     check_travel(gear, ends, swept)
     drive = Swing(body, test.start_angle, test.amplitude, test.direction * test.speed)
     per_cycle = 8 * int(np.ceil(max(drive.period * test.speed / step_angle, LEAST_PER_CYCLE) / 8))

@@ -6,7 +6,7 @@ import numpy as np
 
 from rps_exudyn.analysis.passes import Pass, passes
 from rps_exudyn.analysis.rack_motion import describe_rack
-from rps_exudyn.analysis.torque import describe_directions, describe_on_centre, describe_torque
+from rps_exudyn.analysis.torque import describe_turning
 from rps_exudyn.analysis.work_balance import describe_balance, describe_losses
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
@@ -15,14 +15,9 @@ from rps_exudyn.scenes.scene_run import Signals
 
 def metrics_of_turning(signals: Signals, gear: SteeringGear, rack_gain: Any = None) -> dict[str, float]:
     """Return the metrics of a pinion turned steadily: its torque, and what any gear in motion shows."""
-    teeth, runs = gear.pinion.teeth, passes(signals)
-    first = runs[0].signals
-    return {
-        **describe_torque(first["pinion_angle"], first["pinion_torque"], teeth),
-        **describe_directions(runs),
-        **describe_on_centre(runs, teeth, gear.test.centre_window),
-        **_motion(signals, runs, gear, rack_gain),
-    }
+    runs = passes(signals)
+    of_torque = describe_turning(runs, gear.pinion.teeth, gear.test.centre_window)
+    return {**of_torque, **_motion(signals, runs, gear, rack_gain)}
 
 
 def metrics_of_motion(signals: Signals, gear: SteeringGear, rack_gain: Any = None) -> dict[str, float]:

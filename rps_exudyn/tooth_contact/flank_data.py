@@ -1,6 +1,5 @@
 """Constants of a gear for the flank contact, and the rules by which it is integrated."""
 
-from dataclasses import replace
 from functools import lru_cache
 from math import gamma
 
@@ -13,7 +12,7 @@ from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.flank_grid import measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.generated_rack import GeneratedRack
-from rps_exudyn.gears.helicoid import Flank
+from rps_exudyn.gears.helicoid import Flank, root_angle
 from rps_exudyn.gears.pitch_errors import MOST_TEETH, rack_errors
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.parameters.gear import SteeringGear
@@ -127,11 +126,10 @@ def pack(
     """
     pair, form, mesh = GearPair.of(gear), FlankForm.of(gear), gear.mesh
     contact_law = mesh.contact_law
-    unturned = replace(form, pitch_error=0.0, pitch_errors=(), grid=None)
     of_rack, turns, shifts = rack_errors(gear), np.zeros(MOST_PINION_TEETH), np.zeros(MOST_TEETH)
     turns[: pair.teeth] = form.turns(pair)
     shifts[: len(of_rack)] = of_rack
-    coast, drive = Flank(pair, 0, +1, unturned), Flank(pair, 0, -1, unturned)
+    coast, theta = Flank(pair, 0, +1, form), root_angle(pair, 0, +1)
     measured = measured_flanks(gear)
     of_pinion, on_rack, _ = pooled_grids(measured)
     # law "line" has as many stations on a measured line, two in each piece
@@ -146,8 +144,8 @@ def pack(
         base_radius=pair.base_radius,
         twist=coast.twist,
         cos_base_helix=np.cos(coast.beta_b),
-        theta=coast.theta,
-        theta_coast_to_drive=drive.theta - coast.theta,
+        theta=theta,
+        theta_coast_to_drive=root_angle(pair, 0, -1) - theta,
         q_form=q_form,
         q_tip=q_tip,
         half_face=half_face,

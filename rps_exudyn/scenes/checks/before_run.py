@@ -89,8 +89,8 @@ def check_travel(gear: SteeringGear, angles: Sequence[float], test: str) -> floa
     farthest = max(abs(angle) for angle in angles)
     if farthest > allowed:
         raise InputError(
-            f"{test} leads to a pinion angle of {degrees_shown(farthest)}; the teeth for "
-            f"rack.travel = {gear.rack.travel * 1e3:g} mm allow {degrees_shown(allowed)} either way "
+            f"{test} leads to a pinion angle of {np.degrees(farthest):.6g} deg; the teeth for "
+            f"rack.travel = {gear.rack.travel * 1e3:g} mm allow {np.degrees(allowed):.6g} deg either way "
             f"({allowed / (2 * np.pi):.4g} turns from the centre)."
         )
     return allowed
@@ -101,8 +101,3 @@ def largest_angle(gear: SteeringGear) -> float:
     bar = RackBar.of(gear)
     farthest = bar.largest_displacement
     return float(np.abs(bar.pair.angle_at(np.array([-farthest, farthest]))).min())
-
-
-def degrees_shown(angle: float) -> str:
-    """Return an angle [rad] in degrees as text."""
-    return f"{np.degrees(angle):.6g} deg"
