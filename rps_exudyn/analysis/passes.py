@@ -152,7 +152,7 @@ def both_directions(runs: Sequence[Pass]) -> tuple[Pass, Pass, np.ndarray] | Non
 def _longest(turned: Sequence[Pass], direction: int) -> Pass | None:
     return max(
         (each for each in turned if each.direction == direction),
-        key=lambda each: float(np.ptp(each.angle)),
+        key=lambda each: float(np.ptp(each.signals["pinion_angle"])),
         default=None,
     )
 

@@ -206,10 +206,8 @@ def swing_maneuver(
     """
     test = gear.test
     ends = test.start_angle - test.amplitude, test.start_angle + test.amplitude
-    swept = (
-        f"test.amplitude = {np.degrees(test.amplitude):.6g} deg about {np.degrees(test.start_angle):.6g} deg"
-    )
-    check_travel(gear, ends, swept)
+    amplitude, middle = np.degrees([test.amplitude, test.start_angle])
+    check_travel(gear, ends, f"test.amplitude = {amplitude:.6g} deg about {middle:.6g} deg")
     drive = Swing(body, test.start_angle, test.amplitude, test.direction * test.speed)
     per_cycle = 8 * int(np.ceil(max(drive.period * test.speed / step_angle, LEAST_PER_CYCLE) / 8))
     time_step = drive.period / per_cycle
