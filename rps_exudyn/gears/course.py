@@ -175,11 +175,7 @@ class Course:
 
 @lru_cache(maxsize=64)
 def course_of(ratio: Ratio, mesh: Mesh, cut: float) -> Course:
-    """Return the course that a gear asks for; `cut` is the gain of module and tooth angle [m/rad].
-
-    Raises:
-        InputError: a gain at which pinion and rack have no pressure angle within the limits.
-    """
+    """Return the course that a gear asks for; `cut` is the gain of module and tooth angle [m/rad]."""
     if ratio.angle:
         angles, gains = (
             np.array(numbers_in(ratio.angle)),

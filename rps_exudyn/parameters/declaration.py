@@ -237,11 +237,7 @@ class Table(BaseModel):
 
     @classmethod
     def tables_in(cls, path: str | Path) -> dict[str, Any]:
-        """Return the tables of a TOML file; files that it names are sought beside it.
-
-        Raises:
-            InputError: unreadable file, or no TOML.
-        """
+        """Return the tables of a TOML file; files that it names are sought beside it."""
         return beside(read_toml(path), Path(path).parent, named_files(cls))
 
     @classmethod

@@ -147,9 +147,6 @@ def steady_maneuver(
 
     Steps are of at most `step_angle` [rad]. `body` is the one that the rig moves; the rack moves as far and
     as fast as it would with the pinion. Each of the gear's whole periods gets the same steps.
-
-    Raises:
-        InputError: it leaves the rack's teeth.
     """
     swept = f"a test from {np.degrees(first):.6g} deg to {np.degrees(last):.6g} deg"
     allowed, whole = check_travel(gear, (first, last), swept), whole_periods(gear, abs(last - first))
@@ -180,11 +177,7 @@ def even(steps: float) -> int:
 def maneuvers_of_test(
     gear: SteeringGear, body: DrivenBody, step_angle: float, least: StepLimits = StepLimits()
 ) -> list[Maneuver]:
-    """Return the maneuvers that `test.path` asks for.
-
-    Raises:
-        InputError: they leave the rack's teeth.
-    """
+    """Return the maneuvers that `test.path` asks for."""
     first, last = turn_of_test(gear)
     forth = steady_maneuver(gear, body, first, last, step_angle, least)
     if gear.test.path == "one-way":
@@ -200,9 +193,6 @@ def swing_maneuver(
     Steps are of `step_angle` [rad] where it is fastest. They are divided after each turn, where friction
     turns about: over the travel of bristles, and over an angle `yielding` [rad] that hardly depends on the
     steering.
-
-    Raises:
-        InputError: it leaves the rack's teeth.
     """
     test = gear.test
     ends = test.start_angle - test.amplitude, test.start_angle + test.amplitude

@@ -106,11 +106,7 @@ def _threshold_remark(gear: SteeringGear, metrics: Mapping[str, float]) -> Remar
 
 
 def shaken_by_road(gear: SteeringGear, steps_per_swing: int = STEPS_PER_SWING) -> Iterator[Maneuver]:
-    """Yield one maneuver for each phase at which the force begins: one cycle of run-in, then the record.
-
-    Raises:
-        InputError: a start beyond the rack's teeth.
-    """
+    """Yield one maneuver for each phase at which the force begins: one cycle of run-in, then the record."""
     test, yoke = gear.test, gear.yoke
     check_travel(gear, (test.start_angle,), "test.start_angle")
     peak = test.road_force * np.array([np.cos(test.road_angle), np.sin(test.road_angle), 0.0])

@@ -52,11 +52,7 @@ NOTHING_FALLS = Remark(
 
 
 def set_off(gear: SteeringGear) -> Maneuver:
-    """Return the motion of the wheel from rest.
-
-    Raises:
-        InputError: it leaves the rack's teeth.
-    """
+    """Return the motion of the wheel from rest."""
     test, model = gear.test, reduced_gear(gear)
     period = 2 * np.pi / model.frequency
     step = period / PER_PERIOD

@@ -32,11 +32,7 @@ class Plan:
     """
 
     def __init__(self, scene: str, gear: SteeringGear, fidelity: Fidelity) -> None:
-        """Prepare a plan.
-
-        Raises:
-            InputError: a gear that cannot exist.
-        """
+        """Prepare a plan."""
         self._wall, self._cpu = perf_counter(), process_time()
         self.scene, self.fidelity = scene_named(scene), with_meshes(fidelity, gear)
         self.gear = resolve_contact_law(gear, fidelity, self.scene.law)

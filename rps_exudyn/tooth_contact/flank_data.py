@@ -15,6 +15,7 @@ from rps_exudyn.gears.generated_rack import GeneratedRack
 from rps_exudyn.gears.helicoid import Flank, root_angle
 from rps_exudyn.gears.pitch_errors import MOST_TEETH, rack_errors
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
+from rps_exudyn.gears.trochoid import form_point
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.tooth_contact.measured_flank import GRID, pooled_grids
 
@@ -134,7 +135,8 @@ def pack(
     of_pinion, on_rack, _ = pooled_grids(measured)
     # law "line" has as many stations on a measured line, two in each piece
     stations = IN_PIECE if measured.are_given and contact_law == "line" else along
-    q_form, q_tip, half_face = coast.form_tangent_length, coast.tip_tangent_length, pair.face_width / 2
+    q_form, q_tip = form_point(pair).tangent_length, pair.design_mesh.tip_length
+    half_face = pair.face_width / 2
     if q_form >= q_tip:
         raise ValueError("the tip circle lies inside the form circle: the pinion has no flank")
     normal = pair.rack_flank_normal(+1)
