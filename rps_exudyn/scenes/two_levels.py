@@ -51,7 +51,6 @@ class Levels:
         """Return the run of a level with error bars.
 
         Raises:
-            InputError: a test or a model that the scene cannot have.
             Interrupted: Ctrl-C; it carries what was recorded.
         """
         first = self._at(level, (0.0, FINE_SHARE))

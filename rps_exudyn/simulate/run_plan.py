@@ -109,11 +109,7 @@ Changes = dict[str, Any]
 def run_with_fallback(
     scene: str, gear: SteeringGear, fidelity: Fidelity, options: RunOptions = DEFAULT_OPTIONS
 ) -> Result:
-    """Simulate by the first settings that end well; if none do, return the first try's result.
-
-    Raises:
-        InputError: a gear that cannot exist, or a test that it does not allow.
-    """
+    """Simulate by the first settings that end well; if none do, return the first try's result."""
     gear = resolve_contact_law(gear, fidelity, scene_named(scene).law)
     results: list[Result] = []
     tries: list[dict[str, Any]] = []
