@@ -134,13 +134,13 @@ class MeasuredFlanks:
         return sum(grid.highest for grid in (self.pinion, self.rack) if grid is not None)
 
 
-PERFECT = MeasuredFlanks(None, None)
+PERFECT_FLANKS = MeasuredFlanks(None, None)
 
 
 def measured_flanks(gear: SteeringGear) -> MeasuredFlanks:
     """Return the grids of a gear's flanks."""
     texts = gear.pinion.deviation, gear.rack.deviation
-    return _measured(GearPair.of(gear), RackBar.of(gear), *texts) if any(texts) else PERFECT
+    return _measured(GearPair.of(gear), RackBar.of(gear), *texts) if any(texts) else PERFECT_FLANKS
 
 
 @lru_cache(maxsize=16)

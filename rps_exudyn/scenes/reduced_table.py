@@ -54,6 +54,9 @@ def table_of(
     """Return the reduced gear of a table up to a load either way [N].
 
     A gear whose tooth pitches or turns are alike has the table of one; any other that of all its travel.
+
+    Raises:
+        TableLost: there are no equilibria.
     """
     model = fidelity.replace({"solver": "equilibrium"})
     # what else the test asks for changes nothing in the table

@@ -21,7 +21,7 @@ from rps_exudyn.base.progress import begin_part
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.local_gear import LocalGears
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.friction_law import RUBBING_PARTS, FrictionLaw
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import law_of_formulas
 from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Remark, Status
@@ -341,13 +341,12 @@ def beyond_formulas_in(gear: SteeringGear, maneuver: Maneuver) -> str:
     """Return why the formulas, which hold for this gear, do not in this maneuver; "" where they do."""
     if gear.bush.viscous_drag and np.ptp(np.abs(maneuver.drive.rate(maneuver.time))) > 0:
         return "the formulas take bush.viscous_drag at a constant speed"
-    laws: dict[str, FrictionLaw] = {part: getattr(gear, part) for part in RUBBING_PARTS}
     turning = presliding_angle(gear) / np.ptp(maneuver.drive.place(maneuver.time))
     if turning > TURNING_ABOUT and not maneuver.is_steady:
         return (
             f"the formulas have no bristles, which turn about over {turning:.1%} of the way between reversals"
         )
-    by_load = [f"{part}.load_exponent" for part, law in laws.items() if law.varies_with_load]
+    by_load = [f"{part}.load_exponent" for part in RUBBING_PARTS if getattr(gear, part).varies_with_load]
     if by_load and (maneuver.rack_load or maneuver.drive.body == "rack"):
         return f"the formulas take friction under the yoke's preload alone, without {', '.join(by_load)}"
     return ""
