@@ -81,7 +81,7 @@ def run_maneuver(
     maneuvers: Maneuver | Sequence[Maneuver],
     options: RunOptions = DEFAULT_OPTIONS,
 ) -> SceneRun:
-    """Make maneuvers one after the other until one fails, joined to one record; the run has no summary yet."""
+    """Make maneuvers one after the other until one fails, joined to one record without a summary."""
     runs: list[SceneRun] = []
     maneuvers = [maneuvers] if isinstance(maneuvers, Maneuver) else maneuvers
     for number, maneuver in enumerate(each.halved(options.halvings) for each in maneuvers):
