@@ -19,10 +19,10 @@ import numpy as np
 from rps_exudyn.base.progress import begin_stage
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Interrupted, Remark
+from rps_exudyn.results.outcome import Interrupted
 from rps_exudyn.results.quantities import EXTREMES, MOTIONS, VARIATIONS
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses
-from rps_exudyn.scenes.checks.rules import OF_BARS, VIBRATES, RuleInput, breaches, remarks_on_bars
+from rps_exudyn.scenes.checks.rules import OF_BARS, SHORT_BARS, VIBRATES, RuleInput, breaches, remarks
 from rps_exudyn.scenes.error_bar_terms import bar_terms
 from rps_exudyn.scenes.error_bars import FLOOR, Metrics, error_bars
 from rps_exudyn.scenes.ladder import gear_at, model_at
@@ -108,9 +108,9 @@ class Levels:
         found = dict.fromkeys(terms, np.nan) if bars is None else bars
         summed = {name: float(found.get(name, 0.0) + each) for name, each in terms.items()}
         errors = {name: each if np.isfinite(each) else np.nan for name, each in summed.items()}
-        if vibration := VIBRATES.breach(RuleInput(self.gear, numbers=run.outcome.findings)):
-            run = run.noting(Remark(VIBRATES.code, vibration.sentence)).unsure_of(VARIATIONS | EXTREMES)
-        run = run.noting(*remarks_on_bars(self.gear, fidelity))
+        if vibrates := list(remarks((VIBRATES,), RuleInput(self.gear, numbers=run.outcome.findings))):
+            run = run.noting(*vibrates).unsure_of(VARIATIONS | EXTREMES)
+        run = run.noting(*remarks(SHORT_BARS, RuleInput(self.gear, fidelity)))
         errors |= dict.fromkeys(errors.keys() & run.unsure, np.nan)
         run = replace(run, errors=errors)
         for breach in breaches(OF_BARS, RuleInput(self.gear, numbers=measured)) if run.ok else ():

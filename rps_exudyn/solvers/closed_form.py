@@ -204,7 +204,7 @@ def sliding_parts(gear: SteeringGear) -> list[tuple[FrictionLaw, float, float]]:
     mean, gain = mean_state(gear, gear.test.direction, 0.0), float(pair.gain)
     node, weight = leggauss(LEVERS)
     first, last = pair.active_path
-    levers = friction_levers(pair, first + (last - first) * (1 + node) / 2)
+    levers = pair.friction_lever(first + (last - first) * (1 + node) / 2)
     shares = weight * levers / (weight @ levers)
     return [
         *(
@@ -215,14 +215,6 @@ def sliding_parts(gear: SteeringGear) -> list[tuple[FrictionLaw, float, float]]:
         (gear.bush, mean.bush_loss, gain),
         (gear.bearing, mean.bearing_loss, gear.pinion.shaft_diameter / 2),
     ]
-
-
-def friction_levers(pair: GearPair, place: np.ndarray) -> np.ndarray:
-    """Return sliding speed over pinion speed at places on the path of contact, from the pitch point (n,) [m]:
-    l^2 = l_s^2 + q^2 + 2 q l_s sin(alpha_t) sin(beta_p), as in `mean_lever`."""
-    along = -pair.reference_radius * np.sin(pair.delta) / np.cos(pair.beta_r)
-    turned = np.sin(pair.alpha_t) * np.sin(pair.beta_p)
-    return np.asarray(np.sqrt(along**2 + place**2 + 2 * place * along * turned))
 
 
 def friction_over_speed(law: FrictionLaw, torque: float, lever: float) -> Rubbing:

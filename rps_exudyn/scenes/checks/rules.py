@@ -166,15 +166,9 @@ def refused(gear: SteeringGear, fidelity: Fidelity, *, motion: Motion) -> list[s
     return [breach.sentence for breach in breaches_of_plan(gear, fidelity, motion=motion)]
 
 
-def remarks_on_bars(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Remark]:
-    """Yield remarks on what the error bars of a plan do not show."""
-    for breach in breaches(SHORT_BARS, RuleInput(gear, fidelity)):
-        yield Remark(breach.rule.code, breach.sentence)
-
-
-def remarks(gear: SteeringGear, signals: Signals) -> Iterator[Remark]:
-    """Yield remarks on the record of a run that is all right: which limits of the gear it met."""
-    for breach in breaches(REMARKS, RuleInput(gear, signals=signals)) if signals else ():
+def remarks(rules: Iterable[Rule], given: RuleInput) -> Iterator[Remark]:
+    """Yield what breaks each of the rules as a remark."""
+    for breach in breaches(rules, given):
         yield Remark(breach.rule.code, breach.sentence)
 
 
