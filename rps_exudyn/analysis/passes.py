@@ -152,7 +152,7 @@ def both_directions(runs: Sequence[Pass]) -> tuple[Pass, Pass, np.ndarray] | Non
 def _longest(turned: Sequence[Pass], direction: int) -> Pass | None:
     return max(
         (each for each in turned if each.direction == direction),
-        key=lambda each: float(np.ptp(each.angle)),
+        key=lambda each: float(np.ptp(each.signals["pinion_angle"])),
         default=None,
     )
 
@@ -206,6 +206,11 @@ def over_instants(at: np.ndarray, instants: np.ndarray, values: np.ndarray) -> n
     share = np.clip((at - instants[right - 1]) / (instants[right] - instants[right - 1]), 0.0, 1.0)
     before, after = np.take(values, right - 1, axis=-1), np.take(values, right, axis=-1)
     return np.asarray(before * (1 - share) + after * share)
+
+
+def signals_over_instants(at: np.ndarray, instants: np.ndarray, signals: Signals) -> dict[str, np.ndarray]:
+    """Return signals at rising instants (n,) as `over_instants` does, by their names."""
+    return {name: over_instants(at, instants, values) for name, values in signals.items()}
 
 
 # --- Where in a record something first holds, for a reader

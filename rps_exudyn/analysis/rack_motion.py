@@ -33,18 +33,17 @@ def describe_rack(signals: Signals, runs: Sequence[Pass], gain: Gain) -> dict[st
     The transmission error is the larger of those in the two directions: the difference between directions is
     lost motion, see `hysteresis`.
     """
-    metrics = {}
-    motions = [each.signals for each in runs]
-    if errors := [transmission_error(motion, gain) for motion in motions]:
-        ranges = [np.ptp(error, axis=-1) for error in errors]
+    metrics, ranges, orders = {}, [], []
+    for each in runs:
+        motion = each.signals
+        error = transmission_error(motion, gain)
+        ranges.append(np.ptp(error, axis=-1))
+        orders.append(order_amplitude(motion["pinion_angle"], error, 1))
+    if ranges:
         metrics["transmission_error_peak_to_peak"] = np.max(ranges, axis=0)
-    first = [
-        order_amplitude(motion["pinion_angle"], error, 1)
-        for motion, error in zip(motions, errors, strict=True)
-    ]
-    if known := [amplitude for amplitude in first if amplitude is not None]:
+    if known := [amplitude for amplitude in orders if amplitude is not None]:
         metrics["transmission_error_first_order"] = np.max(known, axis=0)
-    metrics |= {name: np.ptp(signals[each], axis=-1) for name, each in RANGES.items() if each in signals}
+    metrics |= {name: np.ptp(signals[of], axis=-1) for name, of in RANGES.items() if of in signals}
     if "seat_force" in signals:
         metrics["yoke_force_min"] = signals["seat_force"].min(axis=-1)
         metrics["yoke_force_max"] = signals["seat_force"].max(axis=-1)

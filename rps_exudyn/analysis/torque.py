@@ -19,6 +19,16 @@ def mean(angle: np.ndarray, values: np.ndarray) -> Any:
     return np.trapezoid(values, angle) / (angle[-1] - angle[0])
 
 
+def describe_turning(runs: Sequence[Pass], teeth: int, window: float) -> dict[str, float]:
+    """Metrics of the torque of a pinion turned steadily: first pass, by direction, on and off centre."""
+    first = runs[0].signals
+    return {
+        **describe_torque(first["pinion_angle"], first["pinion_torque"], teeth),
+        **describe_directions(runs),
+        **describe_on_centre(runs, teeth, window),
+    }
+
+
 def describe_torque(angle: np.ndarray, torque: np.ndarray, teeth: int) -> dict[str, float]:
     """Metrics of the torque from angle [rad], shape (n,), and torque [N m], shape (..., n).
 

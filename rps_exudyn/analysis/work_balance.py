@@ -8,6 +8,7 @@ import numpy as np
 NO_LOSS = ("work_drive", "work_load")
 """Signals of the work put in: by the drive, and by the forces on the rack's end or the input shaft."""
 
+STORED_ENERGY = "stored_energy"
 PLACES = {
     "mesh": ("work_mesh_friction", "work_mesh_damping", "work_mesh_edges"),
     "seat": ("work_seat_friction", "work_seat_damping"),
@@ -22,13 +23,9 @@ PLACES = {
 """Place where work is lost -> its signals."""
 
 
-def losses(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
+def losses(signals: Mapping[str, np.ndarray]) -> dict[str, Any]:
     """Work lost over the whole record [J]; the names are those of the signals."""
-    return {
-        name: _change(signals, name)
-        for name, values in signals.items()
-        if name.startswith("work_") and name not in NO_LOSS and values.size
-    }
+    return {name: each for name, each in _changes(signals).items() if name not in (*NO_LOSS, STORED_ENERGY)}
 
 
 def describe_losses(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
@@ -48,10 +45,13 @@ def describe_losses(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
     return shares
 
 
-def energy_residual(signals: Mapping[str, np.ndarray]) -> Any:
-    """(work of drive and load - work lost - change of stored energy) / `largest_work`; nan without work."""
+def describe_balance(signals: Mapping[str, np.ndarray]) -> dict[str, Any]:
+    """The energy residual, (work of drive and load - work lost - change of stored energy) / `largest_work`:
+    nan without work; {} of models that do not state what they store."""
+    if STORED_ENERGY not in signals:
+        return {}
     larger = np.asarray(largest_work(signals))
-    return (missing_work(signals) / np.where(larger > 0, larger, np.nan))[()]
+    return {"energy_residual": (missing_work(signals) / np.where(larger > 0, larger, np.nan))[()]}
 
 
 def largest_work(signals: Mapping[str, np.ndarray]) -> Any:
@@ -65,14 +65,17 @@ def largest_work(signals: Mapping[str, np.ndarray]) -> Any:
 
 def missing_work(signals: Mapping[str, np.ndarray]) -> Any:
     """Work of drive and load that was neither lost nor stored [J]; 0 in a record without error."""
-    given = sum(_change(signals, name) for name in NO_LOSS)
-    return given - sum(losses(signals).values()) - _change(signals, "stored_energy")
+    changes = _changes(signals)
+    given, stored = sum(changes.pop(name, 0.0) for name in NO_LOSS), changes.pop(STORED_ENERGY, 0.0)
+    return given - sum(changes.values()) - stored
 
 
-def _change(signals: Mapping[str, np.ndarray], name: str) -> Any:
-    """Change of a signal (..., n) over the whole record; 0 if it was not recorded."""
-    values = signals.get(name, np.zeros(0))
-    return values[..., -1] - values[..., 0] if values.size else 0.0
+def _changes(signals: Mapping[str, np.ndarray]) -> dict[str, Any]:
+    """Changes of works and of the stored energy (..., n) over the whole record, by their names."""
+    counts = {
+        name: each for name, each in signals.items() if name.startswith("work_") or name == STORED_ENERGY
+    }
+    return {name: each[..., -1] - each[..., 0] for name, each in counts.items() if each.size}
 
 
 def integral_from_start(values: np.ndarray, place: np.ndarray) -> np.ndarray:

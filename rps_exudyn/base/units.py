@@ -129,11 +129,7 @@ def displayed(values: Any, si_unit: str, display: str) -> Any:
 
 
 def difference_to_si(value: object, si_unit: str) -> float:
-    """A difference of two quantities in `si_unit`: 10 degC is 10 K.
-
-    Raises:
-        ValueError: as of `to_si`.
-    """
+    """A difference of two quantities in `si_unit`: 10 degC is 10 K."""
     zero = "0 degC" if isinstance(value, str) and respelled(value).rstrip().endswith("degC") else 0.0
     return to_si(value, si_unit) - to_si(zero, si_unit)
 

@@ -102,11 +102,7 @@ class GearOptions:
     """PATH=VALUE: replace one parameter, for instance --set yoke.preload="400 N"; may be repeated."""
 
     def load(self) -> "SteeringGear":
-        """The gear.
-
-        Raises:
-            InputError: everything that is wrong with it.
-        """
+        """The gear."""
         from rps_exudyn.parameters.gear import SteeringGear
 
         settings, malformed = parse_settings(self.settings)
@@ -119,21 +115,13 @@ class GearOptions:
         return path in parse_settings(self.settings)[0] or name in self.tables().get(table, {})
 
     def carried(self) -> "JointInputs":
-        """Path -> distribution of the parameters that carry one, or samples of a fit.
-
-        Raises:
-            InputError: distributions that cannot be.
-        """
+        """Path -> distribution of the parameters that carry one, or samples of a fit."""
         from rps_exudyn.inference.uncertainty.input_sets import carried
 
         return carried(self.tables(), parse_settings(self.settings)[0])
 
     def drawn(self) -> "JointInputs":
-        """The same for a band; on standard error, which settings part samples of a fit that vary together.
-
-        Raises:
-            InputError: distributions that cannot be.
-        """
+        """The same for a band; on standard error, which settings part samples of a fit that vary together."""
         own = self.carried()
         if own.parted:
             note(

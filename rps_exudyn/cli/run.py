@@ -163,9 +163,6 @@ def as_turned(gear: "SteeringGear", scene: str, measured: "MeasuredTorque") -> "
 def read_measured(path: Path, columns: Sequence[str], scene: str, gear: "SteeringGear") -> "MeasuredTorque":
     """The measured torque in a file, with the signs that a fit gives it; what was assumed is said on standard
     error. A weight makes torques of one sign both ways, which stay.
-
-    Raises:
-        InputError: no such file, or one that is no curve.
     """
     from rps_exudyn.inference.fitting.bench_tests import KINDS, with_signs
     from rps_exudyn.inference.fitting.fit import doubts

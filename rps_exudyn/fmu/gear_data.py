@@ -68,7 +68,7 @@ def operation_table(gear: SteeringGear, reduced: ReducedGear) -> np.ndarray:
         change = more.yoke.preload - warm.yoke.preload
         factor = (there.yoke.preload - here.yoke.preload) / change if change else 1.0
         coulomb = here.replace({"bush.viscous_drag": 0.0})
-        fixed = reduced.gain * bush_drag(coulomb) + gear.bearing.friction_torque
+        fixed = reduced.gain * bush_drag(coulomb, reduced.gain) + gear.bearing.friction_torque
         share = fixed / reduced.constant if reduced.constant else 1.0
         drag = here.bush.viscous_drag * reduced.gain_squared
         summand = here.yoke.preload - factor * gear.yoke.preload

@@ -62,9 +62,6 @@ def runs_of(gear: SteeringGear, fidelity: str) -> dict[str, Result]:
 def model_error(gear: SteeringGear) -> dict[str, float]:
     """Return the relative difference of each metric, and of the wheel's angle over the time (RMS).
 
-    Raises:
-        InputError: a run that does not end well.
-
     Examples:
         >>> from rps_exudyn.fmu.model_error import model_error
         >>> abs(model_error(rps.SteeringGear())["hysteresis_area"]) < 0.01

@@ -6,6 +6,7 @@ terms (stored energy and dissipated powers), then values of its own.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -28,10 +29,15 @@ class Part:
     bodies: tuple[str, ...]
     outputs: tuple[str, ...] = ()  # names of the values behind the energy terms
 
-    @property
+    @cached_property
     def size(self) -> int:
         """Number of coordinates."""
         return sum(COORDINATES[body] for body in self.bodies)
+
+    @cached_property
+    def stacked(self) -> np.ndarray:
+        """Indices of its coordinates in the stack, (size,)."""
+        return stacked(self.bodies)
 
     @property
     def columns(self) -> int:

@@ -553,22 +553,23 @@ def bore_force(rate, data, memory, out):  # type: ignore[no-untyped-def]
     return slope
 
 
-def spring_record(gear: SteeringGear) -> np.record:
-    """Return the record of the yoke spring, which has no damper."""
-    return record(SPRING, rate=gear.yoke.spring_rate, preload=gear.yoke.preload)
-
-
 def nut_record(gear: SteeringGear) -> np.record:
     """Return the record of the yokenut, a one-sided stop behind the plunger."""
     yoke = gear.yoke
     return record(NUT, stiffness=yoke.nut_stiffness, clearance=yoke.clearance, damping=yoke.nut_damping)
 
 
-def bore_record(gear: SteeringGear, patches: Patches) -> np.record:
-    """Return the record of the plunger's O-rings in the bore."""
-    yoke = gear.yoke
+def records(
+    gear: SteeringGear, friction_zone: float, approach: float, patches: Patches
+) -> dict[str, np.record]:
+    """Return the records of the yoke's parts by their names; the preload presses the rack into the mesh by
+    `approach` [m]."""
+    yoke, rest_gap = gear.yoke, approach + seat_under(gear).depth
+    seat = seat_record(gear, friction_zone=friction_zone, rest_gap=rest_gap, patches=patches)
     law = constant_law(patches, yoke.bore_friction, yoke.bristle_travel)
-    return record(BORE, friction=yoke.bore_friction, damping=yoke.bore_damping, law=law)
+    bore = record(BORE, friction=yoke.bore_friction, damping=yoke.bore_damping, law=law)
+    spring = record(SPRING, rate=yoke.spring_rate, preload=yoke.preload)
+    return {"seat": seat, "spring": spring, "nut": nut_record(gear), "bore": bore}
 
 
 def seat_wedge_factor(half_angle: float) -> float:

@@ -21,7 +21,6 @@ All of these are derived in the geometry page of the documentation.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
@@ -37,7 +36,8 @@ STEEPNESS = 5 * DEG, 40 * DEG  # limits of the pressure angle, those of pinion.p
 Function = np.ndarray | float
 
 
-class Mesh(NamedTuple):
+@dataclass(frozen=True)
+class Mesh:
     """What a pinion at its shaft angle makes of a gain."""
 
     base_radius: float  # r_b [m]
@@ -45,12 +45,12 @@ class Mesh(NamedTuple):
     delta: float  # shaft angle as designed
     tip_length: float  # q_a, tangent length at the pinion's tips [m]
 
-    @property
+    @cached_property
     def A(self) -> float:
         """r_b / cos delta [m]."""
         return self.base_radius / float(np.cos(self.delta))
 
-    @property
+    @cached_property
     def B(self) -> float:
         """tan(beta_b) tan(delta)."""
         return float(np.tan(self.beta_b) * np.tan(self.delta))
@@ -175,11 +175,7 @@ class Course:
 
 @lru_cache(maxsize=64)
 def course_of(ratio: Ratio, mesh: Mesh, cut: float) -> Course:
-    """Return the course that a gear asks for; `cut` is the gain of module and tooth angle [m/rad].
-
-    Raises:
-        InputError: a gain at which pinion and rack have no pressure angle within the limits.
-    """
+    """Return the course that a gear asks for; `cut` is the gain of module and tooth angle [m/rad]."""
     if ratio.angle:
         angles, gains = (
             np.array(numbers_in(ratio.angle)),

@@ -49,11 +49,11 @@ class FlankForm:
         rise = (q - q0) / (qa - q0)
         return self.profile_slope * rise - self.tip_relief * into_relief**2 - self.crowning * across**2
 
-    def turn(self, tooth: int, pair: GearPair) -> float:
-        """Angle by which the pitch errors displace a tooth [rad]."""
-        number = tooth % pair.teeth
-        shift = self.pitch_errors[number] if self.pitch_errors else 0.0
-        return (shift + (self.pitch_error if number == 0 else 0.0)) / pair.reference_radius
+    def turns(self, pair: GearPair) -> np.ndarray:
+        """Angles by which the pitch errors displace the teeth, (z,) [rad]."""
+        shifts = np.array(self.pitch_errors or np.zeros(pair.teeth))
+        shifts[0] += self.pitch_error
+        return shifts / pair.reference_radius
 
     def twist(self, pair: GearPair) -> float:
         """Turn of the transverse section per axial length, lead error included [rad/m].

@@ -22,7 +22,7 @@ import csv
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -118,32 +118,29 @@ class MeasuredFlanks:
     pinion: FlankGrid | None
     rack: FlankGrid | None
 
-    @property
+    @cached_property
     def are_given(self) -> bool:
         """Return whether there is one."""
         return self.pinion is not None or self.rack is not None
 
-    @property
+    @cached_property
     def change_along_travel(self) -> bool:
         """Return whether the rack's teeth differ."""
         return self.rack is not None and self.rack.is_of_each_tooth
 
-    @property
+    @cached_property
     def highest(self) -> float:
         """Bound of what both add to a depth, at least 0 [m]."""
         return sum(grid.highest for grid in (self.pinion, self.rack) if grid is not None)
 
 
-def measured_flanks(gear: SteeringGear) -> MeasuredFlanks:
-    """Return the grids of a gear's flanks.
+PERFECT_FLANKS = MeasuredFlanks(None, None)
 
-    Raises:
-        InputError: a file that is no such grid, does not cover the flanks, or has waves that are too sharp.
-    """
+
+def measured_flanks(gear: SteeringGear) -> MeasuredFlanks:
+    """Return the grids of a gear's flanks."""
     texts = gear.pinion.deviation, gear.rack.deviation
-    return (
-        _measured(GearPair.of(gear), RackBar.of(gear), *texts) if any(texts) else MeasuredFlanks(None, None)
-    )
+    return _measured(GearPair.of(gear), RackBar.of(gear), *texts) if any(texts) else PERFECT_FLANKS
 
 
 @lru_cache(maxsize=16)

@@ -54,11 +54,7 @@ class GearPair:
 
     @classmethod
     def of(cls, gear: SteeringGear) -> "GearPair":
-        """The pair of a gear; equal pairs are one object, which keeps what it has computed.
-
-        Raises:
-            InputError: a course of the ratio that no rack has.
-        """
+        """The pair of a gear; equal pairs are one object, which keeps what it has computed."""
         pinion, rack, m = gear.pinion, gear.rack, gear.pinion.normal_module
         pair = cls(
             teeth=pinion.teeth,
@@ -147,7 +143,7 @@ class GearPair:
         """Rack travel per radian at pinion angles [rad]: one number of a constant ratio [m/rad]."""
         return self.gain if self.course is None else self.course.gain(angle)
 
-    @property
+    @cached_property
     def travel_rule(self) -> Any:
         """The gain [m/rad], or of a variable ratio the travel as a function of the pinion's angle."""
         return float(self.gain) if self.course is None else self.course.travel

@@ -79,16 +79,17 @@ NO_HELP = "and changing this parameter does not help"
 def violations(gear: SteeringGear, force: bool = False) -> list[Violation]:
     """All limits of the first stage that fails; with `force` forgivable ones do not end the search."""
     found: list[Violation] = []
-    pair = GearPair.of(gear)
+    bar = RackBar.of(gear)
     for stage in (_cutter, _teeth, _course, _mesh, _parts):
-        found += stage(gear, pair)
+        found += stage(gear, bar)
         if any(not (force and item.forgivable) for item in found):
             break
     return found
 
 
 # --- the stages ----------------------------------------------------------------------------------
-def _cutter(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
+def _cutter(gear: SteeringGear, bar: RackBar) -> Iterator[Violation]:
+    pair = bar.pair
     m, alpha, overlap = pair.module, pair.alpha_n, -2 * cutter_tip_centre(pair)[0]
     if overlap > 0:
         # pi/4 - (h - rho) tan(alpha) - rho / cos(alpha) = 0, solved for rho
@@ -108,7 +109,8 @@ def _cutter(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
         yield Violation(gear, what, "pinion.profile_shift", least, +1)
 
 
-def _teeth(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
+def _teeth(gear: SteeringGear, bar: RackBar) -> Iterator[Violation]:
+    pair = bar.pair
     least_shift = undercut_limit(pair)
     if pair.profile_shift < least_shift - 1e-9:
         what = (
@@ -146,8 +148,9 @@ def _teeth(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
         yield Violation(gear, what, "basic_rack.addendum", addendum, -1)
 
 
-def _course(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
+def _course(gear: SteeringGear, bar: RackBar) -> Iterator[Violation]:
     """Undercut and pointed teeth of a rack of variable ratio, and what its tips need."""
+    pair = bar.pair
     if pair.course is None:
         return
     rack, mesh, ratio = GeneratedRack.of(pair), pair.design_mesh, gear.rack.ratio
@@ -166,13 +169,13 @@ def _course(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
         what = f"The rack's tips reach {mm(form - lowest)} below the pinion's form circle"
         most = (pair.reference_line_height - form) / pair.module
         yield Violation(gear, what, "basic_rack.addendum", most, -1)
-    teeth = np.array(RackBar.of(gear).teeth)
-    if steepest < 1 and (land := float(rack.tip_land(teeth).min())) < LEAST_CREST * pair.module:
+    if steepest < 1 and (land := float(rack.tip_land(np.array(bar.teeth)).min())) < LEAST_CREST * pair.module:
         what = f"The rack's teeth are pointed: a crest is {mm(land)} wide along the rack"
         yield Violation(gear, what, "basic_rack.addendum", None, -1)
 
 
-def _mesh(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
+def _mesh(gear: SteeringGear, bar: RackBar) -> Iterator[Violation]:
+    pair = bar.pair
     yield from _contact(gear, pair)
     at_rack, at_pinion = rack_root_clearance(pair), pinion_root_clearance(pair)
     room, cut = min(at_rack, at_pinion), pinion_tip_interference(pair)
@@ -214,8 +217,8 @@ def _contact(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
         yield Violation(gear, what, "pinion.tip_relief_length", qa - q0, -1)
 
 
-def _parts(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
-    bar, yoke, radius = RackBar.of(gear), gear.yoke, gear.rack.bar_diameter / 2
+def _parts(gear: SteeringGear, bar: RackBar) -> Iterator[Violation]:
+    yoke, radius = gear.yoke, gear.rack.bar_diameter / 2
     missing = bar.x_min - bar.toothed_ends[0]
     if missing > 0:
         what = f"The rack's teeth need {mm(missing)} more than the bar offers on the side away from the bush"

@@ -17,7 +17,7 @@ from rps_exudyn.gears.masses import surface_masses
 from rps_exudyn.gears.polyhedron import MassProperties
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.solids import gear_solids
-from rps_exudyn.gears.tooth_stiffness import mesh_stiffness_of_pair, stiffness_of_pair
+from rps_exudyn.gears.tooth_stiffness import mesh_stiffness_transverse, stiffness_of_pair
 from rps_exudyn.gears.trochoid import form_point
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import GEOMETRY, Quantity
@@ -122,13 +122,17 @@ def geometry_report(gear: SteeringGear, force: bool = False) -> GeometryReport:
         InputError: the gear cannot be built, see `check_gear`.
     """
     forgiven = check_gear(gear, force)
-    pair, bar = GearPair.of(gear), RackBar.of(gear)
+    bar = RackBar.of(gear)
+    pair, toothed = bar.pair, bar.toothed_ends
     start, end = limits.path_on_involute(pair)
-    transverse, limit = limits.transverse_contact_ratio(pair), undercut_limit(pair)
-    pitch_line = -pair.profile_shift * pair.module - pair.reference_height  # Y in the rack frame
-    face_width, tip_face_width = (
-        2 * float(bar.flank(0, 1).half_chord(height)) for height in (pitch_line, bar.tip_height)
+    transverse, limit, single = (
+        limits.transverse_contact_ratio(pair),
+        undercut_limit(pair),
+        stiffness_of_pair(pair),
     )
+    pitch_line = -pair.profile_shift * pair.module - pair.reference_height  # Y in the rack frame
+    heights = np.array([pitch_line, bar.tip_height])
+    face_width, tip_face_width = (2 * bar.flank(0, 1).half_chord(heights)).tolist()
     numbers = {
         "reference_diameter": 2 * pair.reference_radius,
         "base_diameter": 2 * pair.base_radius,
@@ -151,17 +155,16 @@ def geometry_report(gear: SteeringGear, force: bool = False) -> GeometryReport:
         "interference": max(limits.rack_tip_interference(pair), limits.pinion_tip_interference(pair), 0.0),
         "rack_face_width": face_width,
         "rack_tip_face_width": tip_face_width,
-        "toothed_length": bar.toothed_ends[1] - bar.toothed_ends[0],
-        "single_stiffness": stiffness_of_pair(pair),
-        "mesh_stiffness": mesh_stiffness_of_pair(pair),
+        "toothed_length": toothed[1] - toothed[0],
+        "single_stiffness": single,
+        "mesh_stiffness": mesh_stiffness_transverse(single, transverse),
     }
     own = (f"{item.what}." for item in forgiven)
-    return GeometryReport(gear, numbers, (*own, *_warnings(gear, pair, bar, numbers)))
+    return GeometryReport(gear, numbers, (*own, *_warnings(gear, bar, numbers)))
 
 
-def _warnings(
-    gear: SteeringGear, pair: GearPair, bar: RackBar, numbers: Mapping[str, float]
-) -> Iterator[str]:
+def _warnings(gear: SteeringGear, bar: RackBar, numbers: Mapping[str, float]) -> Iterator[str]:
+    pair = bar.pair
     crest, chord = numbers["crest_width"], numbers["rack_tip_face_width"]
     if crest < GOOD_CREST * pair.module:
         yield (

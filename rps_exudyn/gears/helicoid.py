@@ -26,6 +26,12 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.trochoid import form_point, root_profile
 
 
+def root_angle(pair: GearPair, tooth: int, side: int) -> float:
+    """Angle Theta of a perfect involute's root on the base circle at Z = 0 [rad]."""
+    centre = np.pi / 2 + np.pi / pair.teeth * (1 + 2 * tooth)
+    return float(centre + side * half_angle(pair, pair.base_radius))
+
+
 @dataclass(frozen=True)
 class Flank:
     """One flank of the pinion."""
@@ -38,11 +44,8 @@ class Flank:
     @cached_property
     def theta(self) -> float:
         """Angle Theta of the involute's root on the base circle at Z = 0 [rad]."""
-        pair = self.pair
-        centre = np.pi / 2 + np.pi / pair.teeth * (1 + 2 * self.tooth)
-        return float(centre + self.side * half_angle(pair, pair.base_radius)) + self.form.turn(
-            self.tooth, pair
-        )
+        turn = self.form.turns(self.pair)[self.tooth % self.pair.teeth]
+        return root_angle(self.pair, self.tooth, self.side) + float(turn)
 
     @cached_property
     def twist(self) -> float:

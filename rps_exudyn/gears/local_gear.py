@@ -63,10 +63,10 @@ def local_gear_at(gear: SteeringGear, angle: float) -> SteeringGear:
 
 def turn_of_test(gear: SteeringGear) -> tuple[float, float]:
     """Return the pinion angles between which the test turns, one way [rad]."""
-    test, pair = gear.test, GearPair.of(gear)
+    test = gear.test
     if test.path == "lock-to-lock":
-        first, last = (pair.angle_at(end * test.direction * gear.rack.travel / 2) for end in (-1, 1))
-        return float(first), float(last)
+        pair, end = GearPair.of(gear), test.direction * gear.rack.travel / 2
+        return float(pair.angle_at(-end)), float(pair.angle_at(end))
     return test.start_angle, test.start_angle + test.direction * 2 * np.pi * test.turns
 
 

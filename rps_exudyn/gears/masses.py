@@ -45,9 +45,6 @@ _kept = lru_cache(maxsize=8)  # cases of a study share them
 def surface_masses(gear: SteeringGear, part: str) -> MassProperties | None:
     """Return mass, centre and inertia of a pinion's or rack's closed surface in the part's frame without
     runout; None of an open one, or where no file gives one.
-
-    Raises:
-        InputError: a file that cannot be used.
     """
     if f"{part}.surface" not in surfaces_of(gear):
         return None
@@ -64,11 +61,7 @@ def _of_surface(surface: Surface, placement: Placement, density: float) -> MassP
 
 # --- the pinion ------------------------------------------------------------------------------------
 def pinion_inertia(gear: SteeringGear) -> float:
-    """Return the pinion's moment of inertia about its axis of rotation [kg m^2].
-
-    Raises:
-        InputError: the errors of the flanks leave no tooth.
-    """
+    """Return the pinion's moment of inertia about its axis of rotation [kg m^2]."""
     pinion = gear.pinion
     if surface := surface_masses(gear, "pinion"):
         x, y = (surface.centre_of_mass + GearPair.of(gear).eccentricity)[:2]

@@ -105,9 +105,6 @@ def pinion_mesh(pair: GearPair, chord_error: float, form: FlankForm = PERFECT) -
         chord_error: largest distance of flanks and root profile from the exact ones [m]. Crests, and the
             chords of root and crests along the helix, never touch the rack and are allowed ten times as much.
         form: modifications and errors of the flanks.
-
-    Raises:
-        InputError: the parameters leave no sound mesh, for instance a relief larger than the tooth.
     """
     z, twist, land_error = pair.teeth, form.twist(pair), 10 * chord_error
     layers = arc_segments(pair.tip_radius, twist * pair.face_width, land_error)

@@ -33,6 +33,8 @@ def class_tolerances(pair: GearPair, accuracy: int) -> tuple[float, float]:
 def pinion_errors(gear: SteeringGear) -> np.ndarray:
     """Return the displacements of the pinion's teeth, polar angle ascending, (z,) [m]; (0,) without any."""
     text = gear.pinion.pitch_errors
+    if not text:
+        return np.zeros(0)
     drawn = accuracy_class(text)
     return np.array(numbers_in(text)) if drawn is None else _drawn(gear, *drawn, gear.pinion.teeth, True)
 

@@ -67,8 +67,9 @@ class RackBar:
         pair, bush, rack = GearPair.of(gear), gear.bush, gear.rack
         x_max = bush.distance + bush.length + rack.travel / 2 + bush.end_overhang
         needed = rack.travel / 2 + pinion_reach(pair)
-        turned = max(abs(pair.angle_at(needed)), abs(pair.angle_at(-needed))) * pair.teeth / (2 * np.pi)
-        teeth = needed / pair.rack_pitch if pair.course is None else turned
+        teeth = needed / pair.rack_pitch
+        if pair.course is not None:
+            teeth = np.abs(pair.angle_at(np.array([-needed, needed]))).max() * pair.teeth / (2 * np.pi)
         return cls(pair, x_max - rack.length, x_max, int(np.ceil(teeth)))
 
     @property
@@ -105,7 +106,7 @@ class RackBar:
             return GeneratedRack.of(self.pair).root_height - self.pair.bar_axis_height
         return -self.pair.reference_height + self.pair.rack_dedendum
 
-    @property
+    @cached_property
     def toothed_ends(self) -> tuple[float, float]:
         """Smallest and largest X that the cutter reaches, at the bar's flanks [m]."""
         towards_low, towards_high = self._ways(self.teeth_each_way + 0.5)

@@ -47,11 +47,7 @@ class Comparison:
 
 
 def placed_surfaces(gear: SteeringGear) -> dict[str, tuple[Surface, Placement]]:
-    """Return part -> surface and its place in the part's frame, of the parts that have one.
-
-    Raises:
-        InputError: a file that cannot be used, or shows no such part.
-    """
+    """Return part -> surface and its place in the part's frame, of the parts that have one."""
     texts = {"pinion": gear.pinion.surface, "rack": gear.rack.surface}
     height = gear.rack.reference_height
     return {part: _placed(part, text, height) for part, text in texts.items() if text}
@@ -69,11 +65,7 @@ def _placed(part: str, text: str, height: float) -> tuple[Surface, Placement]:
 
 
 def compared(gear: SteeringGear) -> Iterator[Comparison]:
-    """Yield what the surfaces show beside what the drawing states.
-
-    Raises:
-        InputError: as of `placed_surfaces`.
-    """
+    """Yield what the surfaces show beside what the drawing states."""
     pair, bar = GearPair.of(gear), RackBar.of(gear)
     for part, (_, mesh) in placed_surfaces(gear).items():
         rows: list[tuple[str, str, float, float] | tuple[str, str, float, float, float]] = []
@@ -110,11 +102,7 @@ def _hand(angle: float) -> int:
 
 
 def contradictions(gear: SteeringGear) -> Iterator[str]:
-    """Yield why surfaces cannot stand for the gear's parts, in sentences.
-
-    Raises:
-        InputError: as of `placed_surfaces`.
-    """
+    """Yield why surfaces cannot stand for the gear's parts, in sentences."""
     angles = {"pinion": "pinion.helix_angle", "rack": "rack.tooth_angle"}
     for each in compared(gear):
         name, drawing, mesh, _ = each.cells

@@ -67,13 +67,6 @@ def stiffness_of_pair(pair: "GearPair") -> float:
     return single_stiffness(theoretical_stiffness(z_n, inf, shift), rack_factor, pair.beta_p)
 
 
-def mesh_stiffness_of_pair(pair: "GearPair") -> float:
-    """Return c_gamma_alpha of the pinion with its rack [N/m^2]."""
-    from rps_exudyn.gears.geometry_limits import transverse_contact_ratio
-
-    return mesh_stiffness_transverse(stiffness_of_pair(pair), transverse_contact_ratio(pair))
-
-
 # --- Load per length of line and depth, by law "line"
 
 AT_REST = (26.5, -10.0, 9.1)  # [N/(mm um)]: constant, per profile shift, per tangent of the helix angle

@@ -161,11 +161,7 @@ def places_along(gear: SteeringGear) -> list[tuple[SteeringGear, float]]:
 
 
 def weakest(teeth: RootTeeth, torque: float) -> tuple[float, SteeringGear, ToothForm]:
-    """Return the largest stress at a root [Pa] under a torque on the pinion [N m], and the tooth that has it.
-
-    Raises:
-        InputError: a root without the section that the standard judges.
-    """
+    """Return the largest stress at a root [Pa] under a torque on the pinion [N m], and its tooth."""
     return max(((root_stress(*tooth, torque), *tooth) for tooth in teeth), key=lambda found: found[0])
 
 

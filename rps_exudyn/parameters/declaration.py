@@ -6,7 +6,7 @@ values and what an HDF5 result stores. Values are SI; text with a unit is conver
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
@@ -237,11 +237,7 @@ class Table(BaseModel):
 
     @classmethod
     def tables_in(cls, path: str | Path) -> dict[str, Any]:
-        """Return the tables of a TOML file; files that it names are sought beside it.
-
-        Raises:
-            InputError: unreadable file, or no TOML.
-        """
+        """Return the tables of a TOML file; files that it names are sought beside it."""
         return beside(read_toml(path), Path(path).parent, named_files(cls))
 
     @classmethod
@@ -318,6 +314,10 @@ class Table(BaseModel):
         for name in path.split("."):
             value = getattr(value, name)
         return value
+
+    def set_among(self, paths: Iterable[str]) -> list[str]:
+        """Return those of some paths at which a value other than 0 or an empty text stands."""
+        return [path for path in paths if self.value_at(path)]
 
     @classmethod
     def declared(cls) -> Iterator["Declared"]:

@@ -112,11 +112,11 @@ class Fidelity(Table):
         return self._named(item for item in choices if isinstance(getattr(self, item.path), str))
 
     def _named(self, choices: Iterable[Declared]) -> str:
-        usual = _preset_values(self.based_on)
+        usual = Fidelity.preset(self.based_on)
         changes = [
             f"{item.path} {item.show(value)}"
             for item in choices
-            if (value := getattr(self, item.path)) != usual[item.path]
+            if (value := getattr(self, item.path)) != getattr(usual, item.path)
         ]
         return f"{self.based_on} with {', '.join(changes)}" if changes else self.based_on
 
@@ -176,8 +176,8 @@ class Fidelity(Table):
         """Yield all choices; the preset is where they came from, and not one of them."""
         return (item for item in super().declared() if item.path != "based_on")
 
-    @classmethod
-    def preset(cls, name: str) -> Self:
+    @staticmethod
+    def preset(name: str) -> "Fidelity":
         """Return the preset of that name.
 
         Raises:
@@ -185,7 +185,7 @@ class Fidelity(Table):
         """
         if not isinstance(name, str) or name not in PRESETS:
             raise InputError(unknown_preset(name))
-        return cls.model_validate(preset_table(name))
+        return _preset(name)
 
 
 def check_fidelity(fidelity: object) -> None:
@@ -208,9 +208,8 @@ def preset_table(name: str) -> dict[str, Any]:
 
 
 @cache
-def _preset_values(name: str) -> dict[str, Any]:
-    preset = Fidelity.preset(name)
-    return {path: getattr(preset, path) for path in all_declared(Fidelity)}
+def _preset(name: str) -> Fidelity:
+    return Fidelity.model_validate(preset_table(name))
 
 
 _LIMITS = (

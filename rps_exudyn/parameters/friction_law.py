@@ -91,6 +91,11 @@ def check_friction_laws(parts: Mapping[str, FrictionLaw], mesh: str) -> None:
         )
 
 
+def largest_surplus(gear: Any) -> float:
+    """Return the largest static surplus of a gear's rubbing parts."""
+    return max(getattr(gear, part).surplus for part in RUBBING_PARTS)
+
+
 class LoadedFrictionLaw(FrictionLaw):
     """Friction of a part that is pressed on by what the gear transmits."""
 

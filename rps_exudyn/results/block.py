@@ -82,11 +82,7 @@ class CaseRecord:
         return "together" in read_json_tables(self.attributes["findings"], "findings")
 
     def result(self, where: str = "") -> Result:
-        """The whole result; `where` stands for it in messages.
-
-        Raises:
-            InputError: its parameters are wrong.
-        """
+        """The whole result; `where` stands for it in messages."""
         numbers = self.tables["summary"]
         own = {name: number for name, number in numbers.items() if name in SUMMARY}
         errors = {name: numbers[error] for name in SUMMARY if (error := f"{name}_error") in numbers}
@@ -238,11 +234,7 @@ class Block:
         return {name: columns[name][row, :length].copy() for name, length in lengths.items() if length}
 
     def result(self, case_hash: str) -> Result:
-        """The whole result of a case.
-
-        Raises:
-            InputError: the block is damaged there.
-        """
+        """The whole result of a case."""
         row = self.places[case_hash]
         with named_damage(self.path):
             known = self.columns["attributes"]
@@ -254,11 +246,7 @@ class Block:
 
 
 def summaries(path: Path) -> list[CaseRow]:
-    """Return the outcome and the numbers of every case of a block, read column by column.
-
-    Raises:
-        InputError: as `Block.read`.
-    """
+    """Return the outcome and the numbers of every case of a block, read column by column."""
     with opened(path, FILETYPE, "block of cases", VERSION) as file:
         hashes = [name.decode() for name in _column(file, "hash")]
         about = {name: _column(file, f"attributes/{name}") for name in ("status", "message", *TIMES)}

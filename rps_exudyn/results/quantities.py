@@ -6,6 +6,7 @@ housing frame in `gears.gear_pair`: X the rack's travel, Y from the pinion to th
 """
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -164,6 +165,17 @@ SUMMARY = {
     )
     for name, each in _SUMMARY.items()
 }
+
+
+def metric_sizes(values: Mapping[str, Any], of_run: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the sizes of the simulated ones of some metrics, beside the sizes of their run by unit."""
+    items = {name: SUMMARY[name] for name in values}
+    return {
+        name: item.size(values[name], of_run.get(item.unit, 0.0))
+        for name, item in items.items()
+        if item.simulated
+    }
+
 
 GROUPS = {"signals": SIGNALS, "summary": SUMMARY, "counters": COUNTERS, "geometry": GEOMETRY}
 """Group of the HDF5 file -> what it may hold."""

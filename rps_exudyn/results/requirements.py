@@ -59,21 +59,13 @@ def label_of(name: str) -> tuple[str, str]:
 
 
 def read_limits(path: Path | None = None) -> dict[str, Limit]:
-    """Return the shipped limits, single ones replaced by those of a file.
-
-    Raises:
-        InputError: everything that is wrong with the file: name, key, and what is allowed.
-    """
+    """Return the shipped limits, single ones replaced by those of a file."""
     limits = read_only(SHIPPED)
     return limits | (read_only(path) if path else {})
 
 
 def read_only(file: Path) -> dict[str, Limit]:
-    """Return the limits of a file alone.
-
-    Raises:
-        InputError: everything that is wrong with the file, or a file without a limit.
-    """
+    """Return the limits of a file alone."""
     return limits_in(read_toml(file), str(file))
 
 

@@ -10,6 +10,7 @@ from time import process_time
 
 import numpy as np
 
+from rps_exudyn.analysis.work_balance import describe_balance
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
 from rps_exudyn.forces.pinion_support import ShaftLoad
@@ -22,7 +23,6 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Status
 from rps_exudyn.scenes.checks.before_run import check_travel
 from rps_exudyn.scenes.ladder import MOST_MODES
-from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, lost, outcome_of_path
 from rps_exudyn.solvers.balance import SIZE, Balance
@@ -116,7 +116,7 @@ def run_at_rest(
     laws: dict[str, object] = {f"{part}.friction_law": PLAIN_LAW for part in RUBBING_PARTS}
     tapped = gear.replace(laws | {"pinion.axial_friction": 0.0, "yoke.bore_friction": 0.0})
     run = _equilibria(tapped, fidelity, drive, loads, options)
-    return run.described(lambda signals: {**metrics(signals), **balance(signals)}, gear)
+    return run.described(lambda signals: {**metrics(signals), **describe_balance(signals)}, gear)
 
 
 def _equilibria(

@@ -55,7 +55,8 @@ def resolve_contact_law(
     """
     if gear.mesh.law != BY_SCENE:
         return gear
-    deviates = any(path in varied or gear.value_at(path) for path in FLANK_DEVIATIONS)
-    plane = gear.rack.ratio.is_constant and not any(path.startswith("rack.ratio.") for path in varied)
-    teeth = fidelity.bends_teeth and plane and not surfaces_of(gear) and (needed == "teeth" or deviates)
-    return gear.replace({"mesh.law": "teeth" if teeth else "line"})
+    deviates = needed == "teeth" or not set(FLANK_DEVIATIONS).isdisjoint(varied)
+    can_bend = fidelity.bends_teeth and gear.rack.ratio.is_constant and not surfaces_of(gear)
+    can_bend &= not any(path.startswith("rack.ratio.") for path in varied)
+    teeth = can_bend and (deviates or gear.set_among(FLANK_DEVIATIONS))
+    return gear.with_unchecked({"mesh.law": "teeth" if teeth else "line"})

@@ -27,6 +27,7 @@ from rps_exudyn.results.quantities import (
     SUMMARY,
     VARIATIONS,
     WANDERING,
+    metric_sizes,
 )
 from rps_exudyn.scenes.checks.neglected_inertia import (
     FREE_OF_RANGES,
@@ -36,7 +37,7 @@ from rps_exudyn.scenes.checks.neglected_inertia import (
     ringing,
     with_inertia,
 )
-from rps_exudyn.scenes.error_bars import Metrics, size_of, sizes
+from rps_exudyn.scenes.error_bars import Metrics, sizes
 from rps_exudyn.scenes.run_maneuver import drift_beside_travel
 from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.scenes.scene_run import Signals
@@ -80,13 +81,13 @@ def bar_terms(
     Arguments as of `error_bars`, what the run found out about its start, and the masses that it moves.
     """
     of_run = sizes(signals, values)
-    missing = _share(np.abs(missing_work(signals)), signals) if "stored_energy" in signals else 0.0
+    missing, over_edges = _shares_of_work(signals)
     leaves_inertia_out = scene.steady and fidelity.solver == "equilibrium"
-    size = {name: size_of(name, values[name], of_run) for name in values if SUMMARY[name].simulated}
+    size = metric_sizes(values, of_run)
     total: dict[str, Any] = dict.fromkeys(size, 0.0)
     terms = [
         _model(fidelity, size, of_run),
-        _work(signals, missing, size),
+        {name: (missing + over_edges) * each for name, each in size.items()},
         _start(findings, size, of_run),
         *([_inertia(masses, metrics, signals, values, size)] if leaves_inertia_out else []),
         *([_open_cycle(masses, signals, size)] if scene.swings else []),
@@ -110,18 +111,17 @@ def _model(fidelity: Fidelity, size: Terms, of_run: Terms) -> Terms:
     }
 
 
-def _work(signals: Signals, missing: Any, size: Terms) -> Terms:
-    edges = np.abs(signals.get("work_mesh_edges", np.zeros(1))[..., -1])
-    share = missing + _share(edges, signals)
-    return {name: share * each for name, each in size.items()}
-
-
-def _share(work: Any, signals: Signals) -> Any:
-    """Return work over what drive or load did, 0 of so little that it is none."""
+def _shares_of_work(signals: Signals) -> tuple[Any, Any]:
+    """Return what is missing in the balance of work and what passes the tooth edges, over what drive or load
+    did; 0 of so little that it is none."""
     if "pinion_angle" not in signals:
-        return 0.0
+        return 0.0, 0.0
     least = MISSED_TORQUE * np.abs(np.diff(signals["pinion_angle"])).sum(axis=-1) + ROUNDING
-    return (np.where(work > least, work, 0.0) / np.maximum(largest_work(signals), least))[()]
+    missing = np.abs(missing_work(signals)) if "stored_energy" in signals else 0.0
+    edges = np.abs(signals.get("work_mesh_edges", np.zeros(1))[..., -1])
+    whole = np.maximum(largest_work(signals), least)
+    missing, edges = ((np.where(work > least, work, 0.0) / whole)[()] for work in (missing, edges))
+    return missing, edges
 
 
 def _start(findings: Mapping[str, Any], size: Terms, of_run: Terms) -> Terms:
@@ -146,8 +146,7 @@ def _inertia(
     drive = next((name for name in DRIVES if name in signals), "")
     if not drive or "mesh_normal_force" not in signals:
         return {}
-    beside, usual = beside_travel(signals, masses)
-    added = with_inertia(signals, masses)
+    (beside, usual), added = beside_travel(signals, masses), with_inertia(signals, masses)
     shifted = metrics(added)
     varies = np.ptp(added[drive] - signals[drive], axis=-1) + beside * np.abs(signals[drive]).mean(axis=-1)
     depth = PRESSED * beside * np.mean(signals["mesh_penetration"], axis=-1)

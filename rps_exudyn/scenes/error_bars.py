@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.analysis.curve import pieces_of
-from rps_exudyn.analysis.passes import over_instants
+from rps_exudyn.analysis.passes import signals_over_instants
 from rps_exudyn.analysis.rack_motion import transmission_error
-from rps_exudyn.results.quantities import INSTANTS, SCATTERS, SUMMARY
+from rps_exudyn.results.quantities import INSTANTS, SCATTERS, SUMMARY, metric_sizes
 from rps_exudyn.scenes.scene_run import Signals
 
 FACTOR = 2.0  # times the change between two levels: covers 98 % where 1 covers 95 and 3 covers 99
@@ -46,22 +46,20 @@ def error_bars(
     Without `curves` signals are not compared instant by instant: where pulses shift in time, and where loads
     stand one after the other. The bar is at least `floor` of the metric's size.
     """
-    names = [name for name in values if SUMMARY[name].simulated]
-    of_run = sizes(fine, values)
-    size = {name: size_of(name, values[name], of_run) for name in names}
-    own = {name: np.abs(values[name] - coarse_values.get(name, np.inf)) for name in names}
+    size = metric_sizes(values, sizes(fine, values))
+    own = {name: np.abs(values[name] - coarse_values.get(name, np.inf)) for name in size}
     change = dict(own)
     if curves and (moved := difference(fine, coarse)):
         # what lies between the coarse instants changes as they do
         extrapolated = metrics({**fine, **{name: fine[name] + each for name, each in moved.items()}})
-        for name in names:
+        for name in size:
             largest = _largest_change(name, moved, values)
             shifted = np.abs(extrapolated.get(name, values[name]) - values[name])
             change[name] = np.fmax(change[name], np.fmax(largest, shifted))
-    known = [own[name] / size[name] for name in names if np.all(np.isfinite(own[name]))]
+    known = [each / size[name] for name, each in own.items() if np.all(np.isfinite(each))]
     usual = np.median(np.broadcast_arrays(*known), axis=0) if known else 0.0
     bars = {}
-    for name in names:
+    for name in size:
         scatter = values.get(SCATTERS.get(name, ""), 0.0)
         each = np.fmax(change[name], CHANCE * usual * size[name])
         bars[name] = np.fmax(FACTOR * np.hypot(each, scatter), floor * size[name])
@@ -74,17 +72,16 @@ def difference(fine: Signals, coarse: Signals) -> dict[str, np.ndarray]:
     pieces = [list(pieces_of(each["time"])) for each in (fine, coarse)]
     if len(pieces[0]) != len(pieces[1]):
         return {}
-    found: dict[str, list[np.ndarray]] = {}
+    both = [name for name in fine.keys() & coarse.keys() - {"time"} if fine[name].ndim == coarse[name].ndim]
+    found: dict[str, list[np.ndarray]] = {name: [] for name in both}
     for own, other in zip(*pieces, strict=True):
         there, at = fine["time"][own], coarse["time"][other]
         if max(abs(there[0] - at[0]), abs(there[-1] - at[-1])) > np.diff(at).max(initial=0.0):
             return {}
-        for name in fine.keys() & coarse.keys() - {"time"}:
-            values, others = fine[name][..., own], coarse[name][..., other]
-            if values.ndim != others.ndim:
-                continue
-            moved = over_instants(at, there, values) - others
-            found.setdefault(name, []).append(over_instants(there, at, moved))
+        values = signals_over_instants(at, there, {name: fine[name][..., own] for name in both})
+        moved = {name: each - coarse[name][..., other] for name, each in values.items()}
+        for name, each in signals_over_instants(there, at, moved).items():
+            found[name].append(each)
     return {name: np.concatenate(each, axis=-1) for name, each in found.items()}
 
 

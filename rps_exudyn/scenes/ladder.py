@@ -25,13 +25,8 @@ KNOBS = (
 """Choices of a model that a level decides."""
 
 
-def _most(table: type[Fidelity] | type[SteeringGear], path: str) -> float:
-    (declared,) = table.declared_at(path)
-    return float(declared.most)
-
-
-MOST_MODES = int(_most(SteeringGear, "rack.modes"))
-_MOST = {name: _most(Fidelity, name) for name in KNOBS}
+MOST_MODES = SteeringGear.declared_at("rack.modes")[0].most
+_MOST = {name: Fidelity.declared_at(name)[0].most for name in KNOBS}
 
 
 def valid_level(level: int, fidelity: Fidelity) -> int:
@@ -65,13 +60,14 @@ def model_at(level: int, fidelity: Fidelity) -> Fidelity:
         "axial_samples": ceil(fidelity.axial_samples * sqrt(finer)),
         "chord_error": fidelity.chord_error / finer**2,  # of strips half as wide
     }
-    return fidelity.replace({name: min(value, _MOST[name]) for name, value in changed.items()})
+    # within the limits of their declarations, as the model is
+    return fidelity.model_copy(update={name: min(value, _MOST[name]) for name, value in changed.items()})
 
 
 def gear_at(level: int, gear: SteeringGear) -> SteeringGear:
     """Return a gear whose rack, where it bends, has the modes of a level."""
     modes = min(doubled(gear.rack.modes, level), MOST_MODES)
-    return gear if modes == gear.rack.modes else gear.replace({"rack.modes": modes})
+    return gear if modes == gear.rack.modes else gear.with_unchecked({"rack.modes": modes})
 
 
 def doubled(count: int, level: int) -> int:

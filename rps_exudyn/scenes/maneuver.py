@@ -11,7 +11,7 @@ from rps_exudyn.gears.flank_grid import measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.local_gear import turn_of_test
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.checks.before_run import check_travel, degrees_shown, largest_angle
+from rps_exudyn.scenes.checks.before_run import check_travel
 from rps_exudyn.solvers.prescribed_motion import Drive, DrivenBody, SetOff, Steady, Swing, travel_per_radian
 from rps_exudyn.solvers.settled_start import Approach, SteadyApproach, SwingApproach
 from rps_exudyn.solvers.sliding_stability import bristle_reversal_angle
@@ -147,25 +147,23 @@ def steady_maneuver(
 
     Steps are of at most `step_angle` [rad]. `body` is the one that the rig moves; the rack moves as far and
     as fast as it would with the pinion. Each of the gear's whole periods gets the same steps.
-
-    Raises:
-        InputError: it leaves the rack's teeth.
     """
-    check_travel(gear, (first, last), f"a test from {degrees_shown(first)} to {degrees_shown(last)}")
-    whole = whole_periods(gear, abs(last - first))
+    swept = f"a test from {np.degrees(first):.6g} deg to {np.degrees(last):.6g} deg"
+    allowed, whole = check_travel(gear, (first, last), swept), whole_periods(gear, abs(last - first))
     periods, at_least = (whole, least.per_period) if whole else (1, least.of_part)
     piece = abs(last - first) / periods
     per_piece = max(at_least, even(piece / step_angle * (1 - 1e-12)))
     step, speed = piece / per_piece, gear.test.speed
     lead, sense = even(RUN_IN / step), float(np.sign(last - first))
     start = first - sense * lead * step
-    scale, pair = travel_per_radian(body, float(GearPair.of(gear).gain)), GearPair.of(gear)
+    pair = GearPair.of(gear)
+    scale = travel_per_radian(body, float(pair.gain))
     drive = Steady(body, scale * start, scale * sense * speed)
     if body == "rack" and pair.course is not None:  # at the mean ratio between the angles
         begin, end = float(pair.travel_at(first)), float(pair.travel_at(last))
         scale = (end - begin) / (last - first)
         drive = Steady(body, begin - scale * sense * lead * step, scale * sense * speed)
-    pitch, toothed = 2 * np.pi / gear.pinion.teeth, max(0.0, largest_angle(gear) + sense * start)
+    pitch, toothed = 2 * np.pi / gear.pinion.teeth, max(0.0, allowed + sense * start)
     approach = SteadyApproach(pitch / speed, toothed / speed, step=step / speed)
     steps, closes = per_piece * periods, whole is not None
     return Maneuver(drive, step / speed, lead, steps, periods, approach=approach, closes=closes)
@@ -179,11 +177,7 @@ def even(steps: float) -> int:
 def maneuvers_of_test(
     gear: SteeringGear, body: DrivenBody, step_angle: float, least: StepLimits = StepLimits()
 ) -> list[Maneuver]:
-    """Return the maneuvers that `test.path` asks for.
-
-    Raises:
-        InputError: they leave the rack's teeth.
-    """
+    """Return the maneuvers that `test.path` asks for."""
     first, last = turn_of_test(gear)
     forth = steady_maneuver(gear, body, first, last, step_angle, least)
     if gear.test.path == "one-way":
@@ -199,14 +193,11 @@ def swing_maneuver(
     Steps are of `step_angle` [rad] where it is fastest. They are divided after each turn, where friction
     turns about: over the travel of bristles, and over an angle `yielding` [rad] that hardly depends on the
     steering.
-
-    Raises:
-        InputError: it leaves the rack's teeth.
     """
     test = gear.test
     ends = test.start_angle - test.amplitude, test.start_angle + test.amplitude
-    swept = f"test.amplitude = {degrees_shown(test.amplitude)} about {degrees_shown(test.start_angle)}"
-    check_travel(gear, ends, swept)
+    amplitude, middle = np.degrees([test.amplitude, test.start_angle])
+    check_travel(gear, ends, f"test.amplitude = {amplitude:.6g} deg about {middle:.6g} deg")
     drive = Swing(body, test.start_angle, test.amplitude, test.direction * test.speed)
     per_cycle = 8 * int(np.ceil(max(drive.period * test.speed / step_angle, LEAST_PER_CYCLE) / 8))
     time_step = drive.period / per_cycle

@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.analysis.passes import passes
+from rps_exudyn.analysis.passes import Pass, passes
 from rps_exudyn.analysis.rack_motion import describe_rack
-from rps_exudyn.analysis.torque import describe_directions, describe_on_centre, describe_torque
-from rps_exudyn.analysis.work_balance import describe_losses, energy_residual
+from rps_exudyn.analysis.torque import describe_turning
+from rps_exudyn.analysis.work_balance import describe_balance, describe_losses
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.scene_run import Signals
@@ -15,14 +15,9 @@ from rps_exudyn.scenes.scene_run import Signals
 
 def metrics_of_turning(signals: Signals, gear: SteeringGear, rack_gain: Any = None) -> dict[str, float]:
     """Return the metrics of a pinion turned steadily: its torque, and what any gear in motion shows."""
-    teeth, runs = gear.pinion.teeth, passes(signals)
-    first = runs[0].signals
-    return {
-        **describe_torque(first["pinion_angle"], first["pinion_torque"], teeth),
-        **describe_directions(runs),
-        **describe_on_centre(runs, teeth, gear.test.centre_window),
-        **metrics_of_motion(signals, gear, rack_gain),
-    }
+    runs = passes(signals)
+    of_torque = describe_turning(runs, gear.pinion.teeth, gear.test.centre_window)
+    return {**of_torque, **_motion(signals, runs, gear, rack_gain)}
 
 
 def metrics_of_motion(signals: Signals, gear: SteeringGear, rack_gain: Any = None) -> dict[str, float]:
@@ -32,8 +27,11 @@ def metrics_of_motion(signals: Signals, gear: SteeringGear, rack_gain: Any = Non
     `rack_gain` is the rack's travel per radian [m], a number, one for each of many gears, or the travel by
     the pinion's angle; by default the gear's.
     """
-    runs, gain = passes(signals), GearPair.of(gear).travel_rule if rack_gain is None else rack_gain
-    first = runs[0].signals
+    return _motion(signals, passes(signals), gear, rack_gain)
+
+
+def _motion(signals: Signals, runs: list[Pass], gear: SteeringGear, rack_gain: Any) -> dict[str, float]:
+    first, gain = runs[0].signals, GearPair.of(gear).travel_rule if rack_gain is None else rack_gain
     travel, turned = (
         first[name][..., -1] - first[name][..., 0] for name in ("rack_displacement", "pinion_angle")
     )
@@ -41,14 +39,9 @@ def metrics_of_motion(signals: Signals, gear: SteeringGear, rack_gain: Any = Non
         "rack_gain": travel / turned * 2 * np.pi,
         **describe_rack(signals, runs, gain),
         **describe_losses(signals),
-        **balance(signals),
+        **describe_balance(signals),
     }
 
 
 figures_of_motion, figures_of_turning = metrics_of_motion, metrics_of_turning
 """Former names, for own scenes."""
-
-
-def balance(signals: Signals) -> dict[str, float]:
-    """Return the energy residual, of models that state what they store."""
-    return {"energy_residual": energy_residual(signals)} if "stored_energy" in signals else {}

@@ -12,6 +12,7 @@ from functools import partial
 import numpy as np
 
 from rps_exudyn.analysis.impacts import describe_rattle, split_at_repeats
+from rps_exudyn.analysis.work_balance import describe_balance
 from rps_exudyn.forces.external_load import RoadForce
 from rps_exudyn.forces.pinion_support import with_float
 from rps_exudyn.gears.rack_bar import RackBar
@@ -20,7 +21,6 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.checks.before_run import check_dynamics, check_travel
 from rps_exudyn.scenes.maneuver import Maneuver, even
-from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
@@ -65,9 +65,9 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
 
     def metrics(signals: Signals) -> dict[str, float]:
         if growing:
-            return threshold(signals, maneuvers) | balance(signals)
+            return threshold(signals, maneuvers) | describe_balance(signals)
         of_cycles = describe_rattle(signals, 1 / test.road_frequency, gear.yoke.plunger_mass, band)
-        return of_cycles | balance(signals)
+        return of_cycles | describe_balance(signals)
 
     run = run_maneuver(gear, chosen, maneuvers, options).described(metrics)
     described = run.noting(None if chosen.rack == "flexible" else RIGID)
@@ -106,11 +106,7 @@ def _threshold_remark(gear: SteeringGear, metrics: Mapping[str, float]) -> Remar
 
 
 def shaken_by_road(gear: SteeringGear, steps_per_swing: int = STEPS_PER_SWING) -> Iterator[Maneuver]:
-    """Yield one maneuver for each phase at which the force begins: one cycle of run-in, then the record.
-
-    Raises:
-        InputError: a start beyond the rack's teeth.
-    """
+    """Yield one maneuver for each phase at which the force begins: one cycle of run-in, then the record."""
     test, yoke = gear.test, gear.yoke
     check_travel(gear, (test.start_angle,), "test.start_angle")
     peak = test.road_force * np.array([np.cos(test.road_angle), np.sin(test.road_angle), 0.0])

@@ -57,7 +57,6 @@ def table_of(
 
     Raises:
         TableLost: there are no equilibria.
-        InputError: a gear whose equilibria are none of this model.
     """
     model = fidelity.replace({"solver": "equilibrium"})
     # what else the test asks for changes nothing in the table
@@ -103,7 +102,7 @@ def table_of(
         stiffness=np.ones(1),
         speeds=speeds,
         speed_factor=at_speed / at_speed[-1] if at_speed[-1] else np.ones(len(speeds)),
-        constant=float(gain * bush_drag(turned) + gear.bearing.friction_torque),
+        constant=float(gain * bush_drag(turned, gain) + gear.bearing.friction_torque),
         seat_share=mean.plunger_loss / of_load,
         yokenut_force=max(float(way["yokenut_force"].max()) for way in rows[len(rows) // 2]),
     )

@@ -21,7 +21,7 @@ from rps_exudyn.base.progress import begin_part
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.local_gear import LocalGears
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.friction_law import RUBBING_PARTS, FrictionLaw
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import law_of_formulas
 from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Remark, Status
@@ -81,11 +81,7 @@ def run_maneuver(
     maneuvers: Maneuver | Sequence[Maneuver],
     options: RunOptions = DEFAULT_OPTIONS,
 ) -> SceneRun:
-    """Make maneuvers one after the other until one fails, joined to one record; the run has no summary yet.
-
-    Raises:
-        InputError: the fidelity's solver cannot make one, or no memory holds its record.
-    """
+    """Make maneuvers one after the other until one fails, joined to one record without a summary."""
     runs: list[SceneRun] = []
     maneuvers = [maneuvers] if isinstance(maneuvers, Maneuver) else maneuvers
     for number, maneuver in enumerate(each.halved(options.halvings) for each in maneuvers):
@@ -108,10 +104,10 @@ def run_maneuver(
 def run_steady(test: SteadyTest, gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
     """Make the recorded maneuvers of a steady test without a load."""
     maneuvers, _ = test.maneuvers(gear, fidelity.step_angle, options.least_steps)
-    gain, formulas = GearPair.of(gear).travel_rule, test.formulas(gear) if test.formulas else {}
+    gain = GearPair.of(gear).travel_rule
 
     def metrics(signals: Signals) -> dict[str, float]:
-        return test.metrics(SteadyRecord(gear, signals, {}, gain, 0.0)) | formulas
+        return test.metrics(SteadyRecord(gear, signals, {}, gain, 0.0))
 
     return run_maneuver(gear, fidelity, maneuvers, options).described(metrics, gear)
 
@@ -219,7 +215,7 @@ def _along_equilibria(
     forces, drive = gear_forces(gear, fidelity, maneuver.rack_load), maneuver.drive
     column = ColumnModel.of(gear) if drive.body == "wheel" else None
     turned = drive if column is None else replace(drive, body="pinion")
-    pair, time = GearPair.of(gear), maneuver.time
+    pair, time = forces.pair, maneuver.time
     balance = forces.statics if isinstance(drive, Steady) else accelerated(gear, forces)
     closes = maneuver.closes and maneuver.approach is not None
     for approach in (None, maneuver.approach) if closes else (maneuver.approach,):
@@ -255,17 +251,17 @@ def _along_equilibria(
         run = _finished(gear, maneuver, outcome, record, path, options)
         if interrupted:
             raise Interrupted(run)
-        if approach is not maneuver.approach and run.ok and _is_settled(run.signals, drive.signal, gear):
+        if approach is not maneuver.approach and run.ok and _is_settled(run.signals, drive.signal, pair):
             break
     return run
 
 
-def _is_settled(signals: Signals, driven: str, gear: SteeringGear) -> bool:
+def _is_settled(signals: Signals, driven: str, pair: GearPair) -> bool:
     """Return whether a gear ends a record as it began it."""
     travel, force = float(np.ptp(signals["rack_displacement"])), signals[driven]
     moved = max(_change(signals[name]) * length for name, length in LENGTHS.items())
     drift = max(moved / travel, _change(force) / (float(np.abs(force).max()) or 1.0))
-    return drift <= STEADY and drift_beside_travel(signals, GearPair.of(gear).travel_rule) <= RETURNED
+    return drift <= STEADY and drift_beside_travel(signals, pair.travel_rule) <= RETURNED
 
 
 def drift_beside_travel(signals: Signals, gain: Gain) -> float:
@@ -345,13 +341,12 @@ def beyond_formulas_in(gear: SteeringGear, maneuver: Maneuver) -> str:
     """Return why the formulas, which hold for this gear, do not in this maneuver; "" where they do."""
     if gear.bush.viscous_drag and np.ptp(np.abs(maneuver.drive.rate(maneuver.time))) > 0:
         return "the formulas take bush.viscous_drag at a constant speed"
-    laws: dict[str, FrictionLaw] = {part: getattr(gear, part) for part in RUBBING_PARTS}
     turning = presliding_angle(gear) / np.ptp(maneuver.drive.place(maneuver.time))
     if turning > TURNING_ABOUT and not maneuver.is_steady:
         return (
             f"the formulas have no bristles, which turn about over {turning:.1%} of the way between reversals"
         )
-    by_load = [f"{part}.load_exponent" for part, law in laws.items() if law.varies_with_load]
+    by_load = [f"{part}.load_exponent" for part in RUBBING_PARTS if getattr(gear, part).varies_with_load]
     if by_load and (maneuver.rack_load or maneuver.drive.body == "rack"):
         return f"the formulas take friction under the yoke's preload alone, without {', '.join(by_load)}"
     return ""

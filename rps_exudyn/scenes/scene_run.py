@@ -10,7 +10,7 @@ from rps_exudyn.analysis.passes import plain
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Outcome, Remark, Status, each_once, joined_text
 from rps_exudyn.results.quantities import WORKS
-from rps_exudyn.scenes.checks.rules import remarks
+from rps_exudyn.scenes.checks.rules import REMARKS, RuleInput, remarks
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.settling import TOLERANCE
 
@@ -59,7 +59,7 @@ class SceneRun:
         if not self.signals:
             return self
         run = replace(self, summary=plain(metrics(self.signals)), metrics=metrics)
-        return run.noting(*remarks(gear, self.signals)) if gear else run
+        return run.noting(*remarks(REMARKS, RuleInput(gear, signals=self.signals))) if gear else run
 
 
 def joined(runs: Sequence[SceneRun]) -> SceneRun:

@@ -11,7 +11,7 @@ from rps_exudyn.analysis.wheel_metrics import describe_breakaway, describe_steer
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.friction_law import RUBBING_PARTS
+from rps_exudyn.parameters.friction_law import largest_surplus
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.results.quantities import EXTREMES, LOSS_SHARES, VARIATIONS
@@ -64,7 +64,7 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
                 f"{friction:.4g} N m: the column twists and the gear stays",
             )
         )
-    falls = any(getattr(gear, part).surplus > 0 for part in RUBBING_PARTS)
+    falls = largest_surplus(gear) > 0
     if grows and falls and fidelity.solver == "equilibrium":
         run = run.noting(BRANCHES).unsure_of(VARIATIONS | EXTREMES | LOSS_SHARES)
     return run

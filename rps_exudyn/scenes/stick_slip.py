@@ -8,12 +8,12 @@ is unstable (`solvers.sliding_stability`).
 import numpy as np
 
 from rps_exudyn.analysis.friction_oscillator import describe_stick_slip, sticking_speed
+from rps_exudyn.analysis.work_balance import describe_balance
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.checks.before_run import check_dynamics, check_travel
 from rps_exudyn.scenes.maneuver import Maneuver, even
-from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
@@ -37,7 +37,7 @@ def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> S
 
     def metrics(signals: Signals) -> dict[str, float]:
         of_sticking = describe_stick_slip(signals, gear.test.direction * gear.test.speed)
-        found = {**of_sticking, **predicted, **balance(signals)}
+        found = {**of_sticking, **predicted, **describe_balance(signals)}
         return found if nothing is None else {name: found[name] for name in found if name != AMPLITUDE}
 
     return run_maneuver(gear, fidelity, set_off(gear), options).described(metrics, gear).noting(nothing)
@@ -52,11 +52,7 @@ NOTHING_FALLS = Remark(
 
 
 def set_off(gear: SteeringGear) -> Maneuver:
-    """Return the motion of the wheel from rest.
-
-    Raises:
-        InputError: it leaves the rack's teeth.
-    """
+    """Return the motion of the wheel from rest."""
     test, model = gear.test, reduced_gear(gear)
     period = 2 * np.pi / model.frequency
     step = period / PER_PERIOD

@@ -19,10 +19,10 @@ import numpy as np
 from rps_exudyn.base.progress import begin_stage
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Interrupted, Remark
+from rps_exudyn.results.outcome import Interrupted
 from rps_exudyn.results.quantities import EXTREMES, MOTIONS, VARIATIONS
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses
-from rps_exudyn.scenes.checks.rules import OF_BARS, VIBRATES, RuleInput, breaches, remarks_on_bars
+from rps_exudyn.scenes.checks.rules import OF_BARS, SHORT_BARS, VIBRATES, RuleInput, breaches, remarks
 from rps_exudyn.scenes.error_bar_terms import bar_terms
 from rps_exudyn.scenes.error_bars import FLOOR, Metrics, error_bars
 from rps_exudyn.scenes.ladder import gear_at, model_at
@@ -51,7 +51,6 @@ class Levels:
         """Return the run of a level with error bars.
 
         Raises:
-            InputError: a test or a model that the scene cannot have.
             Interrupted: Ctrl-C; it carries what was recorded.
         """
         first = self._at(level, (0.0, FINE_SHARE))
@@ -63,13 +62,16 @@ class Levels:
             other = self._at(level - 1 if level else 1, (FINE_SHARE, 1.0))
             if other.ok:
                 coarse, fine = (other, first) if level else (first, other)
-                return self._barred(_described(first, level, other), level, fine, coarse)
+                return self._with_terms(
+                    _described(first, level, other), level, self._bars(level, fine, coarse)
+                )
             other = self._at(level + 1, (FINE_SHARE, 1.0))
         except Interrupted:
             raise Interrupted(first) from None
         if not (level and other.ok):
             return self._with_terms(_described(first, level), level, None)
-        return self._barred(_described(other, level + 1, first), level + 1, other, first)
+        bars = self._bars(level + 1, other, first)
+        return self._with_terms(_described(other, level + 1, first), level + 1, bars)
 
     def _at(self, level: int, stage: tuple[float, float]) -> SceneRun:
         """Return the run of a level, which takes a stage of the progress where it is made."""
@@ -86,15 +88,14 @@ class Levels:
         spent = {**self.seconds, first: min(self.seconds[first], GROWTH**2 * self.seconds[companion])}
         return spent[level] * max(GROWTH, spent[level] / max(spent[level - 1], LEAST_SECONDS))
 
-    def _barred(self, printed: SceneRun, level: int, fine: SceneRun, coarse: SceneRun) -> SceneRun:
-        """Return the printed run with the bars of two levels."""
-        if len(fine.signals["time"]) == len(coarse.signals["time"]):  # a scene that leaves out its options
-            return self._with_terms(printed, level, None)
+    def _bars(self, level: int, fine: SceneRun, coarse: SceneRun) -> dict[str, Any] | None:
+        """Return the bars of two levels; None of a scene that leaves out its options."""
+        if len(fine.signals["time"]) == len(coarse.signals["time"]):
+            return None
         curves = fine.metrics is not None and not (self.scene.at_rest or self.scene.has_impacts)
         metrics, values, fewer = metrics_of(fine), fine.summary, coarse.summary
         floor = FLOOR / 2.0 ** max(level - 1, 0)
-        bars = error_bars(metrics, fine.signals, values, coarse.signals, fewer, curves=curves, floor=floor)
-        return self._with_terms(printed, level, bars)
+        return error_bars(metrics, fine.signals, values, coarse.signals, fewer, curves=curves, floor=floor)
 
     def _with_terms(self, run: SceneRun, level: int, bars: Mapping[str, Any] | None) -> SceneRun:
         """Return a run whose bars have their terms added; None: no level serves, bars are unknown (nan)."""
@@ -107,9 +108,9 @@ class Levels:
         found = dict.fromkeys(terms, np.nan) if bars is None else bars
         summed = {name: float(found.get(name, 0.0) + each) for name, each in terms.items()}
         errors = {name: each if np.isfinite(each) else np.nan for name, each in summed.items()}
-        if vibration := VIBRATES.breach(RuleInput(self.gear, numbers=run.outcome.findings)):
-            run = run.noting(Remark(VIBRATES.code, vibration.sentence)).unsure_of(VARIATIONS | EXTREMES)
-        run = run.noting(*remarks_on_bars(self.gear, fidelity))
+        if vibrates := list(remarks((VIBRATES,), RuleInput(self.gear, numbers=run.outcome.findings))):
+            run = run.noting(*vibrates).unsure_of(VARIATIONS | EXTREMES)
+        run = run.noting(*remarks(SHORT_BARS, RuleInput(self.gear, fidelity)))
         errors |= dict.fromkeys(errors.keys() & run.unsure, np.nan)
         run = replace(run, errors=errors)
         for breach in breaches(OF_BARS, RuleInput(self.gear, numbers=measured)) if run.ok else ():

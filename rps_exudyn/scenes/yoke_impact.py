@@ -9,6 +9,7 @@ import numpy as np
 from rps_exudyn.analysis.impacts import describe_impacts
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.analysis.rack_motion import describe_rack
+from rps_exudyn.analysis.work_balance import describe_balance
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.external_load import Pulse
 from rps_exudyn.gears.gear_pair import GearPair
@@ -18,7 +19,6 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.checks.before_run import check_dynamics, check_travel
 from rps_exudyn.scenes.maneuver import Maneuver, even
-from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
@@ -50,7 +50,7 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
             **describe_impacts(signals),
             **describe_rack(signals, passes(signals), GearPair.of(gear).travel_rule),
             **({"rack_end_deflection": float(np.hypot(*end).max())} if len(end) else {}),
-            **balance(signals),
+            **describe_balance(signals),
         }
 
     run = run_maneuver(gear, chosen, shaken(gear, chosen.swing_steps or own), options).described(metrics)

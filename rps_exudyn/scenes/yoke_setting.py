@@ -75,11 +75,7 @@ def travel_of_turn(gear: SteeringGear, angle: float) -> float:
 
 
 def turned_back(gear: SteeringGear, angle: float) -> SteeringGear:
-    """Return the gear after its cap is turned back by an angle [rad], below 0 in.
-
-    Raises:
-        InputError: its spring is loose then, or the clearance is beyond its limits.
-    """
+    """Return the gear after its cap is turned back by an angle [rad], below 0 in."""
     clearance = gear.yoke.clearance + travel_of_turn(gear, angle)
     return gear.replace({"yoke.clearance": clearance, "yoke.preload": spring_at(gear, clearance)})
 

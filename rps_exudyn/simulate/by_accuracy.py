@@ -82,9 +82,6 @@ class AccuracyGoal:
     def widest(self, run: Result) -> tuple[float, str]:
         """Return 1.5 bars over the metric's size, and the metric's name, of the metric where this share is
         largest; inf of an unknown bar.
-
-        Raises:
-            InputError: metrics that the run does not have.
         """
         _check_metrics(self.metrics, run.errors, f"no metric of {run.scene}")
         main_metric = scene_named(run.scene).main_metric

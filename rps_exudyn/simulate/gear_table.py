@@ -21,7 +21,7 @@ from rps_exudyn.results.outcome import Remark
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.after_run import unsettled_share
 from rps_exudyn.scenes.checks.neglected_inertia import MovedMasses, of_many
-from rps_exudyn.scenes.checks.rules import OF_BARS, REMARKS, RuleInput, refused, remarks, remarks_on_bars
+from rps_exudyn.scenes.checks.rules import OF_BARS, REMARKS, SHORT_BARS, RuleInput, refused, remarks
 from rps_exudyn.scenes.error_bar_terms import bar_terms
 from rps_exudyn.scenes.error_bars import error_bars
 from rps_exudyn.scenes.ladder import model_at
@@ -387,7 +387,7 @@ class _GearsAtLevel:
         of_test, signals = test.remarks(self.record), self.record.signals
         fidelity = self.table.shared_maneuvers[0].fidelity
         remarks_of_gears = [
-            [*met, *own, *remarks_on_bars(gear, fidelity)]
+            [*met, *own, *remarks(SHORT_BARS, RuleInput(gear, fidelity))]
             for gear, met, own in zip(self.gears, self._limits_met(), of_test, strict=True)
         ]
         if test.formulas is not None:
@@ -410,7 +410,7 @@ class _GearsAtLevel:
         given = RuleInput(self.gears[0], signals=signals)
         within = np.logical_and.reduce(np.broadcast_arrays(*(rule.within(given) for rule in REMARKS)))
         return [
-            [] if within[i] else list(remarks(gear, signals_of_some(signals, i)))
+            [] if within[i] else list(remarks(REMARKS, RuleInput(gear, signals=signals_of_some(signals, i))))
             for i, gear in enumerate(self.gears)
         ]
 

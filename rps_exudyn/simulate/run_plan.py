@@ -32,11 +32,7 @@ class Plan:
     """
 
     def __init__(self, scene: str, gear: SteeringGear, fidelity: Fidelity) -> None:
-        """Prepare a plan.
-
-        Raises:
-            InputError: a gear that cannot exist.
-        """
+        """Prepare a plan."""
         self._wall, self._cpu = perf_counter(), process_time()
         self.scene, self.fidelity = scene_named(scene), with_meshes(fidelity, gear)
         self.gear = resolve_contact_law(gear, fidelity, self.scene.law)
@@ -62,6 +58,7 @@ class Plan:
 
     def result(self, done: SceneRun) -> Result:
         """Return the result of a run; its times are those since the plan was prepared."""
+        formulas = self.scene.test.formulas if self.scene.test and done.summary else None
         return Result(
             scene=self.scene.name,
             gear=self.gear,
@@ -72,7 +69,7 @@ class Plan:
             message=done.outcome.message,
             codes=each_once(done.outcome.codes),
             signals=done.signals,
-            summary=done.summary | self._numbers,
+            summary=done.summary | (formulas(self.tested) if formulas else {}) | self._numbers,
             errors=done.errors,
             counters={**done.outcome.counters, "solver_cpu": done.outcome.cpu_s},
             geometry=self._geometry,
@@ -112,11 +109,7 @@ Changes = dict[str, Any]
 def run_with_fallback(
     scene: str, gear: SteeringGear, fidelity: Fidelity, options: RunOptions = DEFAULT_OPTIONS
 ) -> Result:
-    """Simulate by the first settings that end well; if none do, return the first try's result.
-
-    Raises:
-        InputError: a gear that cannot exist, or a test that it does not allow.
-    """
+    """Simulate by the first settings that end well; if none do, return the first try's result."""
     gear = resolve_contact_law(gear, fidelity, scene_named(scene).law)
     results: list[Result] = []
     tries: list[dict[str, Any]] = []

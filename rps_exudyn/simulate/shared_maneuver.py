@@ -114,7 +114,7 @@ class SharedManeuver:
         if not same_structure(records, records[:1]).all():
             return None
         forces = gear_forces(gear, fidelity, maneuver.rack_load)
-        series = GearSeries(forces, pair, drive.pinion_speed(pair, 0.0), drive.body)
+        series = GearSeries(forces, pair, float(drive.pinion_motion(pair, 0.0)[1]), drive.body)
         first = _singly(maneuver, series, records[:1], angles)
         if first is None:
             return None

@@ -4,6 +4,7 @@ pinion's supports."""
 from collections.abc import Callable
 from ctypes import c_double
 from dataclasses import dataclass, field
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -35,21 +36,21 @@ class Balance:
     locked: tuple[int, ...] = ()  # coordinates of the rack that are held at zero
     approach: float = 0.0  # of the rack under the preload at rest [m]
     # of what is accelerated, mass matrix (n, n); (0, 0) in steady motion
-    masses: np.ndarray = field(default_factory=lambda: NOTHING_ACCELERATED)
+    masses: np.ndarray = field(default_factory=NOTHING_ACCELERATED.copy)
     # times (t,) -> generalised forces (t, n) that act besides
     outside: Callable[[np.ndarray], np.ndarray] | None = None
     # coordinates of a supported pinion under the preload at rest; none of a rigid one
-    supported: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    supported: np.ndarray = field(default_factory=partial(np.zeros, 0))
     works: np.ndarray = field(default_factory=new_work)
     _evaluations: dict[int, "_Evaluation"] = field(default_factory=dict, init=False)
 
-    @property
+    @cached_property
     def modes(self) -> int:
         """Return the number of modes in which the rack bends."""
         gear = self.gears[0]
         return int(gear["bar"]["modes"]) if gear["is_bent"] else 0
 
-    @property
+    @cached_property
     def size(self) -> int:
         """Return the number of coordinates n, with those of modes and supports."""
         return SIZE + self.modes + len(self.supported)

@@ -30,7 +30,7 @@ from rps_exudyn.gears.bar_section import mass_and_moments
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.local_gear import ALONG, LocalGears, local_gear_at, mean_over_travel, turn_of_test
 from rps_exudyn.gears.rack_bar import RackBar
-from rps_exudyn.parameters.friction_law import RUBBING_PARTS, FrictionLaw
+from rps_exudyn.parameters.friction_law import FrictionLaw, largest_surplus
 from rps_exudyn.parameters.gear import FLANK_DEVIATIONS, SteeringGear
 
 GRAVITY = 9.80665  # [m/s^2]
@@ -85,7 +85,7 @@ def beyond_formulas(gear: SteeringGear) -> str:
             f"the formulas have no yokenut, but a runout of {1e6 * lift:.4g} um exceeds yoke.clearance = "
             f"{1e6 * gear.yoke.clearance:.4g} um"
         )
-    if given := [path for path in LEFT_OUT if gear.value_at(path)]:
+    if given := gear.set_among(LEFT_OUT):
         return f"the formulas leave out {', '.join(given)}"
     if (surplus := static_surplus(gear)) > LEAST_SURPLUS:
         return (
@@ -115,8 +115,8 @@ def mean_lever(pair: GearPair) -> float:
 
 def first_order_torque(gear: SteeringGear) -> float:
     """Mean free torque as the sum of the losses, friction small [N m]."""
-    rubbing = torque_per_preload(gear) * gear.yoke.preload
-    return float(rubbing + GearPair.of(gear).gain * bush_drag(gear) + gear.bearing.friction_torque)
+    rubbing, gain = torque_per_preload(gear) * gear.yoke.preload, GearPair.of(gear).gain
+    return float(rubbing + gain * bush_drag(gear, gain) + gear.bearing.friction_torque)
 
 
 def mean_gain(gear: SteeringGear) -> float:
@@ -125,9 +125,9 @@ def mean_gain(gear: SteeringGear) -> float:
     return float(pair.gain if pair.course is None else np.ptp(pair.travel_at(turn)) / np.ptp(turn))
 
 
-def bush_drag(gear: SteeringGear) -> float:
-    """Return the bush's drag on the rack, with its viscous part at the speed of the test [N]."""
-    return float(gear.bush.drag + gear.bush.viscous_drag * gear.test.speed * abs(GearPair.of(gear).gain))
+def bush_drag(gear: SteeringGear, gain: float) -> float:
+    """Return the bush's drag on the rack, with its viscous part at the speed of the test and a gain [N]."""
+    return float(gear.bush.drag + gear.bush.viscous_drag * gear.test.speed * abs(gain))
 
 
 def torque_per_preload(gear: SteeringGear) -> float:
@@ -158,7 +158,7 @@ def runout_harmonics(gear: SteeringGear) -> tuple[float, float]:
         cosine, sine = mean_over_travel(gear, runout_harmonics)
         return cosine, sine
     pair, yoke, e = GearPair.of(gear), gear.yoke, gear.pinion.runout
-    drag = bush_drag(gear) + seat_under(gear).wedge * yoke.friction * yoke.preload
+    drag = bush_drag(gear, pair.gain) + seat_under(gear).wedge * yoke.friction * yoke.preload
     by_lift = torque_per_preload(gear) * yoke.spring_rate * e
     by_tilt = mesh_torque_per_force(gear) * tilting_stiffness(gear) * e if e else 0.0
     shift = e * np.cos(pair.beta_p) / np.cos(pair.beta_r)
@@ -186,9 +186,10 @@ def unloading_force(gear: SteeringGear, direction: int = +1) -> float:
     if not gear.rack.ratio.is_constant:
         ends = LocalGears.between(gear, np.linspace(*turn_of_test(gear), ALONG)).gears
         return min(unloading_force(each, direction) for each in ends)
-    drive = _mean_force(gear, -1, direction).force
+    pair = GearPair.of(gear)
+    drive = _mean_force(gear, pair, -1, direction).force
     plunger = seat_under(gear).wedge * gear.yoke.friction * gear.yoke.preload
-    return float(gear.yoke.preload * drive[0] / drive[1] - direction * (bush_drag(gear) + plunger))
+    return float(gear.yoke.preload * drive[0] / drive[1] - direction * (bush_drag(gear, pair.gain) + plunger))
 
 
 # --- what slides ---------------------------------------------------------------------------------
@@ -203,7 +204,7 @@ def sliding_parts(gear: SteeringGear) -> list[tuple[FrictionLaw, float, float]]:
     mean, gain = mean_state(gear, gear.test.direction, 0.0), float(pair.gain)
     node, weight = leggauss(LEVERS)
     first, last = pair.active_path
-    levers = friction_levers(pair, first + (last - first) * (1 + node) / 2)
+    levers = pair.friction_lever(first + (last - first) * (1 + node) / 2)
     shares = weight * levers / (weight @ levers)
     return [
         *(
@@ -216,14 +217,6 @@ def sliding_parts(gear: SteeringGear) -> list[tuple[FrictionLaw, float, float]]:
     ]
 
 
-def friction_levers(pair: GearPair, place: np.ndarray) -> np.ndarray:
-    """Return sliding speed over pinion speed at places on the path of contact, from the pitch point (n,) [m]:
-    l^2 = l_s^2 + q^2 + 2 q l_s sin(alpha_t) sin(beta_p), as in `mean_lever`."""
-    along = -pair.reference_radius * np.sin(pair.delta) / np.cos(pair.beta_r)
-    turned = np.sin(pair.alpha_t) * np.sin(pair.beta_p)
-    return np.asarray(np.sqrt(along**2 + place**2 + 2 * place * along * turned))
-
-
 def friction_over_speed(law: FrictionLaw, torque: float, lever: float) -> Rubbing:
     """Return the friction of a sliding part over the pinion's speed."""
     ratio = law.static_ratio if law.facts.falls else 1.0
@@ -232,7 +225,7 @@ def friction_over_speed(law: FrictionLaw, torque: float, lever: float) -> Rubbin
 
 def static_surplus(gear: SteeringGear) -> float:
     """Return what friction that falls from rest on adds to the torque at the test's speed, as a share."""
-    if not any(getattr(gear, part).surplus for part in RUBBING_PARTS):
+    if not largest_surplus(gear):
         return 0.0
     parts = [friction_over_speed(*part) for part in sliding_parts(gear)]
     whole = sum(part.torque for part in parts)
@@ -246,13 +239,13 @@ def mean_state(gear: SteeringGear, direction: int, load: float) -> MeanState:
     Where the balance would need a flank to pull, that flank has lifted; the yoke then yields until
     the other flank alone carries the load.
     """
-    if not gear.rack.ratio.is_constant:
-        return MeanState(*mean_over_travel(gear, lambda local: astuple(mean_state(local, direction, load))))
     pair, yoke = GearPair.of(gear), gear.yoke
+    if pair.course is not None:
+        return MeanState(*mean_over_travel(gear, lambda local: astuple(mean_state(local, direction, load))))
     seat_friction = seat_under(gear).wedge * yoke.friction
-    drive, coast = _mean_force(gear, -1, direction), _mean_force(gear, +1, direction)
+    drive, coast = (_mean_force(gear, pair, side, direction) for side in (-1, +1))
     press = yoke.preload
-    drag = bush_drag(gear)
+    drag = bush_drag(gear, pair.gain)
     along_x = load + direction * (drag + seat_friction * press)
     balance = np.array([[drive.force[0], coast.force[0]], [drive.force[1], coast.force[1]]])
     normal = np.linalg.solve(balance, [along_x, press])
@@ -308,9 +301,9 @@ class _MeanForce:
     lever: float  # |v_s| over pinion speed [m]
 
 
-def _mean_force(gear: SteeringGear, side: int, direction: int) -> _MeanForce:
+def _mean_force(gear: SteeringGear, pair: GearPair, side: int, direction: int) -> _MeanForce:
     """Mean over the active path of contact, weighted by the law: load per length ~ sqrt(rho) or constant."""
-    smooth, rubbing = _mean_parts(GearPair.of(gear).centred, gear.mesh.contact_law == "area", side, direction)
+    smooth, rubbing = _mean_parts(pair.centred, gear.mesh.contact_law == "area", side, direction)
     mu = gear.mesh.friction
     return _MeanForce(smooth.force + mu * rubbing.force, smooth.moment + mu * rubbing.moment, smooth.lever)
 

@@ -139,10 +139,7 @@ def starting_guess(pair: GearPair, angle: float, size: int = SIZE) -> np.ndarray
 
 def rigid_motion(pair: GearPair, drive: Drive, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return places of rigid bodies at times [s], by gain and runout, and their rates, shape (t, 8)."""
-    angle, speed = np.asarray(drive.place(time)), np.asarray(drive.rate(time))
-    if drive.body == "rack":
-        angle = pair.angle_at(angle)
-        speed = speed / pair.gain_at(angle)
+    angle, speed = drive.pinion_motion(pair, time)
     gain = pair.gain_at(angle)
     phase, share = angle + pair.runout_angle, np.cos(pair.beta_p) / np.cos(pair.beta_r)
     across, lift = pair.runout * share * np.sin(phase), pair.runout * np.cos(phase)
@@ -172,14 +169,15 @@ def backward_difference(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarra
     return ((h + g) / (h * g) * values[-1] - h / (g * (h + g)) * values[-2]) / factor, factor
 
 
-def instants_per_pitch(pair: GearPair, drive: Drive, time: np.ndarray) -> int:
-    """Return the even instants of steady motion in a tooth pitch; 0 if they are uneven or no whole number."""
-    if len(time) < 3 or type(drive) is not Steady or not drive.speed:
+def instants_per_pitch(teeth: int, speed: float, time: np.ndarray) -> int:
+    """Return the even instants of steady motion at a speed [rad/s] in a tooth pitch; 0 if they are uneven or
+    no whole number."""
+    if len(time) < 3 or not speed:
         return 0
     steps = np.diff(time)
     if np.ptp(steps) > 1e-6 * steps[0]:
         return 0
-    pitch = 2 * np.pi / pair.teeth / abs(drive.pinion_speed(pair, float(time[0])))
+    pitch = 2 * np.pi / teeth / abs(speed)
     whole = round(pitch / steps[0])
     return whole if whole and abs(pitch / steps[0] - whole) < 1e-6 * whole else 0
 
@@ -233,6 +231,7 @@ class _Following:
     column: np.ndarray  # of `follower.Column`
     masses: np.ndarray  # mass matrix of what is accelerated as the path is
     approach_path: EquilibriumPath | None  # path along the first instants
+    speed: float  # of the pinion at the first instant [rad/s]
     found: int = 0  # instants
     counts: np.ndarray = field(
         default_factory=lambda: np.zeros(3, dtype=int)
@@ -267,29 +266,26 @@ class _Following:
             springs = (tyre.stiffness, tyre.relaxed) if tyre is not None else (0.0, 0.0)
             given = column.stiffness, column.damping, column.bend, column.phase
             numbers = np.array([1.0, *given, *springs])
-        following = cls(balance, pair, drive, rows, free, lengths, numbers, masses, approach_path)
-        reset(balance.memory)
-        balance.memory[1, TIME] = time[0]
+        angle, speed = (float(each) for each in drive.pinion_motion(pair, time[0]))
+        following = cls(balance, pair, drive, rows, free, lengths, numbers, masses, approach_path, speed)
+        memory, size = balance.memory, balance.size
+        reset(memory)
+        memory[1, TIME] = time[0]
         if approach_path is not None and (len(approach_path.time) > 1 or column is not None):
             following.found, following.unbalanced = rows.take_over(approach_path), approach_path.residual
             following.rescues = approach_path.rescues
             following.counts += approach_path.evaluations, approach_path.iterations, approach_path.tangents
             return following
         following.approach_path = None
-        first, angle = rows.coordinates[0].copy(), drive.pinion_angle(pair, time[0])
-        first[: balance.size] = starting_guess(pair, angle, balance.size)
+        first = rows.coordinates[0].copy()
+        first[:size] = starting_guess(pair, angle, size)
         first[RACK + 1] += TYPICAL_APPROACH - pair.axis_offset - balance.approach
         first[PLUNGER] -= float(balance.gears[0]["seat"]["back"]) * first[RACK]
-        first[balance.size - len(balance.supported) : balance.size] = balance.supported
+        first[size - len(balance.supported) : size] = balance.supported
         steady = np.zeros(len(first))
-        steady[: balance.size] = steady_rates(pair, following.speed, balance.size, angle)
+        steady[:size] = steady_rates(pair, speed, size, angle)
         rows.coordinates[0, free], rows.rates[0, free] = first[free], steady[free]
         return following
-
-    @property
-    def speed(self) -> float:
-        """Speed of the pinion at the first instant [rad/s]."""
-        return self.drive.pinion_speed(self.pair, self.rows.time[0])
 
     @property
     def whole(self) -> bool:
@@ -307,7 +303,7 @@ class _Following:
             balance.law,
             self.found,
             time[:end],
-            instants_per_pitch(self.pair, self.drive, time),
+            instants_per_pitch(self.pair.teeth, self.speed, time) if type(self.drive) is Steady else 0,
             known,
             known_rates,
             self.free,
@@ -411,7 +407,7 @@ class _Following:
             return False
         asked = np.diff(rows.time[rows.asked]).min()
         begun = min(int(np.searchsorted(rows.time[:k], rows.time[k - 1] - asked)), k - 1 - RUNS_AWAY)
-        driven = max(abs(self.drive.pinion_speed(self.pair, each)) for each in rows.time[:k])
+        driven = np.abs(self.drive.pinion_motion(self.pair, rows.time[:k])[1]).max()
         fastest = np.abs(rows.rates[begun:k] * self.lengths).max(axis=1)
         shortened = rows.time[k] - rows.time[k - 1] < asked / 2
         runs_away = fastest[-1] > max(2 * fastest[0], SNAP * driven * self.pair.gain)
@@ -494,8 +490,8 @@ class _Rows:
         coordinates, rates, forces, applied = (np.zeros((t, n)) for _ in range(4))
         hand, wheel = np.zeros(t), drive.wheel if isinstance(drive, BehindColumn) else None
         if not has_column or wheel is None:
-            coordinates[:, drive.coordinate] = drive.sign * drive.place(time)
-            rates[:, drive.coordinate] = drive.sign * drive.rate(time)
+            driven = drive.coordinate
+            coordinates[:, driven], rates[:, driven] = drive.driven(time)
         else:
             coordinates[:, -1], rates[:, -1] = -wheel.place(time), -wheel.rate(time)
             hand = np.asarray(wheel.torque(time)) if isinstance(wheel, WheelTorque) else hand

@@ -46,6 +46,7 @@ GUIDED = tuple(range(RACK + 2, RACK + 6))  # what a guided rack lacks: sideways 
 class GearForces(Balance):
     """The forces of a gear with its bush as modelled: the last segment of a chain follows in the stack."""
 
+    pair: GearPair
     condensed: np.record  # record of the fit in a bush whose static stiffness is condensed into it
     chain: Chain  # the bush
     friction_zone: float  # [m/s]
@@ -208,16 +209,15 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         gears["support"], gears["is_supported"] = pinion_support.support_record(gear, patches), 1
         supported, sunk = pinion_support.at_rest(gears["support"][0], gear.yoke.preload)
         approach += float(sunk)
-    rest_gap = approach + yoke.seat_under(gear).depth
-    gears["seat"] = yoke.seat_record(gear, friction_zone=zone, rest_gap=rest_gap, patches=patches)
-    gears["spring"], gears["nut"] = yoke.spring_record(gear), yoke.nut_record(gear)
-    gears["bore"] = yoke.bore_record(gear, patches)
+    for name, of_part in yoke.records(gear, zone, approach, patches).items():
+        gears[name] = of_part
     gears["has_bore"] = bool(gear.yoke.bore_friction or gear.yoke.bore_damping)
     gears["has_bristles"] = patches.needed
     made = GearForces(
         law=LAWS[law],
         gears=gears,
         pool=pool,
+        pair=pair,
         condensed=condensed,
         chain=chain,
         friction_zone=zone,

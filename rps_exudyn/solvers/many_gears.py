@@ -81,11 +81,7 @@ def as_numbers(records: np.ndarray) -> np.ndarray:
 
 
 def packed(gears: Sequence[SteeringGear], fidelity: Fidelity, weighted: bool = False) -> np.ndarray:
-    """Return the records of gears, packed one by one; each under the weight of its load test if asked for.
-
-    Raises:
-        InputError: a gear that cannot exist.
-    """
+    """Return the records of gears, packed one by one; each under the weight of its load test if asked for."""
     records = np.zeros(len(gears), GEAR)
     for i, gear in enumerate(gears):
         check_gear(gear)
@@ -125,9 +121,6 @@ def packed_table(
 
     `ranges` has the values between whose ends all others lie, by default the table's. Where `weighted`, each
     gear stands under the weight of its load test.
-
-    Raises:
-        InputError: a value that is not allowed, or a gear that cannot exist.
     """
     within = tuple(
         (path, _spread(values, number))

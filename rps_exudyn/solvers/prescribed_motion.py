@@ -69,15 +69,21 @@ class Drive(ABC):
         """Name of the torque or force that the drive overcomes."""
         return OVERCOME[self.body]
 
-    def pinion_angle(self, pair: GearPair, time: float) -> float:
-        """Return the pinion's angle [rad], up to elasticity; `time` in seconds."""
-        place = float(self.place(time))
-        return float(pair.angle_at(place)) if self.body == "rack" else place
+    def driven(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the driven coordinate and its rate at times [s], of their shape."""
+        return self.sign * self.place(time), self.sign * self.rate(time)
 
-    def pinion_speed(self, pair: GearPair, time: float) -> float:
-        """Return the pinion's speed [rad/s], likewise."""
-        gain = float(pair.gain_at(self.pinion_angle(pair, time)))
-        return float(self.rate(time)) / travel_per_radian(self.body, gain)
+    def overcome(self, forces: np.ndarray) -> np.ndarray:
+        """Return the torque or force (n,) that the drive overcomes, from the generalised forces (n, .)."""
+        return np.asarray(-self.sign * forces[:, self.coordinate])
+
+    def pinion_motion(self, pair: GearPair, time: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the pinion's angle [rad], up to elasticity, and its speed at times [s], of their shape."""
+        angle, speed = self.place(time), self.rate(time)
+        if self.body == "rack":
+            angle = np.asarray(pair.angle_at(angle))
+            speed = speed / pair.gain_at(angle)
+        return angle, speed
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,6 @@ from rps_exudyn.forces.force_element import (
     FRICTION_POWER,
     FRICTION_STATE,
     Part,
-    stacked,
 )
 from rps_exudyn.forces.friction import PLACES, TIME
 from rps_exudyn.results.quantities import SIGNALS, WORKS
@@ -112,7 +111,7 @@ class Record:
         coordinates, rates = (
             (self.coordinates, self.slip_rates) if place is None else self.straightened(place)
         )
-        columns = stacked(part.bodies)
+        columns = part.stacked
         if part.name == "mesh" and len(self.forces.supported):
             columns = np.append(columns, np.arange(-pinion_support.SIZE, 0))
         return coordinates[..., columns], rates[..., columns]
@@ -138,8 +137,7 @@ def record_of_path(forces: GearForces, path: EquilibriumPath, drive: Drive) -> R
     Their kinetic energy is the work that was done against the inertia of what follows the drive; behind a
     column that of what is accelerated there, whose loss by long steps the balance shows.
     """
-    overcome = -drive.sign * path.forces[:, drive.coordinate]
-    energy = _work(-np.einsum("ti,ti->t", path.applied, path.rates), path.time) + path.kinetic
+    energy = integral_from_start(-np.einsum("ti,ti->t", path.applied, path.rates), path.time) + path.kinetic
     if forces.bar is not None:
         energy = energy + forces.bar.elastic_energy(path.coordinates)
     return Record(
@@ -147,7 +145,7 @@ def record_of_path(forces: GearForces, path: EquilibriumPath, drive: Drive) -> R
         path.time,
         path.coordinates,
         path.rates,
-        overcome,
+        drive.overcome(path.forces),
         drive.body,
         energy,
         begun=np.ascontiguousarray(path.kept[:, 0]) if path.kept.shape[2] else None,
@@ -234,7 +232,7 @@ def _over_steps(record: Record) -> dict[str, np.ndarray]:
         if part.name in record.forces.with_bristles:
             works[SO_FAR + rubs] = out[:, part.size + ENERGY_TERMS + part.outputs.index(FRICTION_STATE[0])]
         elif part.name != "mesh":  # what its forces take is rubbed off or stored
-            damped = _work(out[:, part.size + DAMPING_POWER], record.time)
+            damped = integral_from_start(out[:, part.size + DAMPING_POWER], record.time)
             works[SO_FAR + rubs] = taken - out[:, part.size + ELASTIC_ENERGY] - damped
     return works
 
@@ -248,7 +246,9 @@ def work_along(forces: np.ndarray, places: np.ndarray) -> np.ndarray:
 def integrated(signals: dict[str, np.ndarray], time: np.ndarray) -> dict[str, np.ndarray]:
     """Return signals of `instant_signals` with works [J] in place of powers, energies from the start, and the
     time from 0; `time` (n,) [s]."""
-    whole = {"time": time - time[:1]}
+    whole, powers = {"time": time - time[:1]}, [name for name in signals if name.startswith("work_")]
+    works = integral_from_start(np.stack([signals[name] for name in powers]), time)
+    taken = dict(zip(powers, works, strict=True))
     for name, values in signals.items():
         if name in (MESH_ENERGY, LOAD_ENERGY):
             continue
@@ -257,7 +257,7 @@ def integrated(signals: dict[str, np.ndarray], time: np.ndarray) -> dict[str, np
         elif name == "stored_energy":
             whole[name] = values - values[..., :1]
         else:
-            whole[name] = _work(values, time) if name.startswith("work_") else values
+            whole[name] = taken.get(name, values)
     if MESH_ENERGY in signals:
         stored = signals[MESH_ENERGY]
         if MESH_TAKEN in signals:
@@ -294,7 +294,7 @@ def _of_bent_bar(record: Record) -> dict[str, np.ndarray]:
     signals |= {"rack_bush_z": in_bush[:, 1]}
     if bar.modes:
         signals["bending_energy"] = bar.elastic_energy(record.coordinates)
-        signals["work_rack_damping"] = _work(bar.damping_power(record.rates), record.time)
+        signals["work_rack_damping"] = integral_from_start(bar.damping_power(record.rates), record.time)
     return signals
 
 
@@ -339,11 +339,6 @@ def contact_disagreement(record: Record) -> float:
     mesh = next(part for part in record.forces.parts if part.name == "mesh")
     ours = record.outputs(mesh)[:, : mesh.size]
     return float(np.abs(ours - record.contact).max() / np.abs(ours).max())
-
-
-def _work(power: np.ndarray, time: np.ndarray) -> np.ndarray:
-    """Integral of a power (..., n) [W] from the start [J]; of an empty record an empty one."""
-    return integral_from_start(power, time) if time.size else np.zeros(0)
 
 
 # --- Wheel and column in a recorded motion

@@ -136,11 +136,7 @@ class Tables:
         return i, x - i, j, y - j
 
     def potential(self, angle: float, load: float) -> tuple[float, float, float, float]:
-        """Return W [J], dW/dphi [N m], dW/dF [m], d^2W/dF^2 [m/N].
-
-        Raises:
-            BeyondTable: the table has no such angle or load.
-        """
+        """Return W [J], dW/dphi [N m], dW/dF [m], d^2W/dF^2 [m/N]."""
         i, x, j, y = self._place(angle, load)
         one, slope = [], []
         for a, b, c, d in self.cell[i][j]:
@@ -155,11 +151,7 @@ class Tables:
         )
 
     def limits(self, angle: float, load: float) -> tuple[float, float]:
-        """Return H_up and H_down [N m].
-
-        Raises:
-            BeyondTable: the table has no such angle or load.
-        """
+        """Return H_up and H_down [N m]."""
         i, x, j, y = self._place(angle, load)
         a, b = self.friction[i], self.friction[i + 1]
         up, down = (

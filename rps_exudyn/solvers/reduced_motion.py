@@ -60,11 +60,7 @@ class ReducedMotion:
 
     # --- conservative part ------------------------------------------------------------------------
     def conservative(self, angle: float) -> Conservative:
-        """Return the potential of gear and load [J], its slope [N m], and the load [N].
-
-        Raises:
-            BeyondTable: the table has no such angle or load.
-        """
+        """Return the potential of gear and load [J], its slope [N m], and the load [N]."""
         load, end = self.load, self.end
         if not end.stiffness:
             energy, torque, _, _ = self.tables.potential(angle, end.load)
@@ -141,11 +137,7 @@ class ReducedMotion:
 
     # --- steps ------------------------------------------------------------------------------------
     def follow(self, turn: float, speed: float, h: float) -> None:
-        """Turn the pinion as prescribed.
-
-        Raises:
-            BeyondTable: the table has no such angle or load.
-        """
+        """Turn the pinion as prescribed."""
         self.load = self.conservative(self.angle + turn)[2]
         limits = self.limits(self.angle + turn, speed)
         self.relax(limits)
@@ -154,11 +146,7 @@ class ReducedMotion:
         self.angle, self.speed = self.angle + turn, speed
 
     def push(self, push: Push, h: float) -> float:
-        """Turn the pinion by a torque over a step; return its turn [rad].
-
-        Raises:
-            BeyondTable: the table has no such angle or load.
-        """
+        """Turn the pinion by a torque over a step; return its turn [rad]."""
         before, _slope_before, self.load = self.conservative(self.angle)
         limits = self.limits(self.angle + h * self.speed, self.speed)
         self.relax(limits)

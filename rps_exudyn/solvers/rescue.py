@@ -50,11 +50,7 @@ class Settling:
         return differences(self.unbalanced, self.lengths[self.free])(place)
 
     def settled(self, start: np.ndarray, steps: int = RESCUING_STEPS) -> tuple[np.ndarray, float]:
-        """Return where the free coordinates settle from a start (m,), and the residual [N].
-
-        Raises:
-            LinAlgError: the forces are not finite.
-        """
+        """Return where the free coordinates settle from a start (m,), and the residual [N]."""
         return settled(self.unbalanced, start, self.lengths[self.free], steps, self.tangent)
 
 

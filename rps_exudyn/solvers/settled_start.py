@@ -135,18 +135,14 @@ def settled_start(
 def settled_behind(
     balance: Balance, pair: GearPair, wheel: Drive, column: ColumnModel, approach: Approach | None
 ) -> EquilibriumPath:
-    """Return the equilibrium at the start of a motion of the wheel, the column twisted by its torque.
-
-    Raises:
-        LinAlgError: the gear has no stiffness against a force.
-    """
+    """Return the equilibrium at the start of a motion of the wheel, the column twisted by its torque."""
     twist = 0.0
     for _ in range(TWISTS):
         followed = pinion_at_start(wheel, column, twist)
         start = settled_path(balance, pair, followed, approach, np.zeros(1)).last
         if not start.converged:
             break
-        twist = -followed.sign * float(start.forces[-1, followed.coordinate]) / column.stiffness
+        twist = float(followed.overcome(start.forces)[-1]) / column.stiffness
     return start
 
 

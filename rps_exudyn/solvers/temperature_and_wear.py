@@ -134,11 +134,7 @@ def is_new(gear: SteeringGear) -> bool:
 
 
 def tested_gear(gear: SteeringGear) -> SteeringGear:
-    """Return the gear that a scene tests: in operation, or itself where it is new.
-
-    Raises:
-        InputError: as of `operating_gear`.
-    """
+    """Return the gear that a scene tests: in operation, or itself where it is new."""
     return in_operation.gear if (in_operation := operating_gear(gear)) else gear
 
 

@@ -67,11 +67,7 @@ def count_of(study: Study) -> int:
 
 
 def describe(study: Study, provenance: Mapping[str, Any]) -> Description:
-    """The study with all its cases laid out and named.
-
-    Raises:
-        InputError: values of several axes that do not fit each other.
-    """
+    """The study with all its cases laid out and named."""
     base = study.base
     return Description(
         name=study.name,

@@ -210,11 +210,7 @@ class Study:
 
     @cached_property
     def base(self) -> Setup:
-        """Gear and fidelity that the axes vary, with one contact law unless cases differ in law or model.
-
-        Raises:
-            InputError: parameters that are wrong.
-        """
+        """Gear and fidelity that the axes vary, with one contact law unless cases differ in law or model."""
         base = Setup.from_tables(self.tables, self.settings, where=str(self.file))
         paths = [path for axis in self.axes for path in (*axis.paths, *axis.along)]
         if any(path == "mesh.law" or path.startswith(FIDELITY) for path in paths):
@@ -223,11 +219,7 @@ class Study:
         return resolve_contact_law(base, base.fidelity, needed, paths)
 
     def setup(self, settings: Mapping[str, Any]) -> Setup:
-        """Return the base with these settings (path -> value).
-
-        Raises:
-            InputError: they do not fit each other.
-        """
+        """Return the base with these settings (path -> value)."""
         return self.base.replace(settings, where=str(self.file))
 
     def toy(self) -> "Study":

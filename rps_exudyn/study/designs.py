@@ -30,11 +30,7 @@ def points(
     seed: int,
     correlation: Mapping[str, float] = MappingProxyType({}),
 ) -> Iterator[dict[str, Value]]:
-    """Axis name -> SI value of every case; a grid's last axis changes fastest.
-
-    Raises:
-        InputError: a sensitivity design without the package that draws it, or correlations that cannot be.
-    """
+    """Axis name -> SI value of every case; a grid's last axis changes fastest."""
     names = [axis.name for axis in axes]
     if design == GRID_DESIGN:
         rows: Iterable[Iterable[Value]] = itertools.product(*(axis.values or () for axis in axes))

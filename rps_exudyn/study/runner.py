@@ -38,11 +38,7 @@ class StudyWork:
 
     @classmethod
     def of(cls, study: Study, folder: Path) -> "StudyWork":
-        """The work that is left in a folder, which is not modified.
-
-        Raises:
-            InputError: cases with wrong parameters, or a folder of something else.
-        """
+        """The work that is left in a folder, which is not modified."""
         store = Store.of(folder, describe(study, {**provenance(), "command": shlex.join(sys.argv)}))
         return cls(study, store, _missing(study, store))
 

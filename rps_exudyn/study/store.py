@@ -51,11 +51,7 @@ class Store:
 
     @classmethod
     def of(cls, path: str | Path, description: Description) -> "Store":
-        """A folder for the study, new or the one in which it was begun; nothing is written yet.
-
-        Raises:
-            InputError: it holds something else.
-        """
+        """A folder for the study, new or the one in which it was begun; nothing is written yet."""
         _check_folder(Path(path), description)
         return cls(Path(path), description)
 
@@ -92,11 +88,7 @@ class Store:
         return self.path / "cases" / f"{case_hash}.h5"
 
     def result(self, case: Case) -> Result:
-        """The case's whole result.
-
-        Raises:
-            InputError: the file is missing, damaged, or another case's.
-        """
+        """The case's whole result."""
         path = self.path_of(case.hash)
         if not path.exists() and (home := self.blocks.home_of(case.hash)) is not None:
             path, result = home, self.blocks.block_of(case.hash).result(case.hash)

@@ -1,6 +1,5 @@
 """Constants of a gear for the flank contact, and the rules by which it is integrated."""
 
-from dataclasses import replace
 from functools import lru_cache
 from math import gamma
 
@@ -13,9 +12,10 @@ from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.flank_grid import measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.generated_rack import GeneratedRack
-from rps_exudyn.gears.helicoid import Flank
+from rps_exudyn.gears.helicoid import Flank, root_angle
 from rps_exudyn.gears.pitch_errors import MOST_TEETH, rack_errors
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
+from rps_exudyn.gears.trochoid import form_point
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.tooth_contact.measured_flank import GRID, pooled_grids
 
@@ -126,16 +126,17 @@ def pack(
         InputError: pitch errors that the rack's teeth do not have, or flanks that no grid describes.
     """
     pair, form, mesh = GearPair.of(gear), FlankForm.of(gear), gear.mesh
-    unturned = replace(form, pitch_error=0.0, pitch_errors=(), grid=None)
+    contact_law = mesh.contact_law
     of_rack, turns, shifts = rack_errors(gear), np.zeros(MOST_PINION_TEETH), np.zeros(MOST_TEETH)
-    turns[: pair.teeth] = [form.turn(tooth, pair) for tooth in range(pair.teeth)]
+    turns[: pair.teeth] = form.turns(pair)
     shifts[: len(of_rack)] = of_rack
-    coast, drive = Flank(pair, 0, +1, unturned), Flank(pair, 0, -1, unturned)
+    coast, theta = Flank(pair, 0, +1, form), root_angle(pair, 0, +1)
     measured = measured_flanks(gear)
     of_pinion, on_rack, _ = pooled_grids(measured)
     # law "line" has as many stations on a measured line, two in each piece
-    stations = IN_PIECE if measured.are_given and mesh.contact_law == "line" else along
-    q_form, q_tip, half_face = coast.form_tangent_length, coast.tip_tangent_length, pair.face_width / 2
+    stations = IN_PIECE if measured.are_given and contact_law == "line" else along
+    q_form, q_tip = form_point(pair).tangent_length, pair.design_mesh.tip_length
+    half_face = pair.face_width / 2
     if q_form >= q_tip:
         raise ValueError("the tip circle lies inside the form circle: the pinion has no flank")
     normal = pair.rack_flank_normal(+1)
@@ -145,8 +146,8 @@ def pack(
         base_radius=pair.base_radius,
         twist=coast.twist,
         cos_base_helix=np.cos(coast.beta_b),
-        theta=coast.theta,
-        theta_coast_to_drive=drive.theta - coast.theta,
+        theta=theta,
+        theta_coast_to_drive=root_angle(pair, 0, -1) - theta,
         q_form=q_form,
         q_tip=q_tip,
         half_face=half_face,
@@ -186,11 +187,11 @@ def pack(
             mesh, patches or Patches(), mesh.friction, gear.yoke.preload / abs(2 * normal[1]), count=2
         ),
         breaks_sliding=pair.friction_levers.min() / pair.friction_levers.mean() < TURNS_ABOUT,
-        line_stiffness=line_stiffness(gear) if mesh.contact_law == "line" else 0.0,
+        line_stiffness=line_stiffness(gear) if contact_law == "line" else 0.0,
         stations=stations,
         points=across,
         generators=generators,
-        **_rules(stations, across, mesh.contact_law == "teeth"),
+        **_rules(stations, across, contact_law == "teeth"),
     )
 
 

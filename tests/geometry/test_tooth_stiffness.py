@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.geometry_limits import transverse_contact_ratio
 from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.gears.tooth_stiffness import (
     basic_rack_factor,
     line_stiffness,
-    mesh_stiffness_of_pair,
     mesh_stiffness_transverse,
     single_stiffness,
     stiffness_of_pair,
@@ -81,7 +81,7 @@ def test_stiffness_does_not_depend_on_the_size_or_the_hand() -> None:
     mirrored = dataclasses.replace(pair, beta_p=-pair.beta_p, beta_r=-pair.beta_r)
     for other in (larger, mirrored):
         assert stiffness_of_pair(other) == pytest.approx(stiffness_of_pair(pair), rel=1e-12)
-        assert mesh_stiffness_of_pair(other) == pytest.approx(mesh_stiffness_of_pair(pair), rel=1e-6)
+        assert transverse_contact_ratio(other) == pytest.approx(transverse_contact_ratio(pair), rel=1e-6)
 
 
 def test_default_gear_and_its_report() -> None:

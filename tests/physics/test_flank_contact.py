@@ -295,7 +295,7 @@ def test_pitch_error_is_a_turn_of_one_tooth() -> None:
     """
     gear, angle = changed(pinion__pitch_error="3 um"), 0.2
     plain, wrong = pack(PAPER, zone=ZONE), pack(gear, zone=ZONE)
-    turn = FlankForm.of(gear).turn(0, GearPair.of(gear))
+    turn = FlankForm.of(gear).turns(GearPair.of(gear))[0]
     assert turn == wrong.turns[0] != 0
     gone = np.eye(1, len(plain.turns))[0]
     a, w, p, r, v, s = state(PAPER, angle)

@@ -10,7 +10,7 @@ from rps_exudyn.analysis.impacts import describe_impacts, find_impacts
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.analysis.rack_motion import describe_rack
 from rps_exudyn.analysis.torque import describe_directions, describe_on_centre, describe_torque
-from rps_exudyn.analysis.work_balance import describe_losses, energy_residual
+from rps_exudyn.analysis.work_balance import describe_balance, describe_losses
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.rounding import rounded_range
 from verification.orders import loss_torques, order_spectrum
@@ -238,7 +238,7 @@ def test_loss_shares_and_their_torques() -> None:
     assert describe_losses(signals) == pytest.approx(
         {"loss_share_mesh": mesh / (mesh + 0.3), "loss_share_seat": 0.3 / (mesh + 0.3)}
     )
-    assert energy_residual(signals) == pytest.approx(0.03)
+    assert describe_balance(signals) == pytest.approx({"energy_residual": 0.03})
 
 
 # --- reversal --------------------------------------------------------------------------------------

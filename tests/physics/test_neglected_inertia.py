@@ -8,7 +8,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.checks.neglected_inertia import (
     MovedMasses,
-    acceleration,
+    accelerations,
     beside_travel,
     ringing,
     with_inertia,
@@ -25,7 +25,7 @@ def test_acceleration_of_two_maneuvers_is_exact_for_parabolas() -> None:
     """Each has its own; the way back begins at the time at which the way there ends."""
     time = np.concatenate([np.linspace(0, 1, 11), np.linspace(1, 3, 21)])
     place = np.where(np.arange(32) < 11, 2 * time**2, 5 - 3 * time**2)
-    found = acceleration({"time": time, "x": np.stack([place, 2 * place])}, "x")
+    (found,) = accelerations({"time": time, "x": np.stack([place, 2 * place])}, "x")
     assert found[0, :11] == pytest.approx(4)
     assert found[1, 11:] == pytest.approx(-12)
 

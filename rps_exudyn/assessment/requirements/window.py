@@ -269,11 +269,7 @@ class _Series:
         return runs.quantile, Samples.drawn(self.drawn, DRAWN, self.seed + 1).quantile
 
     def compute(self, points: Sequence[Point]) -> None:
-        """Compute the series at the points, with the same random numbers at each.
-
-        Raises:
-            InputError: a point that is not allowed.
-        """
+        """Compute the series at the points, with the same random numbers at each."""
         self.known.update(zip(points, self._numbers(points, self.quantiles[0]), strict=True))
 
     def _numbers(self, points: Sequence[Point], quantile: np.ndarray) -> list[Numbers]:

@@ -171,10 +171,6 @@ def window_figure(found: Window, width: float = 8.0) -> Figure:
 
 
 def window_sheet(gear: SteeringGear, path: str, limits: Mapping[str, Any], on_progress: OnProgress) -> Sheet:
-    """Find the window of a parameter for a series about the gear, and return its sheet.
-
-    Raises:
-        InputError: as `window` does.
-    """
+    """Find the window of a parameter for a series about the gear, and return its sheet."""
     found = window(gear, path, limits, inputs="series", on_progress=on_progress)
     return window_page(found, gear, "series", "rps-exudyn explore")

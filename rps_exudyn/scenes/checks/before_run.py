@@ -77,8 +77,10 @@ def check_dynamics(fidelity: Fidelity, scene: str, missing: str, *others: str) -
         )
 
 
-def check_travel(gear: SteeringGear, angles: Sequence[float], test: str) -> None:
+def check_travel(gear: SteeringGear, angles: Sequence[float], test: str) -> float:
     """Check that the pinion stays on the rack's teeth at these angles [rad]; `test` names what leads there.
+
+    Returns `largest_angle`.
 
     Raises:
         InputError: it would not.
@@ -87,19 +89,15 @@ def check_travel(gear: SteeringGear, angles: Sequence[float], test: str) -> None
     farthest = max(abs(angle) for angle in angles)
     if farthest > allowed:
         raise InputError(
-            f"{test} leads to a pinion angle of {degrees_shown(farthest)}; the teeth for "
-            f"rack.travel = {gear.rack.travel * 1e3:g} mm allow {degrees_shown(allowed)} either way "
+            f"{test} leads to a pinion angle of {np.degrees(farthest):.6g} deg; the teeth for "
+            f"rack.travel = {gear.rack.travel * 1e3:g} mm allow {np.degrees(allowed):.6g} deg either way "
             f"({allowed / (2 * np.pi):.4g} turns from the centre)."
         )
+    return allowed
 
 
 def largest_angle(gear: SteeringGear) -> float:
     """Return how far the pinion may turn either way from the rack's middle [rad]."""
     bar = RackBar.of(gear)
     farthest = bar.largest_displacement
-    return min(float(bar.pair.angle_at(farthest)), -float(bar.pair.angle_at(-farthest)))
-
-
-def degrees_shown(angle: float) -> str:
-    """Return an angle [rad] in degrees as text."""
-    return f"{np.degrees(angle):.6g} deg"
+    return float(np.abs(bar.pair.angle_at(np.array([-farthest, farthest]))).min())

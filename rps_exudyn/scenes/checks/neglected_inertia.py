@@ -68,16 +68,17 @@ def of_many(masses: list[MovedMasses]) -> MovedMasses:
     return MovedMasses(gain, rack, tuple(beside), preload, gears)
 
 
-def acceleration(signals: Signals, name: str) -> np.ndarray:
-    """Return the second derivative of a signal over time (..., n), by differences of each maneuver."""
-    values, found = signals[name], np.zeros(signals[name].shape)
+def accelerations(signals: Signals, *names: str) -> list[np.ndarray]:
+    """Return the second derivatives of signals over time (..., n), by differences of each maneuver."""
+    found = [np.zeros(signals[name].shape) for name in names]
     for piece in pieces_of(signals["time"]):
         steps = np.diff(signals["time"][piece])
         if steps.size < 2:
             continue
-        rates = np.diff(values[..., piece]) / steps
-        inner = np.diff(rates) / (steps[1:] + steps[:-1]) * 2
-        found[..., piece] = np.concatenate([inner[..., :1], inner, inner[..., -1:]], axis=-1)
+        for filled, name in zip(found, names, strict=True):
+            rates = np.diff(signals[name][..., piece]) / steps
+            inner = np.diff(rates) / (steps[1:] + steps[:-1]) * 2
+            filled[..., piece] = np.concatenate([inner[..., :1], inner, inner[..., -1:]], axis=-1)
     return found
 
 
@@ -86,11 +87,11 @@ def with_inertia(signals: Signals, masses: MovedMasses) -> dict[str, np.ndarray]
     torque that of the rack, rack force that of the pinion."""
     added = dict(signals)
     if "pinion_torque" in signals:
-        force = masses.rack * acceleration(signals, "rack_displacement")
-        added["pinion_torque"] = signals["pinion_torque"] + masses.gain * force
+        (along,) = accelerations(signals, "rack_displacement")
+        added["pinion_torque"] = signals["pinion_torque"] + masses.gain * (masses.rack * along)
     elif "rack_force" in signals:
-        torque = masses.pinion * acceleration(signals, "pinion_angle")
-        added["rack_force"] = signals["rack_force"] + torque / masses.gain
+        (turning,) = accelerations(signals, "pinion_angle")
+        added["rack_force"] = signals["rack_force"] + masses.pinion * turning / masses.gain
     return added
 
 
@@ -100,13 +101,9 @@ def beside_travel(signals: Signals, masses: MovedMasses) -> tuple[Any, Any]:
     gears (n,)."""
     normal = np.mean(signals["mesh_normal_force"], axis=-1, keepdims=True)
     yoke = np.maximum(masses.preload, YOKE_OF_TEETH * normal)
-    forces = np.stack(
-        [
-            np.abs(mass * acceleration(signals, name)) / yoke
-            for name, mass in zip(BESIDE, masses.beside, strict=True)
-            if name in signals
-        ]
-    )
+    moved = {name: mass for name, mass in zip(BESIDE, masses.beside, strict=True) if name in signals}
+    accelerated = zip(moved.values(), accelerations(signals, *moved), strict=True)
+    forces = np.stack([np.abs(mass * each) / yoke for mass, each in accelerated])
     return forces.max(axis=(0, -1)), np.median(forces, axis=-1).max(axis=0)
 
 
@@ -120,13 +117,13 @@ def ringing(signals: Signals, masses: MovedMasses) -> Any:
         np.mean(signals[name], axis=-1, keepdims=True) for name in ("mesh_penetration", "mesh_normal_force")
     )
     if "pinion_torque" in signals:
-        along, mass = acceleration(signals, "rack_displacement"), masses.rack
+        (along, across), mass = accelerations(signals, "rack_displacement", "rack_y"), masses.rack
     else:
-        along, mass = masses.gain * acceleration(signals, "pinion_angle"), masses.pinion / masses.gain**2
-
-    def swings(accelerated: np.ndarray, mass: Any) -> Any:
-        frequency = np.sqrt(normal / (depth * mass))
-        lasts = np.maximum(durations(signals["time"]), 1 / frequency)
-        return np.max(np.abs(accelerated) * lasts / frequency, axis=-1)
-
-    return swings(along, mass) + swings(acceleration(signals, "rack_y"), masses.rack)
+        turning, across = accelerations(signals, "pinion_angle", "rack_y")
+        along, mass = masses.gain * turning, masses.pinion / masses.gain**2
+    whole, stands = 0.0, durations(signals["time"])
+    for accelerated, each in ((along, mass), (across, masses.rack)):
+        frequency = np.sqrt(normal / (depth * each))
+        lasts = np.maximum(stands, 1 / frequency)
+        whole = whole + np.max(np.abs(accelerated) * lasts / frequency, axis=-1)
+    return whole

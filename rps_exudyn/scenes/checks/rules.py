@@ -23,7 +23,7 @@ from rps_exudyn.gears.geometry_limits import largest_lift
 from rps_exudyn.gears.pitch_errors import rack_errors
 from rps_exudyn.gears.tooth_stiffness import BEARABLE_PRESSURE
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.friction_law import RUBBING_PARTS
+from rps_exudyn.parameters.friction_law import largest_surplus
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark, Status
 from rps_exudyn.results.quantities import SIGNALS
@@ -166,15 +166,9 @@ def refused(gear: SteeringGear, fidelity: Fidelity, *, motion: Motion) -> list[s
     return [breach.sentence for breach in breaches_of_plan(gear, fidelity, motion=motion)]
 
 
-def remarks_on_bars(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Remark]:
-    """Yield remarks on what the error bars of a plan do not show."""
-    for breach in breaches(SHORT_BARS, RuleInput(gear, fidelity)):
-        yield Remark(breach.rule.code, breach.sentence)
-
-
-def remarks(gear: SteeringGear, signals: Signals) -> Iterator[Remark]:
-    """Yield remarks on the record of a run that is all right: which limits of the gear it met."""
-    for breach in breaches(REMARKS, RuleInput(gear, signals=signals)) if signals else ():
+def remarks(rules: Iterable[Rule], given: RuleInput) -> Iterator[Remark]:
+    """Yield what breaks each of the rules as a remark."""
+    for breach in breaches(rules, given):
         yield Remark(breach.rule.code, breach.sentence)
 
 
@@ -501,7 +495,7 @@ REMARKS = (
 SHORT_BARS = (
     _remark(
         Code.BARS_SHORT,
-        lambda given: max(getattr(given.gear, part).surplus for part in RUBBING_PARTS),
+        lambda given: largest_surplus(given.gear),
         lambda breach: (
             "friction is larger at rest, so that equilibria have more than one state: error bars may be too "
             "narrow"

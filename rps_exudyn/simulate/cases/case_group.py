@@ -46,11 +46,7 @@ class CaseGroup:
     goal: tuple[AccuracyGoal, float] | None = None
 
     def records(self) -> list[CaseRecord]:
-        """Return the record of each case.
-
-        Raises:
-            InputError: what they have in common is wrong.
-        """
+        """Return the record of each case."""
         results = map(self._single, self.settings.values()) if self.ranges is None else self._batch()
         return [
             CaseRecord.of(name, self.keep.of(result))
