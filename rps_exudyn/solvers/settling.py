@@ -85,6 +85,10 @@ def static_approach(load: float, law: Any, ideal: np.ndarray, pool: np.ndarray, 
     begun = np.array([0.0, offset - TYPICAL_APPROACH])
     while not np.isfinite(unbalanced(begun)).all() and offset - begun[1] > LEAST_APPROACH:
         begun[1] = (offset + begun[1]) / 2  # stiff teeth have no law so deep
+    for _ in range(MAX_STEPS):
+        if unbalanced(begun)[1] != -load:
+            break
+        begun[1] -= TYPICAL_APPROACH  # worn teeth do not touch yet
     x, y, rest = begun[:1].copy(), begun[1:].copy(), np.zeros(1)
     find_approach(law, np.array([load]), x, y, ideal, pool, balance.works, rest)
     if rest[0] <= CLOSE:
