@@ -39,6 +39,7 @@ from rps_exudyn.tooth_contact.spheres import SHALLOWEST, SIDES
 RACK_CHORDS = 5e-6  # of the bar's round surface, which ends the flanks [m]
 PIECES = 3  # of a generator at least: the sum over a polygon is Simpson's, 0.01 % off for 1 / sqrt(rho)
 STANDING_OUT = 0.5  # height of the faces over the rack, in mean depths
+MEAN_HEIGHT = 3 / 4  # of a curved surface over a triangle with corners on it, over that above the middle
 KEPT = 4  # meshes of surfaces, as many as files
 ROUNDING = 1e-8  # of corners in single precision at a rack's ends [m]: what is nearer to a plane lies in it
 ONE_POINT = 9  # digits of a metre, to which corners are one
@@ -115,9 +116,23 @@ def own_corners(gear: SteeringGear, chord_error: float) -> np.ndarray:
 
 
 def _flank_corners(pair: GearPair, form: FlankForm, chord_error: float) -> np.ndarray:
-    flanks = [Flank(pair, tooth, side, form) for tooth in range(pair.teeth) for side in SIDES]
-    patches = [flank_patch(flank, chord_error, PIECES) for flank in flanks]
-    return np.concatenate([patch.points[patch.faces] for patch in patches])
+    made = []
+    for tooth, side in product(range(pair.teeth), SIDES):
+        flank = Flank(pair, tooth, side, form)
+        patch = flank_patch(flank, chord_error, PIECES)
+        made.append(_balanced(flank, patch.points[patch.faces]))
+    return np.concatenate(made)
+
+
+def _balanced(flank: Flank, corners: np.ndarray) -> np.ndarray:
+    """Triangles (n, 3, 3) with corners on a flank, moved along its normals until as much of it lies within them
+    as outside: the loads of chords alone are too small by as much as the chords are too deep."""
+    middle = corners.mean(axis=1)
+    radius, Z = np.linalg.norm(middle[:, :2], axis=1), middle[:, 2]
+    psi = flank.generator(np.sqrt(np.maximum(radius**2 - flank.pair.base_radius**2, 0)), Z)
+    normal = flank.normal(psi)
+    height = np.einsum("ij,ij->i", flank.point(psi, Z) - middle, normal)
+    return corners + (MEAN_HEIGHT * height[:, None] * normal)[:, None]
 
 
 @lru_cache(maxsize=2 * KEPT)  # at two levels
