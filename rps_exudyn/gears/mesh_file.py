@@ -24,6 +24,7 @@ READERS = ("stl", "ply", "obj", "glb", "step", "stp")
 STEP_CHORD = 1e-4  # of curved faces [mm]
 SIZES = (2e-3, 60e-3)  # of a tip radius, and of a rack's pitch [m]
 UNITS = {"mm": 1e-3, "m": 1.0}
+SMOOTH = 0.9  # cosine between neighbours, less of which is an edge of the body
 ODD = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
 
 
@@ -72,6 +73,22 @@ class Surface:
         at = np.minimum(np.searchsorted(forward, backward, sorter=order), len(order) - 1)
         pairs = np.stack([np.arange(len(order)), order[at]], axis=1)
         return pairs[(forward[order[at]] == backward) & (pairs[:, 0] < pairs[:, 1])] // 3
+
+    @cached_property
+    def heights(self) -> np.ndarray:
+        """Mean heights of a smooth surface through the corners over each triangle, shape (m,); below 0 where it
+        is hollow.
+
+        A surface of curvature kappa along an edge of length l lies sum(kappa l^2) / 24 over the plane, and a
+        twelfth of the sum by which the far corners of the three neighbours lie under it.
+        """
+        over = np.concatenate([self.neighbours, self.neighbours[:, ::-1]])
+        over = over[np.einsum("ij,ij->i", *self.normals[over.T]) > SMOOTH]
+        below = np.einsum(
+            "ij,ikj->ik", self.normals[over[:, 0]], self.corners[over[:, 0], :1] - self.corners[over[:, 1]]
+        )
+        far = np.take_along_axis(below, np.abs(below).argmax(axis=1)[:, None], axis=1)[:, 0]
+        return np.bincount(over[:, 0], far, minlength=len(self.areas)) / 12
 
     @property
     def is_closed(self) -> bool:

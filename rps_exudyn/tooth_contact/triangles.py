@@ -22,7 +22,7 @@ from rps_exudyn.gears.flank_grid import FlankGrid, measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.generated_rack import GeneratedRack
 from rps_exudyn.gears.helicoid import Flank
-from rps_exudyn.gears.mesh_file import Surface
+from rps_exudyn.gears.mesh_file import SMOOTH, Surface
 from rps_exudyn.gears.mesh_frames import PinionPlacement, Placement, RackPlacement
 from rps_exudyn.gears.pinion_mesh import flank_patch
 from rps_exudyn.gears.pitch_errors import rack_errors
@@ -108,6 +108,25 @@ def own_meshes(gear: SteeringGear, chord_error: float) -> MeshData:
     if not len(pinion[0]) or not len(rack[0]):
         raise InputError(f"{next(iter(given))}.surface does not reach the other part's teeth.")
     return MeshData(*pinion, *rack)
+
+
+def facet_height(gear: SteeringGear) -> float:
+    """Return the mean height of smooth flanks over the facets of a gear's surfaces, summed over both [m]; 0 of
+    flanks by parameters, which lie about theirs.
+
+    Flanks of the pinion have normals that touch its base cylinder, those of the rack the normals of the pair.
+    """
+    pair, total = GearPair.of(gear), 0.0
+    for part, (surface, placement) in placed_surfaces(gear).items():
+        n, p = surface.normals @ placement.axes.T, placement.place(surface.corners.mean(axis=1))
+        if part == "pinion":
+            lever = np.abs(p[:, 0] * n[:, 1] - p[:, 1] * n[:, 0]) / (pair.base_radius * np.cos(pair.beta_b))
+            flanks = np.abs(lever - 1) < 1 - SMOOTH
+        else:
+            flanks = (n @ np.transpose([pair.rack_flank_normal(side) for side in SIDES]) > SMOOTH).any(axis=1)
+        weights = surface.areas * flanks
+        total += placement.scale * float(np.abs(surface.heights) @ weights) / float(weights.sum())
+    return total
 
 
 def own_corners(gear: SteeringGear, chord_error: float) -> np.ndarray:
@@ -221,7 +240,9 @@ def convex_faces(corners: np.ndarray) -> list[np.ndarray]:
     for plane in np.split(order, np.flatnonzero(np.diff(group[order])) + 1):
         if len(plane) < 2:
             continue
-        loop = _convex_outline(rounded.vertices[plane], corners[plane], surface.area_vectors[plane].sum(axis=0))
+        loop = _convex_outline(
+            rounded.vertices[plane], corners[plane], surface.area_vectors[plane].sum(axis=0)
+        )
         if loop is not None and len(loop) <= MOST_EDGES:
             by_corners[len(loop)].append(loop)
             left[plane] = False
