@@ -52,8 +52,8 @@ class Surface:
 
     @cached_property
     def vertices(self) -> np.ndarray:
-        """A number for each corner, the same where corners are one point, shape (m, 3): a hash of its bits, by
-        which six million are compared in a second."""
+        """A number for each corner, shape (m, 3), the same where corners are one point: a hash of its bits,
+        by which six million are compared in a second."""
         bits = (self.corners + 0.0).view(np.uint64)
         bits ^= bits >> np.uint64(29)
         vertex = (bits * ODD).sum(axis=2, dtype=np.uint64)
@@ -61,7 +61,7 @@ class Surface:
 
     @cached_property
     def _edges(self) -> tuple[np.ndarray, np.ndarray]:
-        """Keys of all edges in their triangle's sense, and of the same edges in the other one, (3 m,) each."""
+        """Keys of all edges in their triangle's sense, and of the same in the other one, (3 m,) each."""
         start, end = self.vertices, np.roll(self.vertices, -1, axis=1)
         return (start * ODD[0] + end * ODD[1]).ravel(), (end * ODD[0] + start * ODD[1]).ravel()
 
@@ -76,8 +76,8 @@ class Surface:
 
     @cached_property
     def heights(self) -> np.ndarray:
-        """Mean heights of a smooth surface through the corners over each triangle, shape (m,); below 0 where it
-        is hollow.
+        """Mean heights of a smooth surface through the corners over each triangle, shape (m,); below 0 where
+        it is hollow.
 
         A surface of curvature kappa along an edge of length l lies sum(kappa l^2) / 24 over the plane, and a
         twelfth of the sum by which the far corners of the three neighbours lie under it.

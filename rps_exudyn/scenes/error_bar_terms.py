@@ -62,9 +62,9 @@ formulas differ by 1.7 % at most, those of spheres by 0.3 %, of triangles by 0.1
 the reduced gear by 2.4 % from those of the dynamics. Formulas leave out what varies."""
 
 FACETS = 0.09
-"""Share of forces by which facets change means and ranges, at a mean height of the flanks over them of one mean
-depth of the teeth: 0.03 to 0.09 are found on pinions of five gears with chords of 0.3 to 10 um. The rack lifts by
-up to the height over sin(alpha_n), and turns by that over the pitch radius."""
+"""Share of forces by which facets change means and ranges, at a mean height of the flanks over them of one
+mean depth of the teeth: 0.03 to 0.09 are found on pinions of five gears with chords of 0.3 to 10 um. The rack
+lifts by up to the height over sin(alpha_n), and turns by that over the pitch radius."""
 
 MISSED_TORQUE = 1e-3  # whose work is none: a gear without friction takes none [N m]
 ROUNDING = 1e-9  # of the works of a gear that nothing moves [J]

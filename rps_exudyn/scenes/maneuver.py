@@ -260,8 +260,8 @@ def whole_periods(gear: SteeringGear, angle: float) -> int | None:
 
 
 def changes_along_travel(gear: SteeringGear) -> bool:
-    """Return whether a gear's rack is not the same from tooth to tooth: its bar is not straight, its teeth have
-    errors or come from a file, its ratio varies, or its back slopes."""
+    """Return whether a gear's rack is not the same from tooth to tooth: its bar is not straight, its teeth
+    have errors or come from a file, its ratio varies, or its back slopes."""
     rack = gear.rack
     listed = rack.bow or rack.pitch_errors or rack.back_parallelism or rack.surface
     return bool(listed) or not rack.ratio.is_constant or measured_flanks(gear).change_along_travel

@@ -111,8 +111,8 @@ def own_meshes(gear: SteeringGear, chord_error: float) -> MeshData:
 
 
 def facet_height(gear: SteeringGear) -> float:
-    """Return the mean height of smooth flanks over the facets of a gear's surfaces, summed over both [m]; 0 of
-    flanks by parameters, which lie about theirs.
+    """Return the mean height of smooth flanks over the facets of a gear's surfaces, the sum of both [m]; 0
+    of flanks by parameters, which lie about theirs.
 
     Flanks of the pinion have normals that touch its base cylinder, those of the rack the normals of the pair.
     """
@@ -144,8 +144,8 @@ def _flank_corners(pair: GearPair, form: FlankForm, chord_error: float) -> np.nd
 
 
 def _balanced(flank: Flank, corners: np.ndarray) -> np.ndarray:
-    """Triangles (n, 3, 3) with corners on a flank, moved along its normals until as much of it lies within them
-    as outside: the loads of chords alone are too small by as much as the chords are too deep."""
+    """Triangles (n, 3, 3) with corners on a flank, moved along its normals until as much of it lies within
+    them as outside: chords alone take off most where the flank is curved least."""
     middle = corners.mean(axis=1)
     radius, Z = np.linalg.norm(middle[:, :2], axis=1), middle[:, 2]
     psi = flank.generator(np.sqrt(np.maximum(radius**2 - flank.pair.base_radius**2, 0)), Z)
@@ -250,8 +250,8 @@ def convex_faces(corners: np.ndarray) -> list[np.ndarray]:
 
 
 def _convex_outline(vertices: np.ndarray, corners: np.ndarray, normal: np.ndarray) -> np.ndarray | None:
-    """Corners (c, 3) round triangles (n, 3, 3) with numbered vertices (n, 3) that share edges; None if they are
-    not one plane convex polygon."""
+    """Corners (c, 3) round triangles (n, 3, 3) with numbered vertices (n, 3) that share edges; None if they
+    are not one plane convex polygon."""
     edges = set(zip(vertices.ravel().tolist(), np.roll(vertices, -1, axis=1).ravel().tolist(), strict=True))
     after = {a: b for a, b in edges if (b, a) not in edges}
     loop = [next(iter(after))]
