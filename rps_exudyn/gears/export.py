@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import numpy as np
-import trimesh
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import replacing
@@ -69,6 +68,8 @@ def export_solids(
     Raises:
         InputError: no such part, or the file cannot be written.
     """
+    import trimesh  # loads in half a second, which pictures of a motion are spared
+
     solids = assembled(gear, chord_error=chord_error)
     if part is not None and part not in solids:
         raise InputError(f"{part} is no part of the gear; these are {', '.join(solids)}.")

@@ -24,6 +24,8 @@ READERS = ("stl", "ply", "obj", "glb", "step", "stp")
 STEP_CHORD = 1e-4  # of curved faces [mm]
 SIZES = (2e-3, 60e-3)  # of a tip radius, and of a rack's pitch [m]
 UNITS = {"mm": 1e-3, "m": 1.0}
+SMOOTH = 0.9  # cosine between neighbours, less of which is an edge of the body
+ODD = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,22 +51,50 @@ class Surface:
         return self.area_vectors / self.areas[:, None]
 
     @cached_property
-    def _edges(self) -> tuple[np.ndarray, np.ndarray]:
-        """Keys of all edges in their triangle's sense, and of the same edges in the other one, both sorted: a
-        hash of the end points' bits, by which six million are compared in a second."""
-        odd = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
+    def vertices(self) -> np.ndarray:
+        """A number for each corner, shape (m, 3), the same where corners are one point: a hash of its bits,
+        by which six million are compared in a second."""
         bits = (self.corners + 0.0).view(np.uint64)
         bits ^= bits >> np.uint64(29)
-        start = (bits * odd).sum(axis=2, dtype=np.uint64)
-        start ^= start >> np.uint64(31)
-        end = np.roll(start, -1, axis=1)
-        forward, backward = start * odd[0] + end * odd[1], end * odd[0] + start * odd[1]
-        return np.sort(forward, axis=None), np.sort(backward, axis=None)
+        vertex = (bits * ODD).sum(axis=2, dtype=np.uint64)
+        return np.asarray(vertex ^ vertex >> np.uint64(31))
+
+    @cached_property
+    def _edges(self) -> tuple[np.ndarray, np.ndarray]:
+        """Keys of all edges in their triangle's sense, and of the same in the other one, (3 m,) each."""
+        start, end = self.vertices, np.roll(self.vertices, -1, axis=1)
+        return (start * ODD[0] + end * ODD[1]).ravel(), (end * ODD[0] + start * ODD[1]).ravel()
+
+    @cached_property
+    def neighbours(self) -> np.ndarray:
+        """Numbers of two triangles that share an edge, shape (k, 2): each pair once."""
+        forward, backward = self._edges
+        order = np.argsort(forward)
+        at = np.minimum(np.searchsorted(forward, backward, sorter=order), len(order) - 1)
+        pairs = np.stack([np.arange(len(order)), order[at]], axis=1)
+        return pairs[(forward[order[at]] == backward) & (pairs[:, 0] < pairs[:, 1])] // 3
+
+    @cached_property
+    def heights(self) -> np.ndarray:
+        """Mean heights of a smooth surface through the corners over each triangle, shape (m,); below 0 where
+        it is hollow.
+
+        A surface of curvature kappa along an edge of length l lies sum(kappa l^2) / 24 over the plane, and a
+        twelfth of the sum by which the far corners of the three neighbours lie under it.
+        """
+        over = np.concatenate([self.neighbours, self.neighbours[:, ::-1]])
+        over = over[np.einsum("ij,ij->i", *self.normals[over.T]) > SMOOTH]
+        below = np.einsum(
+            "ij,ikj->ik", self.normals[over[:, 0]], self.corners[over[:, 0], :1] - self.corners[over[:, 1]]
+        )
+        far = np.take_along_axis(below, np.abs(below).argmax(axis=1)[:, None], axis=1)[:, 0]
+        return np.bincount(over[:, 0], far, minlength=len(self.areas)) / 12
 
     @property
     def is_closed(self) -> bool:
         """Whether each edge is passed in both senses."""
-        return np.array_equal(*self._edges)
+        forward, backward = self._edges
+        return np.array_equal(np.sort(forward), np.sort(backward))
 
     @property
     def volume(self) -> float:
@@ -81,8 +111,7 @@ class Surface:
         forward, backward = self._edges
         keys, counts = np.unique(forward, return_counts=True)
         twice = keys[counts == 2]
-        at = np.minimum(np.searchsorted(backward, twice), len(backward) - 1)
-        if mixed := np.count_nonzero(backward[at] != twice):
+        if mixed := np.count_nonzero(~np.isin(twice, backward)):
             raise InputError(
                 f"has mixed normals: {mixed} edges are passed in the same sense by both their triangles"
             )

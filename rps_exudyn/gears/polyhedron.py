@@ -6,17 +6,12 @@ manifold3d's `Mesh64`: penetrations here are micrometres, and single precision i
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import manifold3d
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
 
-if TYPE_CHECKING:
-    import trimesh
-
-DIGITS = 9  # of a metre, to which corners are one vertex
 LEAST_HEIGHT = 1e-12  # of a face [m], else a sliver: rounding is 1e-18, so that other normals keep six digits
 
 
@@ -87,16 +82,6 @@ def defect(vertices: np.ndarray, faces: np.ndarray) -> str | None:
     if np.einsum("ij,ij->i", a, np.cross(b, c)).sum() <= 0:
         return "its faces point inwards"
     return None
-
-
-def indexed(corners: np.ndarray) -> "trimesh.Trimesh":
-    """Return triangles (m, 3, 3) [m] as a mesh whose neighbours share vertices."""
-    import trimesh
-
-    faces = np.arange(3 * len(corners)).reshape(-1, 3)
-    mesh = trimesh.Trimesh(corners.reshape(-1, 3), faces, process=False)
-    mesh.merge_vertices(digits_vertex=DIGITS)
-    return mesh
 
 
 def to_manifold(vertices: np.ndarray, faces: np.ndarray) -> manifold3d.Manifold:

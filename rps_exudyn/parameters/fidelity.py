@@ -86,7 +86,7 @@ class Fidelity(Table):
     profile_samples: int = choice(27, "general contact: spheres along the profile of a flank", ge=2, le=2000)
     axial_samples: int = choice(18, "general contact: rows of spheres along the face width", ge=2, le=2000)
     chord_error: Length = choice(
-        "0.03 um", "triangles: largest distance of the pinion's triangles from its flanks", gt=0, le=1e-5
+        "0.1 um", "triangles: largest distance of the pinion's triangles from its flanks", gt=0, le=1e-5
     )
     zone_ratio: Number = choice(
         0.001, "width of the friction zone over the smallest sliding speed of the teeth", gt=0, le=1

@@ -238,20 +238,21 @@ def whole_periods(gear: SteeringGear, angle: float) -> int | None:
     """Return how many periods of the gear an angle [rad] covers; None if not a whole number.
 
     Every tooth is alike, so that the curve repeats with the tooth pitch; errors that single out a tooth
-    or a direction of the pinion make it repeat with the turn. Along a bar that is not straight, whose
-    teeth have errors, whose ratio varies, or whose back slopes it does not.
+    or a direction of the pinion, or a surface from a file, make it repeat with the turn. It does not where
+    the rack changes along the travel.
     """
-    measured = measured_flanks(gear)
-    if (
-        not gear.rack.ratio.is_constant
-        or gear.rack.bow
-        or gear.rack.pitch_errors
-        or gear.rack.back_parallelism
-        or measured.change_along_travel
-    ):
+    if changes_along_travel(gear):
         return None
-    pinion, grid = gear.pinion, measured.pinion
-    alike = pinion.runout == 0 and pinion.pitch_error == 0 and not pinion.pitch_errors
+    pinion, grid = gear.pinion, measured_flanks(gear).pinion
+    alike = pinion.runout == 0 and pinion.pitch_error == 0 and not pinion.pitch_errors and not pinion.surface
     alike &= grid is None or not grid.is_of_each_tooth
     periods = angle / (2 * np.pi) * (gear.pinion.teeth if alike else 1)
     return round(periods) if periods > 0.5 and abs(periods - round(periods)) < 1e-9 * periods else None
+
+
+def changes_along_travel(gear: SteeringGear) -> bool:
+    """Return whether a gear's rack is not the same from tooth to tooth: its bar is not straight, its teeth
+    have errors or come from a file, its ratio varies, or its back slopes."""
+    rack = gear.rack
+    listed = rack.bow or rack.pitch_errors or rack.back_parallelism or rack.surface
+    return bool(listed) or not rack.ratio.is_constant or measured_flanks(gear).change_along_travel

@@ -20,6 +20,7 @@ from rps_exudyn.gears.trochoid import form_point
 from rps_exudyn.parameters.gear import SteeringGear
 
 DEEPEST = 1e-2  # depth beyond all depths that a tooth can have [m]
+ACCURACY = 1e-13  # of the depth [m]
 POINTS = 64  # midpoints along the path of contact: 1e-3 of the depth
 
 
@@ -38,14 +39,13 @@ def mean_depth(gear: SteeringGear) -> float:
 
     law = by_area if mesh.contact_law == "area" else by_line
 
-    def missing(depth: float) -> float:
-        return load - mean_load(pair, depth, law)
-
-    if missing(DEEPEST) > 0:
+    if load > mean_load(pair, DEEPEST, law):
         return DEEPEST
-    from scipy.optimize import brentq  # loads in a third of a second
-
-    return float(brentq(missing, 0.0, DEEPEST, xtol=1e-10))
+    low, high = 0.0, DEEPEST
+    while high - low > ACCURACY:
+        middle = (low + high) / 2
+        low, high = (low, middle) if mean_load(pair, middle, law) > load else (middle, high)
+    return high
 
 
 def mean_load(pair: GearPair, depth: float, law: Callable[[float, np.ndarray], np.ndarray]) -> float:

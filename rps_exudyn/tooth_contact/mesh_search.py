@@ -2,8 +2,8 @@
 
     data = mesh_data(corners, [polygons, ...])
 
-Triangles of the pinion and faces of the rack are put in order along a curve that keeps neighbours together.
-Each block of triangles lies within a sphere. The faces lie under a binary tree of boxes along the axes.
+Triangles of the pinion and faces of the rack are put in an order that keeps neighbours together. Each block
+of triangles lies within a sphere. The faces lie under a binary tree of boxes along the axes.
 No candidate is lost: a sphere and a box contain what they stand for.
 """
 
@@ -14,16 +14,36 @@ import numpy as np
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.tooth_contact.mesh_contact import BLOCK, LEAF, MOST_EDGES, MeshData
 
-BITS = 10  # of each coordinate along the curve
-
 
 def mesh_data(
     corners: np.ndarray, polygons: Sequence[np.ndarray], bends: Sequence[np.ndarray] | None = None
 ) -> MeshData:
-    """Return both meshes as the kernel takes them.
+    """Return both meshes as the kernel takes them; arguments as of `pinion_mesh_data`, `rack_mesh_data`.
+
+    Raises:
+        InputError: a face with more corners than the kernel takes.
+    """
+    return MeshData(*pinion_mesh_data(corners), *rack_mesh_data(polygons, bends))
+
+
+def pinion_mesh_data(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return triangles and balls of `MeshData`.
 
     Args:
         corners: of the pinion's triangles (n, 3, 3) [m], counter-clockwise seen from outside.
+    """
+    corners = corners[in_groups(corners.mean(axis=1), BLOCK)]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.concatenate([corners.reshape(-1, 9), normals], axis=1), _spheres(corners)
+
+
+def rack_mesh_data(
+    polygons: Sequence[np.ndarray], bends: Sequence[np.ndarray] | None = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return faces, edges and boxes of `MeshData`.
+
+    Args:
         polygons: the rack's faces, (m, c, 3) each of m polygons with c corners [m], plane, convex,
             counter-clockwise seen from outside.
         bends: s / Q of the faces, (m,) of each m [1/m]; 0 of plane flanks.
@@ -31,10 +51,6 @@ def mesh_data(
     Raises:
         InputError: a face with more corners than the kernel takes.
     """
-    corners = corners[along_curve(corners.mean(axis=1))]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    triangles = np.concatenate([corners.reshape(-1, 9), normals], axis=1)
     faces, edges, boxes = [np.zeros((0, 7))], [np.zeros((0, 4))], [np.zeros((0, 6))]
     for each, bend in zip(polygons, bends or [np.zeros(len(each)) for each in polygons], strict=True):
         count = each.shape[1]
@@ -51,24 +67,26 @@ def mesh_data(
         edges.append(np.concatenate([outwards, limit[..., None]], axis=2).reshape(-1, 4))
         boxes.append(np.concatenate([each.min(axis=1), each.max(axis=1)], axis=1))
     box = np.concatenate(boxes)
-    order = along_curve(box[:, :3] + box[:, 3:])
-    return MeshData(
-        triangles, _spheres(corners), np.concatenate(faces)[order], np.concatenate(edges), _tree(box[order])
-    )
+    order = in_groups(box[:, :3] + box[:, 3:], LEAF)
+    return np.concatenate(faces)[order], np.concatenate(edges), _tree(box[order])
 
 
-def along_curve(points: np.ndarray) -> np.ndarray:
-    """Return the order of points (n, 3) along a curve that keeps neighbours together.
+def in_groups(points: np.ndarray, size: int) -> np.ndarray:
+    """Return an order of points (n, 3) in which each run of `size` lies close together, each two runs, each
+    four: all points are halved across their longest side, then both halves, and so on.
 
-    G. M. Morton, A computer oriented geodetic data base, IBM 1966: bits of the coordinates, interleaved.
+    J. L. Bentley, Communications of the ACM 18 (1975) 509.
     """
-    size = np.ptp(points, axis=0).max() or 1.0
-    cells = ((points - points.min(axis=0)) / size * (2**BITS - 1)).astype(np.int64)
-    code = np.zeros(len(points), dtype=np.int64)
-    for bit in range(BITS):
-        for axis in range(3):
-            code |= (cells[:, axis] >> bit & 1) << 3 * bit + axis
-    return np.argsort(code, kind="stable")
+    groups = 1 << (-(-len(points) // size) - 1).bit_length()
+    filled = np.concatenate([points, np.full((groups * size - len(points), 3), np.inf)])
+    order = np.arange(len(filled))[None]
+    while order.shape[1] > size:
+        places = filled[order]
+        sides = np.where(np.isinf(places), -np.inf, places).max(axis=1) - places.min(axis=1)
+        across = np.take_along_axis(places, sides.argmax(axis=1)[:, None, None], axis=2)[..., 0]
+        halves = np.argpartition(across, order.shape[1] // 2, axis=1)
+        order = np.take_along_axis(order, halves, axis=1).reshape(-1, order.shape[1] // 2)
+    return order[order < len(points)]
 
 
 def _spheres(corners: np.ndarray) -> np.ndarray:

@@ -22,11 +22,10 @@ from rps_exudyn.gears.flank_grid import FlankGrid, measured_flanks
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.generated_rack import GeneratedRack
 from rps_exudyn.gears.helicoid import Flank
-from rps_exudyn.gears.mesh_file import Surface
+from rps_exudyn.gears.mesh_file import SMOOTH, Surface
 from rps_exudyn.gears.mesh_frames import PinionPlacement, Placement, RackPlacement
 from rps_exudyn.gears.pinion_mesh import flank_patch
 from rps_exudyn.gears.pitch_errors import rack_errors
-from rps_exudyn.gears.polyhedron import indexed
 from rps_exudyn.gears.rack_bar import RackBar, RackFlank
 from rps_exudyn.gears.surface_report import contradictions, placed_surfaces
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
@@ -34,12 +33,16 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.tooth_contact.mean_depth import mean_depth
 from rps_exudyn.tooth_contact.mesh_contact import MOST_EDGES, MeshData, pooled_meshes
-from rps_exudyn.tooth_contact.mesh_search import mesh_data
+from rps_exudyn.tooth_contact.mesh_search import pinion_mesh_data, rack_mesh_data
 from rps_exudyn.tooth_contact.spheres import SHALLOWEST, SIDES
 
 RACK_CHORDS = 5e-6  # of the bar's round surface, which ends the flanks [m]
 PIECES = 3  # of a generator at least: the sum over a polygon is Simpson's, 0.01 % off for 1 / sqrt(rho)
 STANDING_OUT = 0.5  # height of the faces over the rack, in mean depths
+MEAN_HEIGHT = 3 / 4  # of a curved surface over a triangle with corners on it, over that above the middle
+KEPT = 4  # meshes of surfaces, as many as files
+ROUNDING = 1e-8  # of corners in single precision at a rack's ends [m]: what is nearer to a plane lies in it
+ONE_POINT = 9  # digits of a metre, to which corners are one
 DEEPEST = 1 / 8  # of a module: what is deeper lies in another tooth
 
 
@@ -94,26 +97,67 @@ def own_meshes(gear: SteeringGear, chord_error: float) -> MeshData:
         elif isinstance(placement, RackPlacement):
             rack_tip = -(placement.reference_height + placement.addendum)
     if "pinion" in given:
-        corners = _turning(*given["pinion"], pair.bar_axis_height + rack_tip, pair.module)
+        pinion = _turning(*given["pinion"], pair.bar_axis_height + rack_tip, pair.module)
     else:
-        corners = own_corners(gear, chord_error)
-    bends = None
+        pinion = _cut(pair, FlankForm.of(gear), chord_error)
     if "rack" in given:
-        polygons = _met(*given["rack"], pinion_tip - pair.bar_axis_height + DEEPEST * pair.module)
+        rack = _met(*given["rack"], pinion_tip - pair.bar_axis_height + DEEPEST * pair.module)
     else:
         polygons = own_polygons(gear, chord_error)
-        bends = own_bends(gear, polygons)
-    if not len(corners) or not any(map(len, polygons)):
+        rack = rack_mesh_data(polygons, own_bends(gear, polygons))
+    if not len(pinion[0]) or not len(rack[0]):
         raise InputError(f"{next(iter(given))}.surface does not reach the other part's teeth.")
-    return mesh_data(corners, polygons, bends)
+    return MeshData(*pinion, *rack)
+
+
+def facet_height(gear: SteeringGear) -> float:
+    """Return the mean height of smooth flanks over the facets of a gear's surfaces, the sum of both [m]; 0
+    of flanks by parameters, which lie about theirs.
+
+    Flanks of the pinion have normals that touch its base cylinder, those of the rack the normals of the pair.
+    """
+    pair, total = GearPair.of(gear), 0.0
+    for part, (surface, placement) in placed_surfaces(gear).items():
+        n, p = surface.normals @ placement.axes.T, placement.place(surface.corners.mean(axis=1))
+        if part == "pinion":
+            lever = np.abs(p[:, 0] * n[:, 1] - p[:, 1] * n[:, 0]) / (pair.base_radius * np.cos(pair.beta_b))
+            flanks = np.abs(lever - 1) < 1 - SMOOTH
+        else:
+            flanks = (n @ np.transpose([pair.rack_flank_normal(side) for side in SIDES]) > SMOOTH).any(axis=1)
+        weights = surface.areas * flanks
+        total += placement.scale * float(np.abs(surface.heights) @ weights) / float(weights.sum())
+    return total
 
 
 def own_corners(gear: SteeringGear, chord_error: float) -> np.ndarray:
     """Return the triangles (n, 3, 3) [m] of all flanks of a pinion without runout, pinion frame."""
-    pair, form = GearPair.of(gear), FlankForm.of(gear)
-    flanks = [Flank(pair, tooth, side, form) for tooth in range(pair.teeth) for side in SIDES]
-    patches = [flank_patch(flank, chord_error, PIECES) for flank in flanks]
-    return np.concatenate([patch.points[patch.faces] for patch in patches])
+    return _flank_corners(GearPair.of(gear), FlankForm.of(gear), chord_error)
+
+
+def _flank_corners(pair: GearPair, form: FlankForm, chord_error: float) -> np.ndarray:
+    made = []
+    for tooth, side in product(range(pair.teeth), SIDES):
+        flank = Flank(pair, tooth, side, form)
+        patch = flank_patch(flank, chord_error, PIECES)
+        made.append(_balanced(flank, patch.points[patch.faces]))
+    return np.concatenate(made)
+
+
+def _balanced(flank: Flank, corners: np.ndarray) -> np.ndarray:
+    """Triangles (n, 3, 3) with corners on a flank, moved along its normals until as much of it lies within
+    them as outside: chords alone take off most where the flank is curved least."""
+    middle = corners.mean(axis=1)
+    radius, Z = np.linalg.norm(middle[:, :2], axis=1), middle[:, 2]
+    psi = flank.generator(np.sqrt(np.maximum(radius**2 - flank.pair.base_radius**2, 0)), Z)
+    normal = flank.normal(psi)
+    height = np.einsum("ij,ij->i", flank.point(psi, Z) - middle, normal)
+    return corners + (MEAN_HEIGHT * height[:, None] * normal)[:, None]
+
+
+@lru_cache(maxsize=2 * KEPT)  # at two levels
+def _cut(pair: GearPair, form: FlankForm, chord_error: float) -> tuple[np.ndarray, ...]:
+    """The mesh of a pinion by its parameters, which the maneuvers of a run share."""
+    return pinion_mesh_data(_flank_corners(pair, form, chord_error))
 
 
 def own_polygons(gear: SteeringGear, chord_error: float) -> list[np.ndarray]:
@@ -161,47 +205,66 @@ def shortened(corners: np.ndarray, longest: float) -> np.ndarray:
     return np.concatenate(done)
 
 
-@lru_cache(maxsize=4)  # as many as surfaces that are kept
-def _turning(surface: Surface, placement: Placement, nearest: float, module: float) -> np.ndarray:
-    """Triangles of a pinion that can reach the tips of a rack, nearest to the axis [m]; short ones."""
+@lru_cache(maxsize=KEPT)
+def _turning(surface: Surface, placement: Placement, nearest: float, module: float) -> tuple[np.ndarray, ...]:
+    """The mesh of a pinion that can reach the tips of a rack, nearest to the axis [m]; of short triangles."""
     corners = placement.place(surface.corners)
     radii = np.linalg.norm(corners[..., :2], axis=2).max(axis=1)
-    return shortened(corners[radii > nearest - DEEPEST * module], module)
+    return pinion_mesh_data(shortened(corners[radii > nearest - DEEPEST * module], module))
 
 
-@lru_cache(maxsize=4)
-def _met(surface: Surface, placement: Placement, deepest: float) -> list[np.ndarray]:
-    """Faces of a rack that the tips of a pinion can reach, which are deepest at y [m]."""
+@lru_cache(maxsize=KEPT)
+def _met(surface: Surface, placement: Placement, deepest: float) -> tuple[np.ndarray, ...]:
+    """The mesh of a rack that the tips of a pinion can reach, which are deepest at y [m]."""
     corners = placement.place(surface.corners)
-    return convex_faces(corners[corners[..., 1].min(axis=1) < deepest])
+    return rack_mesh_data(convex_faces(corners[corners[..., 1].min(axis=1) < deepest]))
 
 
 def convex_faces(corners: np.ndarray) -> list[np.ndarray]:
     """Return triangles (n, 3, 3) [m] as convex polygons, (m, c, 3) each of m with c corners."""
-    mesh = indexed(corners)
-    faces, vertices, normals = (np.array(each) for each in (mesh.faces, mesh.vertices, mesh.face_normals))
-    by_corners, left = defaultdict(list), np.ones(len(faces), dtype=bool)
-    for facet in mesh.facets:
-        loop = _convex_outline(faces[facet], vertices, normals[facet].mean(axis=0))
+    surface = Surface(corners[Surface(corners).areas > 0])
+    corners, normals, areas = surface.corners, surface.normals, surface.areas
+    rounded = Surface(np.round(corners, ONE_POINT))
+    pairs = np.sort(rounded.neighbours, axis=1)
+    larger = areas[pairs].argmax(axis=1)[:, None]
+    large, small = (np.take_along_axis(pairs, each, axis=1)[:, 0] for each in (larger, 1 - larger))
+    above = np.einsum("ijk,ik->ij", corners[small] - corners[large, :1], normals[large])
+    pairs = pairs[np.abs(above).max(axis=1) < ROUNDING]
+    group = np.arange(len(corners))  # number of the first triangle of its plane
+    while len(pairs) and (group[pairs[:, 0]] != group[pairs[:, 1]]).any():
+        for one, other in (pairs.T, pairs.T[::-1]):
+            np.minimum.at(group, group[one], group[other])
+        group = group[group]
+    by_corners, left = defaultdict(list), np.ones(len(corners), dtype=bool)
+    order = np.argsort(group, kind="stable")
+    for plane in np.split(order, np.flatnonzero(np.diff(group[order])) + 1):
+        if len(plane) < 2:
+            continue
+        loop = _convex_outline(
+            rounded.vertices[plane], corners[plane], surface.area_vectors[plane].sum(axis=0)
+        )
         if loop is not None and len(loop) <= MOST_EDGES:
             by_corners[len(loop)].append(loop)
-            left[facet] = False
-    triangles = vertices[faces[left & (mesh.area_faces > 0)]]
-    return [np.array(each) for each in by_corners.values()] + [triangles]
+            left[plane] = False
+    return [np.array(each) for each in by_corners.values()] + [corners[left]]
 
 
-def _convex_outline(faces: np.ndarray, vertices: np.ndarray, normal: np.ndarray) -> np.ndarray | None:
-    """Corners (c, 3) round plane triangles that share edges; None if they are not one convex polygon."""
-    edges = {(int(a), int(b)) for face in faces for a, b in zip(face, np.roll(face, -1), strict=True)}
+def _convex_outline(vertices: np.ndarray, corners: np.ndarray, normal: np.ndarray) -> np.ndarray | None:
+    """Corners (c, 3) round triangles (n, 3, 3) with numbered vertices (n, 3) that share edges; None if they
+    are not one plane convex polygon."""
+    edges = set(zip(vertices.ravel().tolist(), np.roll(vertices, -1, axis=1).ravel().tolist(), strict=True))
     after = {a: b for a, b in edges if (b, a) not in edges}
     loop = [next(iter(after))]
     while (corner := after.get(loop[-1])) is not None and corner != loop[0] and len(loop) <= len(after):
         loop.append(corner)
-    corners = vertices[loop]
-    along = np.roll(corners, -1, axis=0) - corners
-    turns = np.cross(np.roll(along, 1, axis=0), along) @ normal
-    bends = turns > -1e-9 * np.abs(turns).max()  # rounding of corners on a straight edge
-    return corners if len(loop) == len(after) and bends.all() else None
+    place = dict(zip(vertices.ravel().tolist(), corners.reshape(-1, 3), strict=True))
+    points, normal = np.array([place[each] for each in loop]), normal / np.linalg.norm(normal)
+    if len(loop) != len(after) or np.ptp(corners.reshape(-1, 3) @ normal) > ROUNDING:
+        return None
+    along = np.roll(points, -1, axis=0) - points
+    before = np.roll(along, 1, axis=0)
+    turns = np.cross(before, along) @ normal
+    return points if (turns > -ROUNDING * np.linalg.norm(before + along, axis=1)).all() else None
 
 
 # --- flanks of the rack ----------------------------------------------------------------------------

@@ -262,3 +262,16 @@ def test_wear_is_no_part_of_a_racks_frame() -> None:
     placed = place_rack(Surface(worn @ rotation.T + shift), gear.rack.reference_height)
     assert np.linalg.norm(placed.origin - shift) < PLACE
     assert max(axis_error(placed, rotation, axis) for axis in range(3)) < ANGLE
+
+
+def test_heights_over_facets_are_those_of_spheres_and_cylinders() -> None:
+    """Volume between a sphere and its facets (2 %); two thirds of the sagitta of strips; hollow below 0."""
+    ball = trimesh.creation.icosphere(4, 0.01)
+    surface = Surface(np.asarray(ball.triangles))
+    between = 4 / 3 * np.pi * 0.01**3 - ball.volume
+    assert surface.heights @ surface.areas == pytest.approx(between, rel=0.02)
+    assert Surface(surface.corners[:, ::-1]).heights == pytest.approx(-surface.heights)
+    round_bar = Surface(np.asarray(trimesh.creation.cylinder(0.01, 0.05, sections=100).triangles))
+    on_mantle = np.abs(round_bar.normals[:, 2]) < 0.1
+    sagitta = 0.01 * (1 - np.cos(np.pi / 100))
+    assert round_bar.heights[on_mantle] == pytest.approx(2 / 3 * sagitta, rel=0.01)

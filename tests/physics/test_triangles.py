@@ -13,13 +13,16 @@ from flank_poses import POSES, difference, state
 from measured_grids import pinion_axes, rack_axes, write_grid
 from rps_exudyn.analysis.touched_triangles import POSES as POSES_SHOWN
 from rps_exudyn.analysis.touched_triangles import touched_triangles
+from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.helicoid import Flank
+from rps_exudyn.gears.mesh_file import Surface
 from rps_exudyn.pages.report.write_report import write_report
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.tooth_contact.mesh_contact import MOST_CORNERS, MeshData
-from rps_exudyn.tooth_contact.mesh_search import mesh_data
-from rps_exudyn.tooth_contact.triangles import convex_faces, own_corners, own_polygons
+from rps_exudyn.tooth_contact.mesh_search import in_groups, mesh_data
+from rps_exudyn.tooth_contact.triangles import convex_faces, facet_height, own_corners, own_polygons
 from rps_exudyn.tooth_contact.wrench import ELASTIC_ENERGY, FORCE, MOMENT
 from verification.contact_at import mesh_wrench
 from verification.faceted import FACETED, cut_rack, faceted_run, flanks, meshed, shaped
@@ -119,6 +122,54 @@ def test_wrench_does_not_depend_on_how_meshes_are_cut() -> None:
         mesh_data(corners, fans),
     ):
         assert difference(mesh_wrench(*at, meshes, **OF_GEAR), expected, GEAR) < 1e-9
+
+
+@pytest.mark.parametrize("size", [1, 4, 16])
+def test_groups_hold_all_points_and_lie_close_together(size: int) -> None:
+    """Boxes round groups of points at random in a square are as long as those of a grid of such groups."""
+    points = np.random.default_rng(1).uniform(size=(4096, 3)) * [1, 1, 0]
+    order = in_groups(points, size)
+    assert sorted(order) == list(range(4096))
+    extents = np.ptp(points[order].reshape(-1, size, 3), axis=1).max(axis=1)
+    assert extents.mean() < 1.5 * np.sqrt(size / 4096)
+
+
+def test_bent_flanks_are_no_plane_faces() -> None:
+    """Facets that bend by under a degree each, and by 10 um together, stay apart; flat ones are a face."""
+    z, height = np.meshgrid(np.linspace(-9e-3, 9e-3, 11), [0, 1e-3])
+    for crown, faces in ((0.0, 1), (1e-5, 10)):
+        points = np.stack([height, -crown * (z / 9e-3) ** 2, z], axis=-1)
+        found = convex_faces(triangles_of_grid(points))
+        assert sum(map(len, found)) == faces
+        assert sum(map(polygon_areas, found)) == pytest.approx(1.8e-5, rel=1e-3)
+
+
+def triangles_of_grid(points: np.ndarray) -> np.ndarray:
+    """Triangles (n, 3, 3) between rows of points."""
+    a, b, c, d = points[:-1, :-1], points[:-1, 1:], points[1:, 1:], points[1:, :-1]
+    return np.concatenate([np.stack(each, axis=2).reshape(-1, 3, 3) for each in ((a, b, c), (a, c, d))])
+
+
+def polygon_areas(polygons: np.ndarray) -> float:
+    """Sum of the areas of polygons (m, c, 3)."""
+    out = polygons - polygons[:, :1]
+    return float(np.linalg.norm(np.cross(out, np.roll(out, -1, axis=1)).sum(axis=1), axis=1).sum() / 2)
+
+
+@pytest.mark.parametrize("settings", [{}, {"pinion.crowning": 1e-5, "pinion.tip_relief": 5e-6}])
+def test_triangles_lie_about_their_flanks(settings: dict[str, float]) -> None:
+    """Means over the triangles, by Gauss' three points, of the distance from the flank as built: 2 % of the
+    chords' height. Of chords inside the flank it is up to two thirds."""
+    gear, chord = SteeringGear().replace(settings), 1e-6
+    flank = Flank(GearPair.of(gear), 0, 1, FlankForm.of(gear))
+    corners = own_corners(gear, chord)
+    corners = corners[: len(corners) // 6].reshape(2, -1, 3, 3)[1]  # tooth 0: both sides
+    places = np.einsum("pk,nkj->npj", (1 + 3 * np.eye(3)) / 6, corners).reshape(-1, 3)
+    q = np.sqrt(places[:, 0] ** 2 + places[:, 1] ** 2 - flank.pair.base_radius**2)
+    psi = flank.generator(q, places[:, 2])
+    off = np.einsum("ij,ij->i", places - flank.point(psi, places[:, 2]), flank.normal(psi))
+    assert np.abs(off).max() > 0.1 * chord
+    assert abs(off.reshape(-1, 3).mean(axis=1)).mean() < 0.02 * chord
 
 
 def test_single_precision_is_enough() -> None:
@@ -251,6 +302,46 @@ def test_gear_written_and_read_back_has_its_torque(settings: dict[str, Any], tmp
     )
     assert read["torque_mean"] == pytest.approx(own["torque_mean"], rel=3e-3)
     assert read["torque_peak_to_peak"] == pytest.approx(own["torque_peak_to_peak"], rel=0.03)
+
+
+def test_rack_from_a_file_is_followed_along_all_its_teeth(tmp_path: Path) -> None:
+    """A tooth worn by 10 um on its drive flank takes the rack back by up to as much in a turn about it."""
+    flanks = [each.copy() for each in own_polygons(GEAR, 1e-7)]
+    flanks[len(flanks) // 2 - 1] -= 1e-5 * PAIR.rack_flank_normal(-1)
+    fans = [
+        np.stack([each[:, [0] * (each.shape[1] - 2)], each[:, 1:-1], each[:, 2:]], axis=2) for each in flanks
+    ]
+    corners = np.concatenate([each.reshape(-1, 3, 3) for each in fans])
+    Surface(corners).check_normals()
+    mesh = trimesh.Trimesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3), process=False)
+    mesh.export(tmp_path / "rack.stl")
+    test = {"test.path": "one-way", "test.start_angle": -np.pi, "test.turns": 1.0, "mesh.law": "line"}
+    gear = SteeringGear().replace({**test, "rack.surface": str(tmp_path / "rack.stl")})
+    model = rps.Fidelity.preset("quasi-static").replace({"mesh": "triangles", "step_angle": "5 deg"})
+    worn, own = (
+        rps.run("free-pinion-torque", each, fidelity=model) for each in (gear, gear.replace(OWN_RACK))
+    )
+    assert "periods_alike" in own.findings
+    assert "periods_alike" not in worn.findings
+    error = "transmission_error_peak_to_peak"
+    assert 5e-6 < worn.summary[error] - own.summary[error] < 15e-6
+
+
+OWN_RACK = {"rack.surface": ""}
+
+
+@pytest.mark.parametrize("chord_error", [1e-6, 3e-6])
+def test_error_bars_hold_what_facets_change(chord_error: float, tmp_path: Path) -> None:
+    """Each metric of a pinion with coarse facets against that of the same pinion by parameters."""
+    gear = SteeringGear().replace({"mesh.law": "line", "test.turns": 1 / 6, "test.path": "one-way"})
+    rps.export(gear, tmp_path / "pinion.stl", part="pinion", chord_error=chord_error)
+    coarse = gear.replace({"pinion.surface": str(tmp_path / "pinion.stl")})
+    assert 0.2 * chord_error < facet_height(coarse) < 2 / 3 * chord_error
+    model = rps.Fidelity.preset("quasi-static").replace({"mesh": "triangles"})
+    fine, found = (rps.run("free-pinion-torque", each, fidelity=model) for each in (gear, coarse))
+    off = {name: abs(found.summary[name] - fine.summary[name]) for name in found.errors}
+    assert {name for name, each in off.items() if each > found.errors[name] + fine.errors[name]} == set()
+    assert off["torque_mean"] > 10 * fine.errors["torque_mean"] / 4  # far more than the levels show
 
 
 def test_triangles_that_touch_carry_the_recorded_forces(tmp_path: Path) -> None:

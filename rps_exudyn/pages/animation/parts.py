@@ -11,7 +11,7 @@ from manifold3d import Manifold
 
 from rps_exudyn.gears.basic_rack import arc_segments
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.polyhedron import Solid, cylinder, from_manifold, indexed, to_manifold
+from rps_exudyn.gears.polyhedron import Solid, cylinder, from_manifold, to_manifold
 from rps_exudyn.gears.solids import bush_segment_solid, gear_solids, plunger_ends
 from rps_exudyn.gears.surface_report import placed_surfaces
 from rps_exudyn.parameters.gear import SteeringGear
@@ -60,8 +60,9 @@ def picture_parts(gear: SteeringGear) -> list[PicturePart]:
     for name, (surface, placement) in placed_surfaces(gear).items():
         if len(surface.areas) <= MOST_DRAWN:
             place = GearPair.of(gear).eccentricity if name == "pinion" else np.zeros(3)
-            mesh = indexed(placement.place(surface.corners) + place)
-            meshes[name] = np.array(mesh.vertices), np.array(mesh.faces)
+            corners = placement.place(surface.corners) + place
+            _, first, number = np.unique(surface.vertices, return_index=True, return_inverse=True)
+            meshes[name] = corners.reshape(-1, 3)[first], number.reshape(-1, 3)
     bodies = [name for name in COLOURS if name != "bearings"]
     return [PicturePart(name, *with_normals(*meshes[name])) for name in bodies]
 
