@@ -83,16 +83,18 @@ def static_approach(load: float, law: Any, ideal: np.ndarray, pool: np.ndarray, 
         return np.asarray(balance.works[0]["out"][1:3] - np.array([0.0, load]))
 
     begun = np.array([0.0, offset - TYPICAL_APPROACH])
-    while not np.isfinite(unbalanced(begun)).all() and offset - begun[1] > LEAST_APPROACH:
-        begun[1] = (offset + begun[1]) / 2  # stiff teeth have no law so deep
     for _ in range(MAX_STEPS):
-        if unbalanced(begun)[1] != -load:
+        x, y, rest = begun[:1].copy(), begun[1:].copy(), np.zeros(1)
+        find_approach(law, np.array([load]), x, y, ideal, pool, balance.works, rest)
+        if rest[0] <= CLOSE:
+            return -float(y[0])
+        left = unbalanced(begun)
+        if left[1] == -load:
+            begun[1] -= TYPICAL_APPROACH  # worn teeth do not touch yet
+        elif np.isfinite(left).all() or offset - begun[1] <= LEAST_APPROACH:
             break
-        begun[1] -= TYPICAL_APPROACH  # worn teeth do not touch yet
-    x, y, rest = begun[:1].copy(), begun[1:].copy(), np.zeros(1)
-    find_approach(law, np.array([load]), x, y, ideal, pool, balance.works, rest)
-    if rest[0] <= CLOSE:
-        return -float(y[0])
+        else:
+            begun[1] = (offset + begun[1]) / 2  # stiff teeth have no law so deep
     place, residual = settled(unbalanced, begun, np.ones(2))
     if residual > 1e-3 * max(load, 1.0):
         raise InputError(
