@@ -4,7 +4,7 @@ Sources: "paper" (Kamble & Saha state it), "inferred" (follows from what the pap
 (usual practice; no source).
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, Self
 
@@ -22,6 +22,7 @@ from rps_exudyn.parameters.declaration import (
     Count,
     CourseAngles,
     CourseTravels,
+    Declared,
     Density,
     Expansion,
     Force,
@@ -50,7 +51,7 @@ from rps_exudyn.parameters.friction_law import FrictionLaw, LoadedFrictionLaw
 from rps_exudyn.parameters.named_file import FilePath
 from rps_exudyn.parameters.retired import read_choice
 from rps_exudyn.parameters.rig import Test
-from rps_exudyn.parameters.wrong_values import WrongValue, conflict
+from rps_exudyn.parameters.wrong_values import WrongValue, conflict, nearest_names
 
 LARGEST_FLOAT = 0.1  # of the face width: beyond, the float takes the teeth off each other's face
 MOST_POINTS_OF_COURSE = 60  # of the ratio, as the record of the contact has room for
@@ -641,6 +642,20 @@ def check_gear(gear: object) -> None:
     """
     example = 'a SteeringGear, for instance SteeringGear().replace({"yoke.preload": "400 N"})'
     check_kind("gear", gear, SteeringGear, example)
+
+
+def declared_number(path: str, usual: Sequence[str]) -> Declared:
+    """Return the declaration of a parameter that has a unit; `usual` paths are named beside a wrong one.
+
+    Raises:
+        InputError: no such parameter, or one that has no unit.
+    """
+    numbers = {item.path: item for item in SteeringGear.declared() if item.unit is not None}
+    if path in numbers:
+        return numbers[path]
+    if any(item.path == path for item in SteeringGear.declared()):
+        raise InputError(f"{path} is a whole number or a choice, which cannot vary by small steps.")
+    raise InputError(f"{path} is no number of a gear; {nearest_names(path, [*numbers], usual)}.")
 
 
 FLANK_DEVIATIONS = (

@@ -41,8 +41,8 @@ def by_reduced(
     steady = isinstance(drive, Steady) and not isinstance(drive, SetOff)
     if steady or drive.body == "rack" or maneuver.pulse is not None:
         raise InputError(
-            "fidelity.solver is reduced, which has a pinion or a wheel steered to and fro or setting off; "
-            "choose equilibrium or generalized-alpha."
+            "the fidelity reduced computes pinion or wheel where they are steered to and fro, or set off; "
+            "this maneuver does neither: choose quasi-static or flank."
         )
     start, gain = process_time(), GearPair.of(gear).least_gain
     largest = max(abs(maneuver.rack_load), gear.yoke.preload, 1.0)

@@ -34,8 +34,7 @@ from rps_exudyn.inference.uncertainty.samples import Samples
 from rps_exudyn.inference.uncertainty.statistics import Polynomials, legendre_terms
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import FOR_MEANS
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.parameters.wrong_values import nearest_names
+from rps_exudyn.parameters.gear import SteeringGear, declared_number
 from rps_exudyn.results.limit import Limit
 from rps_exudyn.results.requirements import limits_in, read_only
 from rps_exudyn.scenes.contact_law import LAW_OF_SERIES, resolve_contact_law
@@ -217,12 +216,7 @@ def _places(gear: SteeringGear, path: str, given: tuple[Any, Any] | None) -> np.
     Raises:
         InputError: no number of that path, or a range that cannot be.
     """
-    numbers = {item.path: item for item in SteeringGear.declared() if item.unit is not None}
-    if path not in numbers:
-        raise InputError(
-            f"{path} is no number of a gear; {nearest_names(path, [*numbers], ['yoke.preload'])}."
-        )
-    value, unit = float(gear.value_at(path)), numbers[path].unit
+    unit, value = declared_number(path, ["yoke.preload"]).unit, float(gear.value_at(path))
     assert unit is not None
     if given is None:
         if not value:

@@ -160,6 +160,8 @@ def carried(tables: Mapping[str, Any], settings: Mapping[str, Any]) -> JointInpu
     found: dict[str, Distribution] = {}
     problems: list[str] = []
     pairs = joint.read_pairs(tables.get(CORRELATION, {}), CORRELATION, problems)
+    fixed = {path for path, value in settings.items() if not is_distribution(value)}
+    pairs = {pair: each for pair, each in pairs.items() if not pair & fixed}  # one value varies with nothing
     samples = joint.read_posterior(tables.get(POSTERIOR, {}), problems)
     if unknown := samples.keys() - {item.path for item in SteeringGear.declared() if item.unit is not None}:
         problems.append(f"{POSTERIOR} has {', '.join(sorted(unknown))}, which is no parameter with a number.")

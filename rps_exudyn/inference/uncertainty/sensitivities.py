@@ -26,7 +26,7 @@ from xarray import Dataset
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear, check_gear
+from rps_exudyn.parameters.gear import SteeringGear, check_gear, declared_number
 from rps_exudyn.parameters.wrong_values import nearest_names
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY
@@ -144,12 +144,8 @@ def _paths(parameters: Sequence[str] | None) -> list[str]:
         return [
             each.path for each in NUMBERS if each.source != "choice" and each.path.partition(".")[0] in TABLES
         ]
-    numbers = [each.path for each in NUMBERS]
     for path in parameters:
-        if path not in numbers:
-            raise InputError(
-                f"{path} is no number of a gear; {nearest_names(path, numbers, dict.fromkeys(TABLES))}."
-            )
+        declared_number(path, [*TABLES])
     return list(parameters)
 
 
