@@ -45,15 +45,11 @@ def test_plan_beyond_a_limit_is_not_run_and_the_repaired_one_is_within(sentence:
 
 @pytest.mark.parametrize("helix", ["0 deg", "20 deg", "-40 deg"])
 def test_fewest_spheres_lie_two_and_a_half_strips_apart(helix: str) -> None:
-    """A strip reaches as far as the flank bends away from its tangent plane by the depth: the radius there is
-    that of a circle through three points of the flank."""
+    """A strip reaches as far as the flank leaves its tangent plane at the pitch point by the depth."""
     gear = SteeringGear().replace({"pinion.helix_angle": helix})
     pair = GearPair.of(gear)
-    flank, middle = Flank(pair, 0, 1), pair.reference_radius * np.sin(pair.alpha_t)
-    psi = flank.generator(middle + 1e-5 * np.array([-1, 0, 1]), 0.0)
-    first, middle, last = flank.point(psi, 0.0)
-    sagitta = abs(((first + last) / 2 - middle) @ flank.normal(psi[1]))
-    radius = np.sum((last - first) ** 2) / 8 / sagitta
+    flank, pitch_point = Flank(pair, 0, 1), pair.reference_radius * np.sin(pair.alpha_t)
+    radius = flank.area_element(flank.generator(pitch_point, 0.0), 0.0)
     strip, path = 2 * np.sqrt(2 * radius * mean_depth(gear)), np.ptp(pair.active_path)
     (breach,) = breaches_of_plan(gear, SPHERES.replace({"axial_samples": 18}), motion="steady")
     assert -breach.limit == np.ceil(path / strip / SPACING)
