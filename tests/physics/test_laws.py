@@ -72,12 +72,6 @@ def test_torque_is_linear(path: str, values: list[float]) -> None:
     assert high - low == pytest.approx(last - first, rel=0.02)
 
 
-def test_direction_changes_the_sign() -> None:
-    """1 %: the rack's ends are not alike, the bush is on one side only."""
-    forth, back = (turned({"test.direction": d}).summary["torque_mean"] for d in (1, -1))
-    assert forth == pytest.approx(-back, rel=0.01)
-
-
 def test_power_of_the_drive_is_what_friction_takes_and_springs_store() -> None:
     """At every instant: torque times rate = dissipated power + rate of the stored energy. The energy's rate
     is taken by differences over 0.1 degrees, which leaves 0.5 %."""
