@@ -1,6 +1,5 @@
 """The rack bar's mesh and its analytic flanks are one thing."""
 
-
 import numpy as np
 import pytest
 
