@@ -29,7 +29,7 @@ MODULES = {
     "truth": "truth.entries",                          "yoke_adjustment": "yoke_adjustment",
     "releases": "releases",                            "sensitivities": "sensitivities",
     "preload_window": "preload_window",                "optimised_series": "optimised_series",
-    "ratio_cost": "ratio_cost",
+    "ratio_cost": "ratio_cost",                        "mutations": "mutations",
 }  # fmt: skip
 PARTS = {
     "spheres_on_gears": "law_on_gears:SPHERES_ALONE",
