@@ -14,6 +14,7 @@ import subprocess
 import sys
 from collections import Counter
 from hashlib import sha256
+from operator import itemgetter
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -29,25 +30,27 @@ NO_PHYSICS = re.compile(r"[\"'#]|raise |len\(|progress|fraction|monotonic|proces
 PLACES = re.compile(r"(?<= )[-+*/<>](?= )|(?<=[(=\[ ])-(?=\w)|(?<![.\w])[1-4](?![.\w])")
 SWAPPED = dict(zip("+-*/<>1234", "-+/*><2345", strict=True))
 BEFORE = {"caught": 16, "of": 30, "source": "other lines of commit 5678199, nearest tests, 60 s each"}
-Mutation = dict[str, Any]
-"""Its `file` and `line`, and the line's text, `right` and `wrong`."""
+KEY = itemgetter("file", "right", "wrong", "tests")  # of what is not tried again
+Mutation = dict[str, Any]  # its file and line, and the line's text, right and wrong
 
 
-def run(folder: Path, drawn: dict[str, int] = DRAWN, limit: int = LIMIT) -> None:
+def run(folder: Path, drawn: dict[str, int] = DRAWN) -> None:
     """Try each mutation."""
-    known = begun(folder / DATA).get("mutations", [])
-    rows: list[Mutation] = []
+    known = {KEY(row): row["by"] for row in begun(folder / DATA).get("mutations", [])}
     with TemporaryDirectory() as place:
         tree = Path(place) / "tree"
         shutil.copytree(ROOT, tree, symlinks=True, ignore=shutil.ignore_patterns(".*"))
-        for each in (one for part, most in drawn.items() for one in draw(tree, part, most)):
-            tests = neighbours(tree, each["file"])
-            digest = sha256(b"".join((tree / test).read_bytes() for test in tests)).hexdigest()[:12]
-            same = {"file": each["file"], "right": each["right"], "wrong": each["wrong"], "tests": digest}
-            kept = [row["by"] for row in known if same.items() <= row.items()]
-            rows.append(each | same | {"by": kept[0] if kept else caught_by(tree, each, tests, limit)})
-            print(rows[-1], flush=True)
-            save_data(folder / DATA, {"seed": SEED, "before": BEFORE, "mutations": rows})
+        rows = [each for part, most in drawn.items() for each in draw(tree, part, most)]
+        tests = [neighbours(tree, row["file"]) for row in rows]
+        for row, names in zip(rows, tests, strict=True):
+            row["tests"] = sha256(b"".join((tree / name).read_bytes() for name in names)).hexdigest()[:12]
+            row["by"] = known.get(KEY(row))
+        for row, names in zip(rows, tests, strict=True):
+            if row["by"] is None:
+                row["by"] = caught_by(tree, row, names)
+                print(row, flush=True)
+            tried = [each for each in rows if each["by"] is not None]
+            save_data(folder / DATA, {"seed": SEED, "before": BEFORE, "mutations": tried})
 
 
 def draw(tree: Path, part: str, most: int) -> list[Mutation]:
@@ -65,11 +68,9 @@ def draw(tree: Path, part: str, most: int) -> list[Mutation]:
                     wrong = (" " + right)[: at.start()] + SWAPPED[at[0]] + (" " + right)[at.end() :]
                     key = sha256(f"{SEED} {name} {wrong}".encode()).hexdigest()
                     found[key] = {"file": name, "line": number, "right": right, "wrong": wrong.strip()}
-    files: Counter[str] = Counter()
-    chosen = []
-    for _, each in sorted(found.items()):
-        files[each["file"]] += 1
-        chosen += [each] * (files[each["file"]] <= PER_FILE)
+    ranked = [found[key] for key in sorted(found)]
+    files = [each["file"] for each in ranked]
+    chosen = [each for i, each in enumerate(ranked) if files[:i].count(each["file"]) < PER_FILE]
     return chosen[:most]
 
 
@@ -101,31 +102,30 @@ def _names_in(file: Path) -> Counter[str]:
     return names
 
 
-def caught_by(tree: Path, mutation: Mutation, tests: list[str], limit: int) -> str:
-    """Return the first test that fails with the mutation alone, within CPU time [s]; "" if none does."""
+def caught_by(tree: Path, mutation: Mutation, tests: list[str]) -> str:
+    """Return the first test that fails with the mutation alone, within `LIMIT`; "" if none does."""
     file = tree / mutation["file"]
     right = file.read_text(encoding="utf-8")
     lines = right.split("\n")
     lines[mutation["line"] - 1] = lines[mutation["line"] - 1].replace(mutation["right"], mutation["wrong"])
     file.write_text("\n".join(lines), encoding="utf-8")
-    first = _failed(tree, tests, limit)
+    first = _failed(tree, tests)
     file.write_text(right, encoding="utf-8")
-    return "" if first and _failed(tree, [first], limit) else first
+    return "" if first and _failed(tree, [first]) else first
 
 
-def _failed(tree: Path, tests: list[str], limit: int) -> str:
-    """Return the first test that fails within CPU time [s]; "" if there is none."""
-    options = ["-n", "0", "-x", "-q", "-p", "no:cacheprovider", "--timeout", "600"]
+def _failed(tree: Path, tests: list[str]) -> str:
+    """Return the first test that fails within `LIMIT`; "" if there is none."""
+    command = [sys.executable, "-m", "pytest", "-n", "0", "-x", "-q", "-p", "no:cacheprovider", *tests]
     given = {"PYTHONPATH": str(tree), "PYTHONDONTWRITEBYTECODE": "1", "OPENBLAS_NUM_THREADS": "1"}
 
     def confine() -> None:
-        resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
+        resource.setrlimit(resource.RLIMIT_CPU, (LIMIT, LIMIT))
         resource.setrlimit(resource.RLIMIT_AS, (8 << 30, 8 << 30))
 
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", *options, *tests], cwd=tree, env=os.environ | given,
-        capture_output=True, text=True, preexec_fn=confine,
-    )  # fmt: skip
+        command, cwd=tree, env=os.environ | given, capture_output=True, text=True, preexec_fn=confine
+    )
     names = re.findall(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", done.stdout, re.M)
     return [*names, "a module"][0] if done.returncode in (1, 2) else ""
 
@@ -143,8 +143,8 @@ def counts(folder: Path) -> str:
 
 COLUMNS: Columns = {
     "line": lambda row: f"{row['file'].partition('/')[2]}:{row['line']}",
-    "mutated": "`{wrong}`",
-    "caught by": lambda row: row["by"].partition("[")[0].removeprefix("tests/").replace("::", " ") or "-",
+    "caught by": lambda row: row["by"].partition(".py")[0].rpartition("/")[2] or "-",
+    "made wrong": lambda row: f"`{row['wrong']}`".replace("|", r"\|"),
 }
 TABLES = {"mutations": rows_table(DATA, "mutations", COLUMNS), "mutation_counts": counts}
-TOPIC = Topic("20 min", "testing", run, {"drawn": {"forces/bush.py": 1}}, TABLES)
+TOPIC = Topic("15 min", "testing", run, {"drawn": {"forces/bush.py": 1}}, TABLES)
