@@ -30,6 +30,7 @@ MODULES = {
     "releases": "releases",                            "sensitivities": "sensitivities",
     "preload_window": "preload_window",                "optimised_series": "optimised_series",
     "ratio_cost": "ratio_cost",                        "thresholds": "thresholds",
+    "mutations": "mutations",
 }  # fmt: skip
 PARTS = {
     "spheres_on_gears": "law_on_gears:SPHERES_ALONE",

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
-from scipy.special import roots_jacobi
+from scipy.special import beta, roots_jacobi
 
 from rps_exudyn.analysis.work_balance import integral_from_start
 from rps_exudyn.base import units
-from rps_exudyn.tooth_contact.flank_data import gauss_jacobi
+from rps_exudyn.tooth_contact.flank_data import eased, gauss_jacobi, jacobi_rules
 
 
 @pytest.mark.parametrize(
@@ -38,6 +38,14 @@ def test_rules_are_those_of_scipy(n: int, high: float, low: float) -> None:
     expected_x, expected_w = roots_jacobi(n, high, low)
     np.testing.assert_allclose(x, expected_x, atol=1e-14)
     np.testing.assert_allclose(w, expected_w, rtol=1e-13)
+
+
+@pytest.mark.parametrize("n", [1, 4, 9])
+def test_eased_weights_integrate_the_stiffness_of_a_load_that_ends(n: int) -> None:
+    """Euler's beta function of a load that vanishes with the power 3/2, its stiffness with 1/2."""
+    ends = (0, 0), (0.5, 0), (0, 0.5), (0.5, 0.5)  # powers at the low and the high end
+    for (x, w), factor, (low, high) in zip(jacobi_rules(n, 1.5), eased(n, 1.5, 0.5), ends, strict=True):
+        assert factor * np.sum(w * x**low * (1 - x) ** high) == pytest.approx(beta(1 + low, 1 + high))
 
 
 def test_integral_is_that_of_scipy_bit_for_bit() -> None:

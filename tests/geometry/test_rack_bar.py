@@ -1,12 +1,9 @@
 """The rack bar's mesh and its analytic flanks are one thing."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 
-from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.polyhedron import Solid, defect, from_manifold
+from rps_exudyn.gears.polyhedron import defect, from_manifold
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
 
@@ -60,11 +57,3 @@ def test_teeth_cover_travel_and_pinion(bar: RackBar) -> None:
     assert last >= SteeringGear().rack.travel / 2 + bar.pair.tip_radius
     assert bar.x_max == pytest.approx(0.35 + 0.03 + 0.07 + SteeringGear().bush.end_overhang)
     assert bar.x_max - bar.x_min == pytest.approx(0.65)
-
-
-def test_volume_converges_with_order_two() -> None:
-    """Successive differences fall by 4 when the step halves (chord error by 4); 10 % for rounded counts."""
-    bar = RackBar(dataclasses.replace(GearPair.of(SteeringGear())), -0.1, 0.1, 12)
-    volumes = [Solid(*from_manifold(bar.solid(4e-6 / 4**k)), 1.0).mass_properties.volume for k in range(4)]
-    differences = np.diff(volumes)
-    np.testing.assert_allclose(differences[:-1] / differences[1:], 4, rtol=0.1)

@@ -229,10 +229,6 @@ def test_bow_has_its_height_over_the_chord_of_the_toothed_part(shape: str) -> No
     assert not bow.straight
 
 
-def test_no_bow_is_straight() -> None:
-    assert BarBow.of(GEAR).straight
-
-
 def test_bow_in_modal_coordinates_bends_the_bar_as_the_bow_does() -> None:
     """With many modes the curved part of the bow comes back: bow minus modes is a rigid motion to 2 %."""
     gear = GEAR.replace({"rack.bow": "0.3 mm", "rack.bow_angle": "90 deg"})

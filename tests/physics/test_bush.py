@@ -26,6 +26,12 @@ def tip_compliance(tube: Tube) -> np.ndarray:
     return c
 
 
+def test_a_thin_tube_has_the_stiffness_of_its_section() -> None:
+    """E I / G J = 1 + nu of round sections; E A / G A_s = 4 (1 + nu) of thin tubes, half of which shears."""
+    ratio = 1 + GEAR.bush.poisson_ratio
+    assert (TUBE.bending / TUBE.torsion, TUBE.axial / TUBE.shear) == pytest.approx((ratio, 4 * ratio))
+
+
 def static_tip_deflection(chain: Chain, load: float) -> float:
     """Deflection along Y of the last segment at the end face under a load there, by Exudyn's SolveStatic."""
     SC = exu.SystemContainer()

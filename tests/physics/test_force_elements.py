@@ -319,6 +319,8 @@ def test_depth_and_wedge_factor_of_the_preload(form: str, clearance: str) -> Non
     soft = seat_under(gear, 1e-2 * gear.yoke.preload).wedge
     limit = {"round": 1.0, "gothic": np.sqrt(2)}[form]
     assert abs(soft - limit) < abs(pressed.wedge - limit)
+    whole = gear.replace({"yoke.seat_clearance": 0.0, "yoke.seat_form": "round"})
+    assert seat_under(whole, 0.0).wedge == pytest.approx(seat_under(whole).wedge)
 
 
 @pytest.mark.parametrize(

@@ -215,13 +215,6 @@ def test_modified_flanks_ask_for_the_same_torque_by_spheres_and_by_strips(form: 
     assert spheres["torque_mean"] == pytest.approx(strips["torque_mean"], rel=3e-3)
 
 
-def test_chain_and_condensed_bush_give_the_same_torque(pitch: Result, condensed_pitch: Result) -> None:
-    """The chain's static stiffness is condensed exactly; what is left out, its stretch and inertia, does
-    no work over a pitch."""
-    condensed = condensed_pitch.summary["torque_mean"]
-    assert pitch.summary["torque_mean"] == pytest.approx(condensed, rel=1e-3)
-
-
 def test_spheres_show_a_ripple_with_a_wide_bar(pitch: Result) -> None:
     """On the preset's grid the default gear's ripple is 23 % too large over a pitch; the mean is sure."""
     lines = rps.run("free-pinion-torque", pitch.gear, fidelity="quasi-static")

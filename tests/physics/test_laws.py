@@ -63,24 +63,13 @@ def test_preset_means_agree_with_the_closed_form() -> None:
     ("path", "values"), [("yoke.preload", [150, 300, 600]), ("mesh.friction", [0.05, 0.1, 0.15])]
 )
 def test_torque_is_linear(path: str, values: list[float]) -> None:
-    """Equal steps to 1 %: the middle value lies on the line through the outer ones."""
+    """Equal steps to 1 %, with the slope of the closed form to 2 %: friction across the rack, taken by its
+    guides, is no part of the formula."""
     low, middle, high = (turned({path: value}).summary["torque_mean"] for value in values)
     fraction = (values[1] - values[0]) / (values[2] - values[0])
     assert middle == pytest.approx(low + fraction * (high - low), rel=0.01)
-
-
-def test_slope_over_the_preload_is_the_closed_forms() -> None:
-    """2 %: friction across the rack, taken by its guides, is no part of the formula."""
-    preloads = (200.0, 400.0)
-    rise = np.diff([turned({"yoke.preload": p}).summary["torque_mean"] for p in preloads])[0]
-    expected = np.diff([free_torque(GEAR.replace({"yoke.preload": p})) for p in preloads])[0]
-    assert rise == pytest.approx(expected, rel=0.02)
-
-
-def test_direction_changes_the_sign() -> None:
-    """1 %: the rack's ends are not alike, the bush is on one side only."""
-    forth, back = (turned({"test.direction": d}).summary["torque_mean"] for d in (1, -1))
-    assert forth == pytest.approx(-back, rel=0.01)
+    first, last = (free_torque(GEAR.replace({path: value})) for value in (values[0], values[2]))
+    assert high - low == pytest.approx(last - first, rel=0.02)
 
 
 def test_power_of_the_drive_is_what_friction_takes_and_springs_store() -> None:
@@ -147,16 +136,6 @@ def test_dynamics_are_the_equilibria_when_slow() -> None:
         difference = np.interp(still["pinion_angle"], moving["pinion_angle"], moving["pinion_torque"])
         difference -= still["pinion_torque"]
         assert np.std(difference) < 8e-4 * still.summary["torque_mean"]
-
-
-def test_left_hand_is_the_mirror_image() -> None:
-    """Helix and tooth angles of the other hand mirror the gear about its middle plane. Mirrored states give
-    mirrored forces to 1e-9; equilibria are found to 1e-5 of the torque at each angle, 2e-7 of its mean."""
-    settings = {"pinion.helix_angle": -GEAR.pinion.helix_angle, "rack.tooth_angle": -GEAR.rack.tooth_angle}
-    right, left = turned({}), turned(settings)
-    assert left.summary["torque_mean"] == pytest.approx(right.summary["torque_mean"], rel=1e-6)
-    assert left["pinion_torque"] == pytest.approx(right["pinion_torque"], rel=3e-5)
-    assert left["rack_roll"] == pytest.approx(-right["rack_roll"], abs=1e-7)
 
 
 def test_yokenut_is_met_alike_by_statics_and_dynamics() -> None:

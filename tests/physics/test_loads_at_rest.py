@@ -100,15 +100,6 @@ def test_gear_that_is_tapped_knows_no_law_of_friction(name: str, request: pytest
     assert held.summary == pytest.approx(plain.summary)
 
 
-def test_clearance_shows_in_the_lift() -> None:
-    """50 um more clearance, 50 um more lift but for the spring's 2.5 N on the nut's 100 N/um."""
-    lifts = [
-        rps.run("rack-lift", GEAR.replace({"yoke.clearance": gap}), fidelity=RIGID).summary["rack_lift"]
-        for gap in ("50 um", "100 um")
-    ]
-    assert lifts[1] - lifts[0] == pytest.approx(50e-6, rel=0.02)
-
-
 def test_more_stations_of_the_seat_change_nothing(play: Result, monkeypatch: pytest.MonkeyPatch) -> None:
     """Depth is linear along the seat, so that two Gauss points are exact wherever a sloping bar touches."""
     monkeypatch.setattr("rps_exudyn.forces.yoke.LENGTH_POINTS", 6)

@@ -1,5 +1,7 @@
 """Rattle: metrics of made-up impacts, bands of acceleration, and a short shake of the default gear."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -97,6 +99,7 @@ def test_road_force_is_a_sine_or_its_positive_halves() -> None:
     np.testing.assert_allclose(whole.force(quarter), [3, 4, 0])
     np.testing.assert_allclose(whole.force(3 * quarter), [-3, -4, 0])
     np.testing.assert_allclose(halves.force(3 * quarter), 0, atol=1e-15)
+    np.testing.assert_allclose(replace(whole, phase=np.pi / 2).force(0.0), [3, 4, 0])
 
 
 @pytest.mark.quick

@@ -7,17 +7,25 @@ import numpy as np
 import pytest
 
 import rps_exudyn as rps
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Outcome, Status
+from rps_exudyn.scenes.checks.before_run import largest_angle
 from rps_exudyn.scenes.contact_law import resolve_contact_law
+from rps_exudyn.scenes.maneuver import Maneuver, swing_maneuver
 from rps_exudyn.scenes.reduced_table import table_of
 from rps_exudyn.scenes.run_maneuver import by_equilibrium
+from rps_exudyn.scenes.run_reduced import by_reduced
+from rps_exudyn.scenes.scene import WITHOUT_BARS, RunOptions
+from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.solvers.closed_form import free_torque, mean_state
 from rps_exudyn.solvers.reduced_gear import BeyondTable, ReducedGear, Tables, elements
 from rps_exudyn.solvers.reduced_motion import Push, RackEnd, ReducedMotion
 
 MODEL = Fidelity.preset("reduced")
 GEAR = resolve_contact_law(SteeringGear(), MODEL, "line")
+KEPT = {"stored_energy", "work_gear_friction", "work_column_damping"}
 TYRES = {"test.tyre_stiffness": "30 N/mm"}
 
 
@@ -34,6 +42,41 @@ def plain_gear(friction: float = 0.5, loads: int = 3) -> ReducedGear:
         5e-3, 25e-6, 1e-4, 0.0, angles, True, forces, ideal + friction, ideal - friction, np.zeros((5, 2)),
         np.ones((5, 1)) * -1e-8 * forces, np.ones(1), np.array([1000.0]),
     )  # fmt: skip
+
+
+def made_up(gear: SteeringGear, model: Fidelity, maneuver: Maneuver, options: RunOptions) -> SceneRun:
+    """Equilibria of a gear with a friction of 0.5 N m, a transmission error of 2 um and 10 N/um."""
+    pair, drive = GearPair.of(gear), maneuver.drive
+    angle, rate = np.array([[drive.place(t), drive.rate(t)] for t in maneuver.time[maneuver.lead :]]).T
+    signals = {
+        "pinion_angle": angle,
+        "pinion_torque": 0.5 * np.sign(rate) + pair.gain_at(angle) * maneuver.rack_load,
+        "rack_displacement": pair.travel_at(angle) + wave(angle) - 1e-7 * maneuver.rack_load,
+        "yokenut_force": np.zeros_like(angle),
+    }
+    return SceneRun(Outcome(Status.OK), signals)
+
+
+def wave(angle: np.ndarray) -> np.ndarray:
+    return 2e-6 * np.cos(GEAR.pinion.teeth * angle + 1)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("settings", [{}, {"pinion.runout": "20 um"}, {"rack.bow": "0.1 mm"}])
+def test_the_table_holds_its_equilibria(settings: dict[str, object]) -> None:
+    """In 48 cells a pitch, over a period of the gear, and over nearly all its travel if it has none."""
+    gear = GEAR.replace(settings)
+    table, most = table_of(made_up, gear, MODEL, 1000.0), largest_angle(gear)
+    ideal = GearPair.of(gear).gain * table.loads
+    assert table.error == pytest.approx(wave(table.angles)[:, None] - 1e-7 * table.loads, abs=1e-12)
+    for torque, friction in ((table.up, 0.5), (table.down, -0.5)):
+        assert torque == pytest.approx(friction + np.tile(ideal, (len(table.angles), 1)))
+    first, last = table.angles[[0, -1]]
+    spans = {0: 2 * np.pi / 6, 1: 2 * np.pi, 2: 2 * most}
+    whole = spans[("pinion.runout" in settings) + 2 * ("rack.bow" in settings)]
+    assert 0.95 * whole < last - first <= whole * (1 + 1e-9)
+    assert np.diff(table.angles) * 48 * 6 == pytest.approx(2 * np.pi, rel=0.01)
+    assert abs(first) <= most
 
 
 def test_the_table_has_the_mean_torques_of_the_closed_form(table: ReducedGear) -> None:
@@ -148,6 +191,17 @@ def test_friction_that_falls_with_speed_falls_in_the_reduced_gear(table: Reduced
     assert (at_rest / fast, half / fast) == pytest.approx((1.5, 1.25))
 
 
+@pytest.mark.quick
+def test_a_swing_under_a_load_balances() -> None:
+    """The load's work is -F x; what both put in is stored or lost."""
+    maneuver = swing_maneuver(GEAR, MODEL.step_angle).under(1000.0)
+    signals = by_reduced(made_up, GEAR, MODEL, maneuver, WITHOUT_BARS).signals
+    travel = signals["rack_displacement"] - signals["rack_displacement"][0]
+    assert signals["work_load"] == pytest.approx(-1000.0 * travel, abs=1e-9)
+    given = signals["work_drive"] + signals["work_load"]
+    assert given == pytest.approx(sum(signals[name] for name in KEPT & {*signals}), abs=1e-9)
+
+
 @pytest.mark.parametrize(("scene", "names"), [
     ("reversal", ("hysteresis_area", "torque_jump")),
     ("steering-feel", ("feel_area", "feel_running_torque", "on_centre_stiffness", "breakaway_torque")),
@@ -159,6 +213,9 @@ def test_scenes_agree_with_the_dynamics_within_both_bars(scene: str, names: tupl
         rps.run(scene, SteeringGear().replace(TYRES), fidelity=name) for name in ("reduced", "flank")
     )
     assert (reduced.status, flank.status) == ("ok", "ok")
+    given = reduced["work_drive"]
+    kept = sum(values for name, values in reduced.signals.items() if name in KEPT)
+    assert given == pytest.approx(kept, abs=1e-9 * np.abs(given).max())
     for name in names:
         apart = abs(reduced.summary[name] - flank.summary[name])
         assert apart <= reduced.errors[name] + flank.errors[name], name

@@ -19,7 +19,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.run import run
 from rps_exudyn.solvers.sphere_groups import standing_out
 from rps_exudyn.tooth_contact.flank_data import pack
-from rps_exudyn.tooth_contact.mean_depth import mean_depth, rack_approach
+from rps_exudyn.tooth_contact.mean_depth import axial_reach, contact_ends, mean_depth, rack_approach
 from rps_exudyn.tooth_contact.spheres import contact_data, sphere_radius, stiffness_per_area
 from rps_exudyn.tooth_contact.wrench import NORMAL_COAST, NORMAL_DRIVE, TORQUE
 from verification.contact_at import flank_contact, sampled_wrench
@@ -97,6 +97,23 @@ def test_mean_depth_carries_half_the_wedge_of_the_preload(settings: dict[str, An
     angles = 2 * np.pi / pair.teeth * (np.arange(16) + 0.5) / 16
     loads = np.mean([flank_contact(*pressed(gear, angle), data)[BOTH] for angle in angles], axis=0)
     np.testing.assert_allclose(loads, gear.yoke.preload / (2 * np.sin(pair.alpha_n)), rtol=0.02)
+
+
+def test_field_of_contact_ends_on_the_round_bar_pressed_in() -> None:
+    """Or at the pinion's end faces: points of the flanks' common normal, 0.1 mm below their place."""
+    pair, below = GearPair.of(SteeringGear()), 1e-4
+    e, y, k = pair.pinion_frame[:, 0], np.array([0.0, 1, 0]), pair.pinion_frame[:, 2]
+    q = np.linspace(*contact_ends(pair, below), 9)
+    along = q - pair.reference_radius * np.sin(pair.alpha_t)
+    for side in (-1, 1):
+        normal = np.outer(along, np.sin(pair.alpha_t) * y - side * np.cos(pair.alpha_t) * e)
+        for Z in axial_reach(pair, side, q, below):
+            _, height, across = (pair.reference_radius * y + normal + np.outer(Z, k)).T
+            radius = np.hypot(height - pair.bar_axis_height + below, across)
+            inside = np.abs(Z) < pair.face_width / 2
+            assert inside.any()
+            assert radius[inside] == pytest.approx(pair.bar_radius)
+            assert np.all(radius[~inside] <= pair.bar_radius)
 
 
 STIFFNESS = {"mesh.line_stiffness": "13.8 N/mm/um"}  # mean depth 2.5 um

@@ -12,7 +12,8 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes.checks.after_run import unsettled_share
-from rps_exudyn.scenes.maneuver import maneuvers_of_test, swing_maneuver
+from rps_exudyn.scenes.checks.before_run import largest_angle
+from rps_exudyn.scenes.maneuver import maneuvers_of_test, steady_maneuver, swing_maneuver
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.equilibrium import SETTLED, Start, equilibrium_path, starting_guess, steady_rates
 from rps_exudyn.solvers.gear_forces import gear_forces
@@ -54,6 +55,14 @@ def test_a_short_record_is_that_of_a_motion_that_began_far_back(gear: SteeringGe
     run = rps.run("free-pinion-torque", gear, fidelity=model)
     assert run.status is Status.OK, run.message
     assert run.summary["torque_mean"] == pytest.approx(far_back(gear, 20.4), rel=5e-3)
+
+
+@pytest.mark.parametrize(("first", "last"), [(0.3, 1.0), (1.0, 0.3), (-1.0, -0.3)])
+def test_a_beginning_may_go_back_as_far_as_there_are_teeth(first: float, last: float) -> None:
+    gear = SteeringGear()
+    maneuver = steady_maneuver(gear, "pinion", first, last, FIDELITY.step_angle)
+    earliest = maneuver.drive.place(-maneuver.approach.toothed)  # type: ignore[union-attr]
+    assert earliest * np.sign(last - first) == pytest.approx(-largest_angle(gear))
 
 
 @pytest.mark.parametrize("angle", [0.4, 0.48, 0.8])

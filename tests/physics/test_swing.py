@@ -10,7 +10,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.maneuver import swing_maneuver
-from rps_exudyn.scenes.scene import DEFAULT_OPTIONS
+from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, swept_revolutions
 from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.closed_form import free_torque
 from verification.stability import ScenePlan
@@ -27,6 +27,15 @@ def test_reversal_by_the_closed_form_jumps_by_both_free_torques() -> None:
     gear = SteeringGear()
     result = run_unchecked("reversal", gear, Fidelity.preset("closed-form"))
     assert result.summary["torque_jump"] == pytest.approx(2 * free_torque(gear), rel=1e-3)
+
+
+@pytest.mark.quick
+def test_revolutions_of_a_swing_are_those_of_its_record() -> None:
+    gear = SteeringGear().replace({"test.cycles": 2, "test.amplitude": "1.2 rad"})
+    maneuver = swing_maneuver(gear, STILL.step_angle)
+    recorded = maneuver.time[maneuver.time >= maneuver.record_start * (1 - 1e-6)]
+    angles = [float(maneuver.drive.place(time)) for time in recorded]
+    assert swept_revolutions(gear) == pytest.approx(np.abs(np.diff(angles)).sum() / (2 * np.pi), rel=2e-3)
 
 
 def test_bars_cover_a_gear_that_rolls_into_its_cycle() -> None:

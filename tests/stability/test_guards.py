@@ -1,14 +1,18 @@
 """Plans that would end in a wrong number are not run, or repaired on request; a repair is reported."""
 
+import numpy as np
 import pytest
 
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.scenes.checks.rules import breaches_of_plan
+from rps_exudyn.scenes.checks.rules import SPACING, breaches_of_plan
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.simulate.run import run, simulate
 from rps_exudyn.simulate.run_plan import run_with_fallback
+from rps_exudyn.tooth_contact.mean_depth import mean_depth
 from verification.law_area import by_law
 from verification.references import STRIPS
 
@@ -37,6 +41,18 @@ def test_plan_beyond_a_limit_is_not_run_and_the_repaired_one_is_within(sentence:
         for name, value in breach.repair.items()
     }
     assert not list(breaches_of_plan(gear, fidelity.replace(repairs), motion="steady"))
+
+
+@pytest.mark.parametrize("helix", ["0 deg", "20 deg", "-40 deg"])
+def test_fewest_spheres_lie_two_and_a_half_strips_apart(helix: str) -> None:
+    """A strip reaches as far as the flank leaves its tangent plane at the pitch point by the depth."""
+    gear = SteeringGear().replace({"pinion.helix_angle": helix})
+    pair = GearPair.of(gear)
+    flank, pitch_point = Flank(pair, 0, 1), pair.reference_radius * np.sin(pair.alpha_t)
+    radius = flank.area_element(flank.generator(pitch_point, 0.0), 0.0)
+    strip, path = 2 * np.sqrt(2 * radius * mean_depth(gear)), np.ptp(pair.active_path)
+    (breach,) = breaches_of_plan(gear, SPHERES.replace({"axial_samples": 18}), motion="steady")
+    assert -breach.limit == np.ceil(path / strip / SPACING)
 
 
 def test_bars_cover_a_wide_zone_of_friction_of_teeth_near_their_pitch_line() -> None:

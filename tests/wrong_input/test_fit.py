@@ -231,13 +231,6 @@ def test_run_reads_absolute_torques_as_a_fit_does(tmp_path: Path) -> None:
     assert (weighed.signals["pinion_torque"] > 0).all()
 
 
-def test_a_torque_ten_times_too_large_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(
-        InputError, match=r"has a mean torque of 6\.6 N m where the gear given would show 0\.6"
-    ):
-        fit([turned(tmp_path / "a.csv", 6.6, -6.6)])
-
-
 def test_values_in_a_wrong_unit_are_refused(tmp_path: Path) -> None:
     """N mm given as N m, N m as kN m, radians as turns: far from any gear like the expected one."""
     with pytest.raises(InputError) as refused:

@@ -220,7 +220,7 @@ def _is_chain(given: RuleInput) -> bool:
 def _least_profile_samples(gear: SteeringGear) -> int:
     """Return the least spheres along the path of contact: two are at most `SPACING` strips apart."""
     pair = GearPair.of(gear)
-    curvature_radius = float(pair.reference_radius * np.sin(pair.alpha_t) / np.cos(pair.beta_p) ** 2)
+    curvature_radius = float(pair.reference_radius * np.sin(pair.alpha_t) / np.cos(pair.beta_b))
     strip = 2 * np.sqrt(2 * curvature_radius * max(mean_depth(gear), 1e-9))
     path = abs(pair.active_path[1] - pair.active_path[0])
     return int(np.ceil(path / (SPACING * strip)))
