@@ -41,6 +41,7 @@ def export(gear: SteeringGear, path: str | Path, **options: Any) -> ExportedFmu 
 
     Examples:
         >>> rps.export(rps.SteeringGear(), "pinion.stl", part="pinion")
+        ()
         >>> rps.export(rps.SteeringGear(), "gear.fmu").errors["hysteresis_area"] < 0.01
         True
     """
