@@ -37,8 +37,8 @@ def export(
     check_gear(chosen, force)
     given = {"part": part, "load": load, "fmi": fmi}
     done = write(chosen, path, **{name: value for name, value in given.items() if value is not None})
-    if done is None:
-        present(Sheet(), [path], json=json)
+    if isinstance(done, tuple):
+        present(Sheet(text=[Text(each) for each in done], data=lambda: {"remarks": done}), [path], json=json)
         return DONE
     rows = [(name, f"{100 * error:+.2f} %") for name, error in done.errors.items()]
     binary = done.platform or "none, because no C compiler was found; importers compile the sources"

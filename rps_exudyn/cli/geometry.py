@@ -26,9 +26,11 @@ def geometry(
     chosen = gear.load()
     if out:
         check_writable(out, (*WRITERS, *PICTURES))
+    remarks: list[str] = []
     report, surfaces = geometry_report(chosen, force), list(compared(chosen))
     if out and out.suffix.lower() in WRITERS:
-        export(chosen, out)
+        done = export(chosen, out)
+        remarks += done if isinstance(done, tuple) else ()
     elif out:
         from rps_exudyn.pages.animation.geometry_figure import draw_geometry
 
@@ -49,7 +51,7 @@ def geometry(
         + ("closed: its mass counts." if surface.is_closed else "open: the drawing's mass counts.")
         for part, (surface, placement) in placed_surfaces(chosen).items()
     ]
-    text += [Text(line) for line in (*read, *(f"warning: {warning}" for warning in warnings))]
+    text += [Text(line) for line in (*read, *remarks, *(f"warning: {warning}" for warning in warnings))]
     data = {"surfaces": [asdict(each) | {"differs": each.differs} for each in surfaces]} if surfaces else {}
     present(
         Sheet(text=text, data=lambda: {**report.as_dict(), "warnings": warnings, **data}),

@@ -14,7 +14,7 @@ from rps_exudyn.parameters.gear import SteeringGear, check_gear, surfaces_of
 class Writer(NamedTuple):
     """What writes files of a suffix: a function (gear, path, options), and the names of its options."""
 
-    function: Callable[..., ExportedFmu | None]
+    function: Callable[..., ExportedFmu | tuple[str, ...]]
     options: tuple[str, ...]
 
 
@@ -23,7 +23,7 @@ WRITERS = {".stl": MESH, ".glb": MESH, ".step": MESH, ".fmu": Writer(export_fmu,
 """Suffix -> what writes such files."""
 
 
-def export(gear: SteeringGear, path: str | Path, **options: Any) -> ExportedFmu | None:
+def export(gear: SteeringGear, path: str | Path, **options: Any) -> ExportedFmu | tuple[str, ...]:
     """Write a gear as a file: its parts as .stl, .glb or .step, or an FMU of the reduced gear as .fmu.
 
     Args:
@@ -33,7 +33,7 @@ def export(gear: SteeringGear, path: str | Path, **options: Any) -> ExportedFmu 
             mesh [m]; of an FMU, `load` is the largest on the rack [N] and `fmi` the version, 3 or 2.
 
     Returns:
-        Of an FMU, its errors against `flank`.
+        Of an FMU, its errors against `flank`; of parts, sentences on what the file does not have.
 
     Raises:
         InputError: another suffix, an option that it does not have, a part that does not exist, a gear with
@@ -41,6 +41,7 @@ def export(gear: SteeringGear, path: str | Path, **options: Any) -> ExportedFmu 
 
     Examples:
         >>> rps.export(rps.SteeringGear(), "pinion.stl", part="pinion")
+        ()
         >>> rps.export(rps.SteeringGear(), "gear.fmu").errors["hysteresis_area"] < 0.01
         True
     """

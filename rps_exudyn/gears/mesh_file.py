@@ -21,7 +21,7 @@ from rps_exudyn.base.errors import InputError
 MOST_TRIANGLES = 2_000_000
 MOST_TIME = 60  # of the reading process [s of CPU time]
 READERS = ("stl", "ply", "obj", "glb", "step", "stp")
-STEP_CHORD = 1e-4  # of curved faces [mm]
+STEP_CHORD = 1e-3  # of curved faces [mm]; 1e-4 takes minutes on splines
 SIZES = (2e-3, 60e-3)  # of a tip radius, and of a rack's pitch [m]
 UNITS = {"mm": 1e-3, "m": 1.0}
 SMOOTH = 0.9  # cosine between neighbours, less of which is an edge of the body

@@ -127,8 +127,8 @@ def pinion_mesh(pair: GearPair, chord_error: float, form: FlankForm = PERFECT) -
     for m in range(z):
         behind, rising, falling = flanks[(m - 1) % z, 1], flanks[m, -1], flanks[m, 1]
         angle = 2 * np.pi * m / z - twist * Z
-        roots = numbers(_swept(root, angle, Z)).reshape(-1, len(Z))
-        tips = numbers(_swept(tip, angle, Z)).reshape(-1, len(Z))
+        roots = numbers(swept(root, angle, Z)).reshape(-1, len(Z))
+        tips = numbers(swept(tip, angle, Z)).reshape(-1, len(Z))
         rows += [[behind.form_edge, *roots, rising.form_edge], [rising.tip_edge, *tips, falling.tip_edge]]
         rim += [
             roots[:, [0, -1]],
@@ -195,7 +195,7 @@ def _distinct(numbers: np.ndarray) -> np.ndarray:
     return numbers[np.concatenate([[True], np.diff(numbers) != 0])]
 
 
-def _swept(profile: np.ndarray, angle: np.ndarray, Z: np.ndarray) -> np.ndarray:
+def swept(profile: np.ndarray, angle: np.ndarray, Z: np.ndarray) -> np.ndarray:
     """Transverse points (n, 2) turned by the angles at the positions Z, shape (n * len(Z), 3) [m]."""
     x, y = profile[:, :1], profile[:, 1:]
     c, s = np.cos(angle), np.sin(angle)

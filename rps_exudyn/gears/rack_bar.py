@@ -143,8 +143,8 @@ class RackBar:
         close = np.array([[teeth[-1, 0], outside], [first[0, 0], outside]])
         return np.concatenate([first, teeth, close])
 
-    def solid(self, chord_error: float) -> Manifold:
-        """The bar with its teeth, rack frame, chords within `chord_error` [m].
+    def check_teeth(self) -> None:
+        """Check that a body can be made.
 
         Raises:
             InputError: more teeth than can be modelled in seconds.
@@ -154,22 +154,40 @@ class RackBar:
                 f"rack.travel needs {len(self.teeth)} teeth on the rack; bodies are made of up to "
                 f"{MOST_TEETH}, for a travel of about {MOST_TEETH * self.pair.rack_pitch:.2g} m."
             )
+
+    def solid(self, chord_error: float) -> Manifold:
+        """The bar with its teeth, rack frame, chords within `chord_error` [m].
+
+        Raises:
+            InputError: more teeth than can be modelled in seconds.
+        """
+        self.check_teeth()
         pair = self.pair
         segments = arc_segments(pair.bar_radius, 2 * np.pi, chord_error)
         bar = cylinder(pair.bar_radius, np.array([self.x_min, 0, 0]), np.array([self.x_max, 0, 0]), segments)
         if pair.course is not None:
             return bar - self._generated(chord_error)
-        u, y, w = pair.cross_trace, np.array([0, -1.0, 0]), pair.trace
-        middle = np.column_stack([np.zeros(3), u, y])
+        return bar - prism(self.outline(chord_error), *self.sweep)
+
+    @property
+    def sweep(self) -> tuple[np.ndarray, np.ndarray]:
+        """Affine maps (3, 3) of (1, u, -Y) -> first and last place of the swept outline [m]."""
+        pair = self.pair
+        middle = np.column_stack([np.zeros(3), pair.cross_trace, [0, -1.0, 0]])
         # long enough for the bar's whole width at both ends of the slanted outline
         half = 1.2 * pair.bar_radius / np.cos(pair.beta_r) + self.toothed_ends[1] * abs(np.sin(pair.beta_r))
-        along = np.column_stack([half * w, np.zeros((3, 2))])
-        return bar - prism(self.outline(chord_error), middle - along, middle + along)
+        along = np.column_stack([half * pair.trace, np.zeros((3, 2))])
+        return middle - along, middle + along
+
+    @property
+    def half_width(self) -> float:
+        """|Z| to which a generated rack's sections reach, outside the bar's width at the roots [m]."""
+        return 1.02 * float(np.sqrt(max(self.pair.bar_radius**2 - self.root_height**2, 0.0)))
 
     def _generated(self, chord_error: float) -> Manifold:
         """Return what a pinion takes away along the course of its ratio: sections across the bar, lofted."""
         pair, rack, numbers = self.pair, GeneratedRack.of(self.pair), np.array(self.teeth)[:, None]
-        half = 1.02 * float(np.sqrt(max(pair.bar_radius**2 - self.root_height**2, 0.0)))
+        half = self.half_width
 
         def sections(across: int, on_flank: int, on_root: int) -> np.ndarray:
             Z = np.linspace(-half, half, across + 1)

@@ -67,29 +67,45 @@ def _rack(bar: RackBar, density: float, chord_error: float) -> Solid:
 
 
 def plunger_solid(gear: SteeringGear, chord_error: float = CHORD_ERROR) -> Solid:
-    """Round plunger with a cylindrical seat for the back of the bar; its density gives the declared mass.
+    """Plunger; its density gives the declared mass."""
+    return _weighing(gear.yoke.plunger_mass, *plunger_bars(gear), chord_error)
+
+
+def yokenut_solid(gear: SteeringGear, chord_error: float = CHORD_ERROR) -> Solid:
+    """Yokenut."""
+    return _drilled(STEEL, *yokenut_bars(gear), chord_error)
+
+
+def bush_segment_solid(gear: SteeringGear, chord_error: float = CHORD_ERROR) -> Solid:
+    """One of the equal hollow cylinders that the bush is divided into."""
+    return _drilled(gear.bush.density, *bush_segment_bars(gear), chord_error)
+
+
+def plunger_bars(gear: SteeringGear) -> tuple[RoundBar, tuple[RoundBar, ...]]:
+    """Round plunger, and the holes that are its cylindrical seat for the back of the bar.
 
     The seat spans +-seat_angle about +Y and seat_length along the rack; outside it the front is relieved.
     """
     yoke, bar, beyond = gear.yoke, gear.rack.bar_diameter / 2, gear.yoke.plunger_diameter
     seat = ("X", bar, -beyond, beyond)
-    reliefs = [("X", bar + SEAT_RELIEF, side * yoke.seat_length / 2, side * beyond) for side in (-1, 1)]
-    return _weighing(yoke.plunger_mass, ("Y", beyond / 2, *plunger_ends(gear)), (seat, *reliefs), chord_error)
+    low, high = sorted((yoke.seat_length / 2, beyond))
+    reliefs = [("X", bar + SEAT_RELIEF, *ends) for ends in ((-high, -low), (low, high))]
+    return ("Y", beyond / 2, *plunger_ends(gear)), (seat, *reliefs)
 
 
-def yokenut_solid(gear: SteeringGear, chord_error: float = CHORD_ERROR) -> Solid:
+def yokenut_bars(gear: SteeringGear) -> tuple[RoundBar, tuple[RoundBar, ...]]:
     """Disc behind the plunger, the yoke clearance away from it."""
     yoke = gear.yoke
     start = plunger_ends(gear)[1] + yoke.clearance
-    return _drilled(STEEL, ("Y", yoke.nut_diameter / 2, start, start + yoke.nut_thickness), (), chord_error)
+    return ("Y", yoke.nut_diameter / 2, start, start + yoke.nut_thickness), ()
 
 
-def bush_segment_solid(gear: SteeringGear, chord_error: float = CHORD_ERROR) -> Solid:
-    """One of the equal hollow cylinders that the bush is divided into."""
+def bush_segment_bars(gear: SteeringGear) -> tuple[RoundBar, tuple[RoundBar, ...]]:
+    """A segment of the bush, and its hole."""
     bush = gear.bush
     half = bush.length / bush.segments / 2
     hole = ("X", bush.inner_diameter / 2, -bush.length, bush.length)
-    return _drilled(bush.density, ("X", bush.outer_diameter / 2, -half, half), (hole,), chord_error)
+    return ("X", bush.outer_diameter / 2, -half, half), (hole,)
 
 
 @_kept

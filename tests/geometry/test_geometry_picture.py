@@ -1,5 +1,6 @@
 """The picture and the exported solids show the gear."""
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -66,11 +67,18 @@ def test_stl_holds_the_volume_of_all_parts_in_millimetres(tmp_path: Path) -> Non
     assert trimesh.load(tmp_path / "gear.stl").volume == pytest.approx(1e9 * volume, rel=1e-5)
 
 
-def test_step_holds_the_volume_of_a_part_in_millimetres(tmp_path: Path) -> None:
+def test_step_without_the_extra_holds_the_volume_of_a_part_in_millimetres(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A closed shell of plane faces: the divergence theorem over its loops, read from the text."""
     import re
 
-    export_solids(GEAR, tmp_path / "yokenut.step", part="yokenut")
+    import rps_exudyn.gears
+
+    monkeypatch.delattr(rps_exudyn.gears, "brep", raising=False)
+    monkeypatch.setitem(sys.modules, "rps_exudyn.gears.brep", None)
+    (remark,) = export_solids(GEAR, tmp_path / "yokenut.step", part="yokenut")
+    assert "rps-exudyn[cad]" in remark
     text = (tmp_path / "yokenut.step").read_text(encoding="ascii")
     points = {
         number: np.array(at.split(","), dtype=float)
