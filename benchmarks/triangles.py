@@ -89,7 +89,7 @@ def differences_table(folder: Path) -> str:
     gears = load_data(folder / DATA)["gears"]
     rows = []
     for name in SURFACES:
-        found = np.abs([row[name] for row in gears])
+        found = np.abs(np.array([row[name] for row in gears], dtype=float))  # None: failed
         ran = found[~np.isnan(found[:, 0])]
         spans = (f"{np.median(column):.2f}, {column.max():.2f}" for column in ran.T)
         rows.append((name, *spans, len(gears) - len(ran)))

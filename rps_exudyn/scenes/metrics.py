@@ -31,16 +31,13 @@ def metrics_of_motion(signals: Signals, gear: SteeringGear, rack_gain: Any = Non
 
 
 def _motion(signals: Signals, runs: list[Pass], gear: SteeringGear, rack_gain: Any) -> dict[str, float]:
-    first, gain = runs[0].signals, GearPair.of(gear).travel_rule if rack_gain is None else rack_gain
-    travel, turned = (
-        first[name][..., -1] - first[name][..., 0] for name in ("rack_displacement", "pinion_angle")
-    )
-    return {
-        "rack_gain": travel / turned * 2 * np.pi,
-        **describe_rack(signals, runs, gain),
-        **describe_losses(signals),
-        **describe_balance(signals),
-    }
+    gain = GearPair.of(gear).travel_rule if rack_gain is None else rack_gain
+    metrics: dict[str, Any] = {}
+    if runs:  # else the gear stays where it is
+        ends = (runs[0].signals[name] for name in ("rack_displacement", "pinion_angle"))
+        travel, turned = (each[..., -1] - each[..., 0] for each in ends)
+        metrics["rack_gain"] = travel / turned * 2 * np.pi
+    return metrics | describe_rack(signals, runs, gain) | describe_losses(signals) | describe_balance(signals)
 
 
 figures_of_motion, figures_of_turning = metrics_of_motion, metrics_of_turning

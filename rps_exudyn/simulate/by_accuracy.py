@@ -199,7 +199,8 @@ class _Climb:
                 return True
             self._take(rung, self._why_no_further(levels, level, name, shares))
             level += 1
-        return self._limit is not None and self._limit.remaining < levels.seconds_above(level - 1)
+        longest = max(levels.seconds.values(), default=0.0)  # another preset takes no less
+        return self._limit is not None and self._limit.remaining < longest
 
     def _take(self, rung: _Rung, left: str) -> None:
         if left:

@@ -79,7 +79,7 @@ def test_a_lost_companion_costs_a_level(monkeypatch: pytest.MonkeyPatch) -> None
 
 def test_the_next_preset_serves_where_one_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     made = noted(monkeypatch, failing(("equilibrium", 1)))
-    result = rps.run(SCENE, GEAR, accuracy="1%")
+    result = climb(SCENE, GEAR, AccuracyGoal.of("1%"), TimeLimit(600.0))
     assert made == [("equilibrium", 1), ("generalized-alpha", 1), ("generalized-alpha", 0)]
     assert result.fidelity["name"] == "flank"
     assert Code.PRESET_LEFT in result.codes

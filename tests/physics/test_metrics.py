@@ -11,8 +11,10 @@ from rps_exudyn.analysis.passes import passes
 from rps_exudyn.analysis.rack_motion import describe_rack
 from rps_exudyn.analysis.torque import describe_directions, describe_on_centre, describe_torque
 from rps_exudyn.analysis.work_balance import describe_balance, describe_losses
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.rounding import rounded_range
+from rps_exudyn.scenes.metrics import metrics_of_motion
 from verification.orders import loss_torques, order_spectrum
 
 TURN = 2 * np.pi
@@ -91,6 +93,11 @@ def test_records_put_together_are_parted_where_one_ends() -> None:
 @pytest.mark.parametrize("angle", [np.zeros(0), np.zeros(4), np.array([0, np.nan, 1.0])])
 def test_pinion_that_never_moves_makes_no_pass(angle: np.ndarray) -> None:
     assert passes({"pinion_angle": angle}) == []
+
+
+def test_a_gear_that_stays_has_no_gain_and_no_transmission_error() -> None:
+    still = {"time": np.arange(5.0), "pinion_angle": np.ones(5), "rack_displacement": np.zeros(5)}
+    assert metrics_of_motion(still, SteeringGear()) == {}
 
 
 def test_directions_are_compared_over_common_angles_only() -> None:
