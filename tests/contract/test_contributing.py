@@ -1,6 +1,7 @@
 """CONTRIBUTING.md is true of the code: its answers, its layers, and its recipe of a scene."""
 
 import inspect
+import json
 import re
 import sys
 import tomllib
@@ -33,6 +34,12 @@ def test_page_is_short_and_its_layout_lists_every_folder() -> None:
     assert len(PAGE.split()) <= 1200
     folders = {init.parent.name for init in (ROOT / "rps_exudyn").glob("*/__init__.py")}
     assert set(re.findall(r"^ {6}(\w+)/ ", PAGE, re.M)) == folders
+
+
+def test_files_that_answer_a_strangers_questions_exist() -> None:
+    """Thirty questions, and the files guessed from the tree alone, 27 of them right."""
+    answers = json.loads((ROOT / "tests" / "contract" / "where_is.json").read_text(encoding="utf-8"))
+    assert [each for each in answers if not (ROOT / each["file"]).exists()] == []
 
 
 def test_files_of_the_recipes_exist() -> None:
