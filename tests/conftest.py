@@ -49,6 +49,7 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "wrong_input/test_optimisation.py",
     "contract/test_kernel_code.py",
     "contract/test_newton_step.py",
+    "geometry/test_brep.py",
     "geometry/test_geometry_picture.py",
     "geometry/test_mesh_frames.py",
     "geometry/test_pinion_mesh.py",

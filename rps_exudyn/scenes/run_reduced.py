@@ -41,7 +41,7 @@ def by_reduced(
     steady = isinstance(drive, Steady) and not isinstance(drive, SetOff)
     if steady or drive.body == "rack" or maneuver.pulse is not None:
         raise InputError(
-            "the fidelity reduced computes pinion or wheel where they are steered to and fro, or set off; "
+            "fidelity.solver is reduced, which computes pinion or wheel steered to and fro, or setting off; "
             "this maneuver does neither: choose quasi-static or flank."
         )
     start, gain = process_time(), GearPair.of(gear).least_gain
