@@ -104,7 +104,10 @@ def test_error_holds_the_one_sided_slopes_of_a_kink(found: Dataset) -> None:
             {"parameters": ["yoke.preloads"]},
             "yoke.preloads is no number of a gear; the nearest one is yoke.pre",
         ),
-        ({"parameters": ["pinion.teeth"]}, "pinion.teeth is a whole number or a choice, which cannot vary by small steps"),
+        (
+            {"parameters": ["pinion.teeth"]},
+            "pinion.teeth is a whole number or a choice, which cannot vary by small steps",
+        ),
     ],
 )
 def test_wrong_names_are_one_sentence(wanted: dict[str, list[str]], said: str) -> None:
