@@ -112,7 +112,7 @@ def law_of(
     `friction` is a coefficient, or the friction [N] of a part under a load of 1. A load exponent changes
     nothing under `usual_load` [N], which fixes the stiffness.
     """
-    facts = LAWS[part.friction_law]
+    facts = part.facts
     # without a state there are no elements: records of many gears then are sums over single parameters
     limit = friction * usual_load if facts.has_state else 0.0
     stiffness, share = _elements(patches.elements, limit, part.bristle_travel)

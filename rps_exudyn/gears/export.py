@@ -84,8 +84,6 @@ def export_solids(
     Raises:
         InputError: no such part, or the file cannot be written.
     """
-    import trimesh  # loads in half a second, which pictures of a motion are spared
-
     frames = places(gear)
     if part is not None and part not in frames:
         raise InputError(f"{part} is no part of the gear; these are {', '.join(frames)}.")
@@ -101,13 +99,14 @@ def export_solids(
             except NoTrueFacesError as error:
                 remarks.append(f"The faces are plane, one for each triangle: {error}.")
         solids = assembled(gear, chord_error=chord_error)
-        parts = {
-            name: trimesh.Trimesh(solids[name].vertices, solids[name].faces, process=False) for name in names
-        }
+        meshes = {name: (solids[name].vertices, solids[name].faces) for name in names}
         if suffix == ".step":
-            meshes = {name: (solids[name].vertices, solids[name].faces) for name in names}
             partial.write_text(step_text(part or "gear", meshes), encoding="ascii")
-        elif suffix == ".glb":
+            return tuple(remarks)
+        import trimesh  # loads in half a second, which pictures of a motion are spared
+
+        parts = {name: trimesh.Trimesh(*mesh, process=False) for name, mesh in meshes.items()}
+        if suffix == ".glb":
             partial.write_bytes(trimesh.Scene(parts).export(file_type="glb"))
         else:
             joined = trimesh.util.concatenate(list(parts.values()))

@@ -125,11 +125,8 @@ def geometry_report(gear: SteeringGear, force: bool = False) -> GeometryReport:
     bar = RackBar.of(gear)
     pair, toothed = bar.pair, bar.toothed_ends
     start, end = limits.path_on_involute(pair)
-    transverse, limit, single = (
-        limits.transverse_contact_ratio(pair),
-        undercut_limit(pair),
-        stiffness_of_pair(pair),
-    )
+    transverse, limit = limits.transverse_contact_ratio(pair), undercut_limit(pair)
+    single = stiffness_of_pair(pair)
     pitch_line = -pair.profile_shift * pair.module - pair.reference_height  # Y in the rack frame
     heights = np.array([pitch_line, bar.tip_height])
     face_width, tip_face_width = (2 * bar.flank(0, 1).half_chord(heights)).tolist()

@@ -72,18 +72,8 @@ GIVEN, NONE = "given", "none"  # limit of a constraint; no errors
 Read = TypeVar("Read")
 MOST_WHOLE = 1000  # whole numbers between the bounds of a variable
 TRIED = 64  # gears within the bounds, of which one must exist
-FOLLOWS = (
-    0.9,
-    1.1,
-    0.8,
-    1.25,
-    0.6,
-    1.6,
-    0.4,
-    2.5,
-    0.25,
-    4.0,
-)  # times its value: a kept parameter's, nearest first
+# times its given value: where a parameter that follows is sought, nearest first
+FOLLOWS = (0.9, 1.1, 0.8, 1.25, 0.6, 1.6, 0.4, 2.5, 0.25, 4.0)
 
 
 @dataclass(frozen=True)

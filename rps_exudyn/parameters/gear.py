@@ -650,12 +650,13 @@ def declared_number(path: str, usual: Sequence[str]) -> Declared:
     Raises:
         InputError: no such parameter, or one that has no unit.
     """
-    numbers = {item.path: item for item in SteeringGear.declared() if item.unit is not None}
-    if path in numbers:
-        return numbers[path]
-    if any(item.path == path for item in SteeringGear.declared()):
+    known = {item.path: item for item in SteeringGear.declared()}
+    if path not in known:
+        numbers = [name for name, item in known.items() if item.unit is not None]
+        raise InputError(f"{path} is no number of a gear; {nearest_names(path, numbers, usual)}.")
+    if known[path].unit is None:
         raise InputError(f"{path} is a whole number or a choice, which cannot vary by small steps.")
-    raise InputError(f"{path} is no number of a gear; {nearest_names(path, [*numbers], usual)}.")
+    return known[path]
 
 
 FLANK_DEVIATIONS = (

@@ -252,9 +252,8 @@ class _Series:
     count: int
     seed: int
     known: dict[Point, Numbers] = field(default_factory=dict)
-    causes: dict[float, str] = field(
-        default_factory=dict
-    )  # last value with a gear -> why there is none beyond
+    # last value of the parameter with a gear -> why there is none beyond
+    causes: dict[float, str] = field(default_factory=dict)
 
     @cached_property
     def quantiles(self) -> tuple[np.ndarray, np.ndarray]:
@@ -294,7 +293,7 @@ class _Series:
                 for numbers, values, bars in zip(found, *both, strict=True):
                     numbers[name] = values, np.nan_to_num(bars)
         names = [name for name in self.limits if name not in self.sources]
-        for gear, numbers in zip(gears, found, strict=True):
+        for gear, numbers in zip(gears, found, strict=True) if names else ():
             exact = dict.fromkeys(names, np.nan)
             if not _refusal(gear):
                 exact = numbers_without_runs(names, gear, self.limits, self.rated_torque)
